@@ -22,7 +22,7 @@ from origami_nlp.minima.stability import (
     shallow_words,
     verdict,
 )
-from origami_nlp.numerics import DUPLICATE_TOL, ROUNDED
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, ROUNDED
 from origami_nlp.pattern import Pattern, Scene, symmetries
 
 MOST_LINES = 30
@@ -130,7 +130,13 @@ def verdict_words(
         if completeness and completeness.status == "proved" and not minima and not search.undecided:
             # of what is bounded and closed one state has least energy
             count = "no stable state, as no state closes within all limits and contacts"
-        parts.append(f"not decided whether there is a stable state: {why}" if why else count)
+        if search.undecided and (near := _least_beside_flat(origami)) and not minima:
+            parts.append(
+                "not decided how many stable states there are: those of least energy have all fold angles within "
+                f"{near:.2g} rad of 0, where closure is the same to rounding"
+            )
+        else:
+            parts.append(f"not decided whether there is a stable state: {why}" if why else count)
     if n := known["unstable"]:
         verb = "is" if n == 1 else "are"
         its = "its" if n == 1 else "their"
@@ -145,6 +151,23 @@ def verdict_words(
         parts.append(f"{n} minim{'um' if n == 1 else 'a'}")
     notes = [*_assumed(origami, search), _complete(completeness, search)]
     return f"{'; '.join(parts)}{shallow_words(len(minima) - len(firm))} ({', '.join(notes)})"
+
+
+def _least_beside_flat(origami: Scene | Pattern) -> float:
+    """Return a bound of all fold angles [rad] of states of least energy where it is so small that closure says nothing.
+
+    0 where it is not.  The flat state closes, so that no state of least energy has more than its energy U, and none of
+    its springs is wound by more than sqrt(2 U / k).
+    """
+    flat = origami.is_flat if isinstance(origami, Pattern) else origami.vertex.flat
+    loaded = origami.laws or getattr(origami, "preload", ()) or getattr(origami, "loads", ())
+    low, high = origami.limit_angles
+    if not flat or loaded or (low > 0).any() or (high < 0).any():
+        return 0.0
+    rest = origami.rest if isinstance(origami, Pattern) else origami.rest_angles
+    k, rest = np.array(origami.stiffness), np.abs(rest)
+    bound = float((rest + np.sqrt((k * rest**2).sum() / k)).max())
+    return bound if bound <= BESIDE_SINGULAR else 0.0
 
 
 def _why_none(completeness: Completeness | None, search: SearchReport) -> str:

@@ -15,7 +15,7 @@
 | `HingeSets` | vertex | lowest of all that hinge about one line |
 | `RestState` | vertex | the rest angles, where they close |
 | `RigidStates` | vertex | isolated states of models without degrees of freedom |
-| `Given` | pattern | what the file states, mountains and valleys folded, rest angles |
+| `Given` | pattern | what the file states, mountains and valleys folded, rest angles, straight lines folded to wells |
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |

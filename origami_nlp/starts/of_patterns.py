@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import combinations, permutations, product
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.problem import FoldLimits
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
+
+MOST_LINES, MOST_FOLDED = 3, 250
+"""Straight lines that are folded at a time, and ways in which so many are."""
 
 
 class Given(Listed):
@@ -26,7 +29,7 @@ class Given(Listed):
     """
 
     name = "starts that the pattern gives"
-    sentence = "what the file states, mountains and valleys folded, rest angles"
+    sentence = "what the file states, mountains and valleys folded, rest angles, straight lines folded to wells"
 
     def __init__(self, pattern: Pattern) -> None:
         self.size = pattern.creases
@@ -43,6 +46,7 @@ class Given(Listed):
             yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
         if pattern.rest.any():
             yield from (0.3 * pattern.rest, pattern.rest)
+        yield from lines_at_wells(pattern)
 
 
 class Uniform(StartFamily):
@@ -305,6 +309,58 @@ def hinge_rests(pattern: Pattern) -> dict[int, np.ndarray]:
     limits = pattern.limit_angles.T
     rests = {i: law.rests(*limits[i]) for i, law in enumerate(pattern.laws) if law is not None}
     return {i: np.array(angles) for i, angles in rests.items() if len(angles) > 1}
+
+
+def straight_lines(pattern: Pattern) -> list[np.ndarray]:
+    """Return the creases of each straight line of flat paper, from border to border, which folds along it alone."""
+    onward: dict[tuple[int, int], int] = {}
+    for loop in pattern.vertices:
+        signs = np.array(loop.signs, float)[:, None]
+        away = signs * pattern.directions[list(loop.creases)]
+        for (i, a), (j, b) in permutations(zip(loop.creases, away, strict=True), 2):
+            if np.abs(a + b).max() <= RESOLVED:
+                onward[i, loop.vertex] = j
+    inner = {loop.vertex for loop in pattern.vertices}
+    lines = []
+    for first in range(pattern.creases):
+        line, ends = [first], list(pattern.ends[first].tolist())
+        for side in (0, 1):  # to the border, or to where it does not go on
+            at = first
+            while (at, ends[side]) in onward:
+                at = onward[at, ends[side]]
+                line.append(at)
+                ends[side] = int(pattern.ends[at].sum()) - ends[side]
+        if first == min(line) and not inner.intersection(ends):
+            lines.append(np.array(line))
+    return lines
+
+
+def lines_at_wells(pattern: Pattern) -> Iterator[np.ndarray]:
+    """Yield flat paper folded along straight lines that do not cross, the hinges of each in a well of their laws."""
+    rests = hinge_rests(pattern)
+    if not rests or not pattern.lies_flat:
+        return
+    on = dict[int, set[int]]()
+    for k, loop in enumerate(pattern.vertices):
+        for i in loop.creases:
+            on.setdefault(i, set()).add(k)
+    ways: list[tuple[set[int], np.ndarray, float]] = []
+    for line in straight_lines(pattern):
+        angles = np.concatenate([rests.get(i, np.zeros(0)) for i in line.tolist()])
+        angles = np.unique(np.round(angles[np.abs(angles) > RESOLVED], 6))
+        met = set[int]().union(*(on.get(i, set()) for i in line.tolist()))
+        ways += [(met, line, angle) for angle in angles.tolist()]
+    for many in range(1, MOST_LINES + 1):
+        if math.comb(len(ways), many) > MOST_FOLDED:
+            return
+        for some in combinations(ways, many):
+            lines = np.concatenate([line for _, line, _ in some])
+            crossings = [v for met, _, _ in some for v in met]
+            if len(set(lines.tolist())) == len(lines) and len(set(crossings)) == len(crossings):
+                start = np.zeros(pattern.creases)
+                for _, line, angle in some:
+                    start[line] = angle
+                yield start
 
 
 def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
