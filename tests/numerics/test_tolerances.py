@@ -61,6 +61,9 @@ BESIDE_THE_TABLE = {
     "what a formula is resolved to by its pieces": """
         pattern/hinge_types.AS_STATED
     """,
+    "steps along the imaginary axis, and what stands for 0": """
+        pattern/law_course.IMAGINARY pattern/law_course.TINY
+    """,
     "what is shown, or said in words": """
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
