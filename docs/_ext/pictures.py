@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -136,6 +137,8 @@ def own(name: str) -> None:
         stiffness, rest = (3.88, 9.16, 2.56, 1.53, 1.46), (-2.47, -0.74, 1.53, -1.78, 2.71)
         model = o.Model(o.Scene(vertex, stiffness, rest, "none", "fold-limits"))
         draw_proof(model, prove(model, record=True), pair=(0, 2)).savefig(path)
+    elif name == "space_stops":
+        o.draw(o.find_space(replace(o.examples.degree6("pi/3"), limits=(-1.2, 2.0))), path)
     else:
         family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
         vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
@@ -330,6 +333,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
             "degree6_5pi_12",
             "degree8_pi_12",
             "degree8_pi_4",
+            "stops",
         )
     },
     **{name: lambda name: reproduce(name, name) for name in ("figure3", "figure4")},
