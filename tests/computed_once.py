@@ -7,6 +7,7 @@ import dataclasses
 import functools
 import hashlib
 import inspect
+import math
 import pickle
 import re
 import time
@@ -23,6 +24,7 @@ from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
 from origami_nlp.problem import Model
+from origami_nlp.proof import prove_mesh, prove_strip
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -99,13 +101,19 @@ def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
     """Compute a proof of a pattern once per run for each, the same to the last bit, if its limit of time is far."""
 
     @functools.wraps(compute)
-    def ask(pattern: Pattern, *, until: float, **options: Any) -> T:
+    def ask(pattern: Pattern, *, until: float = math.inf, **options: Any) -> T:
         if until < time.monotonic() + FAR:
             return compute(pattern, until=until, **options)
-        name = f"{compute.__name__}-{_digest(pattern, options)}"
+        asked = inspect.signature(compute).bind(pattern, **options)
+        asked.apply_defaults()  # what is said and what goes without saying is one question
+        name = f"{compute.__name__}-{_digest(pattern, asked.kwargs | {'until': None})}"
         return once(name, lambda: compute(pattern, until=until, **options))
 
     return ask
+
+
+prove_strip, prove_mesh = by_pattern(prove_strip), by_pattern(prove_mesh)
+"""As tests of proofs and of their check ask, and searches: each sheet is proved once a run."""
 
 
 def by_states(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[JudgedState]]:

@@ -66,7 +66,7 @@ def _once_a_scene(_folder_of_the_run):
         patch.setattr(windings, "with_escapes", computed_once.by_minima(windings.with_escapes))
         proved = importlib.import_module("origami_nlp.pattern_states.proved")
         for name in ("prove_strip", "prove_mesh"):
-            patch.setattr(proved, name, computed_once.by_pattern(getattr(proved, name)))
+            patch.setattr(proved, name, getattr(computed_once, name))
         find = importlib.import_module("origami_nlp.pattern_states.find")
         patch.setattr(find, "with_escapes", computed_once.by_states(find.with_escapes))
         yield

@@ -17,6 +17,8 @@ BISECTIONS = 50
 """Halvings of the step between two cells: to rounding."""
 ROUGH = 12
 """Halvings after which a point is next to a line or not: to some 1e-5 rad."""
+TOGETHER, AHEAD = 16, 5
+"""Of at most so many steps so many halvings are evaluated at once: one call costs as much as some dozens of points."""
 
 
 def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
@@ -60,10 +62,22 @@ def last_allowed(chart: Chart, branch: int, inside: np.ndarray, beyond: np.ndarr
 def _bisected(
     chart: Chart, branch: int, inside: np.ndarray, beyond: np.ndarray, halvings: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    for _ in range(halvings):
-        middle = (inside + beyond) / 2
-        ok = allowed(chart, branch, *middle.T)[0][:, None]
-        inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)
+    ahead = AHEAD if len(inside) <= TOGETHER else 1
+    each = np.arange(len(inside))
+    while halvings > 0:
+        ahead = min(ahead, halvings)
+        # all midpoints that so many halvings can come to, in order along each step: [2^ahead + 1, k, 2]
+        points = np.stack([inside, beyond])
+        for _ in range(ahead):
+            points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, 0)
+        x, y = np.moveaxis(points[1:-1], -1, 0)
+        ok = allowed(chart, branch, x, y)[0]
+        low, high = 0 * each, 0 * each + len(points) - 1
+        for _ in range(ahead):
+            middle = (low + high) // 2
+            good = ok[middle - 1, each]
+            low, high = np.where(good, middle, low), np.where(good, high, middle)
+        inside, beyond, halvings = points[low, each], points[high, each], halvings - ahead
     return inside, beyond
 
 
@@ -96,6 +110,8 @@ def distance_from(points: np.ndarray, line: np.ndarray) -> np.ndarray:
     """Distance of each point [k, d] from a polyline [m, d], shape [k]."""
     a, d = line[:-1], np.diff(line, axis=0)
     size = np.maximum((d * d).sum(axis=1), NONZERO)
-    t = np.clip(((points[:, None] - a) * d).sum(axis=2) / size, 0.0, 1.0)
-    away = points[:, None] - (a + t[..., None] * d)
-    return np.asarray(np.sqrt((away * away).sum(axis=2)).min(axis=1))
+    # coordinate by coordinate: sums over a last axis of two take most of the time
+    each = [(p[:, None], start, step) for p, start, step in zip(points.T, a.T, d.T, strict=True)]
+    t = np.clip(sum((p - start) * step for p, start, step in each) / size, 0.0, 1.0)
+    square = sum((p - (start + t * step)) ** 2 for p, start, step in each)
+    return np.asarray(np.sqrt(np.min(square, axis=1)))

@@ -16,7 +16,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.display.drawing import crease_legend, draw_state, drawn_height
-from origami_nlp.display.pattern_drawing import draw_pattern_state
 from origami_nlp.display.stacked import MARGIN, StackedFigure
 from origami_nlp.display.text import label_text
 from origami_nlp.display.touches import contact_legend
@@ -159,6 +158,8 @@ class StatesDrawn:
         if isinstance(self.origami, Scene):
             draw_state(box, self.origami.vertex, self.fold_angles[k], crop=True)
             return
+        from origami_nlp.display.pattern_drawing import draw_pattern_state
+
         named = self.named if k + 1 == len(self.titles) else ()
         touches = self.contacts[k] if k < len(self.contacts) else ()
         draw_pattern_state(box, self.origami, self.fold_angles[k], named, touches)

@@ -15,7 +15,6 @@ from origami_nlp.display.style import IDLE, PUSHES, patch
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import PatternCrossings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,6 +65,8 @@ def contact_places(
         A corner on a facet, where two sides meet, or a corner of an overlap, [t, 3].  A side that lies on a facet from
         a corner of it on, and leaves it, touches up to its border: the middle of that stretch is returned.
     """
+    from origami_nlp.pattern_problem import PatternCrossings
+
     crossings = PatternCrossings(pattern)
     turn, shift = crossings.poses.motions(fold_angles)
 

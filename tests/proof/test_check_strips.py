@@ -16,13 +16,13 @@ from origami_nlp.pattern import make_pattern
 from origami_nlp.proof import (
     certificate_of_strip,
     check_proof,
-    prove_strip,
     read_certificate,
     strip_from_dict,
     strip_to_dict,
     write_certificate,
 )
 from origami_nlp.proof.strip_certificate import TouchingBox
+from tests.computed_once import prove_strip
 from tests.patterns import strip
 
 

@@ -1,5 +1,6 @@
 """All minima of meshes whose vertices fold flat: against closures, proofs and searches that know no closed form."""
 
+import functools
 import itertools
 import json
 import math
@@ -18,14 +19,13 @@ from origami_nlp.proof import (
     check_proof,
     mesh_from_dict,
     mesh_to_dict,
-    prove_mesh,
     read_certificate,
     why_no_mesh,
     write_certificate,
 )
 from origami_nlp.proof.mesh_states import as_folding_mesh
 from origami_nlp.proof.sheet_certificate import OpenInterval
-from tests.computed_once import thinned
+from tests.computed_once import prove_mesh, thinned
 from tests.independent.rigid import Rigid
 from tests.patterns import wheel
 
@@ -189,6 +189,7 @@ def test_random_springs_on_a_mesh():
         assert not found.refused and not found.open
 
 
+@functools.cache
 def good():
     pattern = sprung(o.examples.pattern("miura", 3, 3), 0)
     return certificate_of_mesh(pattern, prove_mesh(pattern))

@@ -15,8 +15,6 @@ from origami_nlp.pattern_states import judge
 from origami_nlp.proof import (
     certificate_of_strip,
     check_proof,
-    prove_mesh,
-    prove_strip,
     read_certificate,
     why_no_mesh,
     why_no_strip,
@@ -24,6 +22,7 @@ from origami_nlp.proof import (
 )
 from origami_nlp.proof.law_torques import LawPieces
 from origami_nlp.proof.strip_certificate import CertifiedStop
+from tests.computed_once import prove_mesh, prove_strip
 from tests.independent.strips import StripOfHinges
 from tests.patterns import strip
 

@@ -17,14 +17,13 @@ from origami_nlp.pattern_states import hold_against, judge
 from origami_nlp.proof import (
     certificate_of_strip,
     check_proof,
-    prove_strip,
     why_no_strip,
     why_no_strip_contact,
 )
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 from origami_nlp.proof.strip_energy import StripEnergy
 from origami_nlp.proof.strip_states import as_strip
-from tests.computed_once import thinned
+from tests.computed_once import prove_strip, thinned
 from tests.independent.rigid import Rigid
 from tests.independent.strips import Strip, StripInContact
 from tests.patterns import miura, strip, wheel
