@@ -27,6 +27,8 @@ MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
 UPPER, LOWER = "#f6ead2", "#c3d3dc"
 PIXELS = 560
 """Side of the painted picture."""
+RIM = 0.02
+"""Around the points on the border of a facet: more than its arcs leave their chords."""
 DASH, GAP = 0.085, 0.055
 """Of valley creases [of the unit radius]."""
 COARSE = 120
@@ -284,13 +286,20 @@ def _facet_depth(pose: Pose, f: int, x: np.ndarray, y: np.ndarray) -> np.ndarray
     depth = np.full((len(y), len(x)), -np.inf, dtype=np.float32)
     if abs(normal[2]) < 1e-3:
         return depth
-    dx, dy = (x - np.float32(at[0]))[None, :], (y - np.float32(at[1]))[:, None]
+    # only where the facet can be: around its border and its tip
+    rim = np.vstack([pose.arc(f)[:, :2], at[:2]])
+    (left, right), (bottom, top) = (
+        np.searchsorted(v, (rim[:, k].min() - RIM, rim[:, k].max() + RIM))
+        for k, v in ((0, x), (1, y))
+    )
+    dx = (x[left:right] - np.float32(at[0]))[None, :]
+    dy = (y[bottom:top] - np.float32(at[1]))[:, None]
     dz = -(normal[0] * dx + normal[1] * dy) / normal[2]
     # seen flat: the sector is where a turns to d and d turns to b the way the facet does
     side = math.copysign(1.0, normal[2])
     inside = (side * (a[0] * dy - a[1] * dx) >= 0) & (side * (dx * b[1] - dy * b[0]) >= 0)
     inside &= dx * dx + dy * dy + dz * dz <= 1.0
-    depth[inside] = dz[inside] + at[2]
+    depth[bottom:top, left:right][inside] = dz[inside] + at[2]
     return depth
 
 

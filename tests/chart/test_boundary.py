@@ -19,6 +19,7 @@ from origami_nlp.chart import (
     chart_limits,
     chart_of,
     distance_from,
+    grid,
     outline_of,
     trace_boundary,
 )
@@ -248,3 +249,25 @@ def test_outlines_without_full_contact(scene):
         around = corners[:, None] + 1e-9 * np.stack([turn.real, turn.imag], axis=-1)
         inside = allowed(chart, branch, around[..., 0], around[..., 1])[0]
         assert len(corners) > 100 and (inside.any(axis=1) & ~inside.all(axis=1)).all()
+
+
+def test_several_halvings_at_once_end_where_one_by_one_does():
+    """To the last bit, from every side of the admissible set."""
+    chart = chart_of(SCENES["pi/3"])
+    inside, beyond = grid.crossings_of(chart, 0, 20)
+    apart = np.flatnonzero((inside != beyond).any(axis=1))[:8]
+    inside, beyond = inside[apart], beyond[apart]
+    found = grid.last_allowed(chart, 0, inside, beyond)
+    for _ in range(grid.BISECTIONS):
+        middle = (inside + beyond) / 2
+        good = allowed(chart, 0, *middle.T)[0][:, None]
+        inside, beyond = np.where(good, middle, inside), np.where(good, beyond, middle)
+    assert len(found) == 8 and np.array_equal(found, inside)
+
+
+def test_distances_from_a_line_are_those_of_shapely():
+    rng = np.random.default_rng(0)
+    line, points = rng.normal(size=(30, 2)), rng.normal(size=(200, 2))
+    line[4] = line[3]  # a side of no length
+    away = shapely.distance(shapely.LineString(line), shapely.points(points))
+    assert np.abs(distance_from(points, line) - away).max() < 1e-14

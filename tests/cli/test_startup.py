@@ -67,7 +67,7 @@ def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
     _, modules = loaded(*words, "-o", picture)
     assert picture.exists()
-    assert modules == {"numpy", "scipy", "casadi", "rich.console", "matplotlib", "shapely"}
+    assert modules == {"numpy", "casadi", "rich.console", "matplotlib", "shapely"}
 
 
 @pytest.mark.parametrize(
