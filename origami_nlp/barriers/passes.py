@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -220,9 +220,15 @@ def slide(
 
 
 def both_sides(
-    model: Problem, pass_: Critical, minima: Sequence[np.ndarray]
+    model: Problem,
+    pass_: Critical,
+    minima: Sequence[np.ndarray],
+    go: Callable[[Problem, np.ndarray, Sequence[np.ndarray]], Descent | None] = slide,
 ) -> tuple[Descent, Descent] | None:
-    """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state."""
+    """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state.
+
+    `go` descends, as `slide`.
+    """
     if pass_.direction is None:
         return None
     sides = []
@@ -234,7 +240,7 @@ def both_sides(
             y = model.fold_limits.clip(y)
             lower = model.energy_change(pass_.x, y) < 0
             if residual <= CLOSURE_TOL and lower and not model.refuses(y):
-                down = slide(model, y, minima)
+                down = go(model, y, minima)
                 if down is not None:
                     sides.append(down)
                     break

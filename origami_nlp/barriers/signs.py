@@ -2,7 +2,8 @@
 
 Every admissible path between them passes a state in which that vertex is flat (`PopSigns`): its energy is bounded from
 below in closed form, and by the states that a search with that vertex flat has found.  A way down from such a state to
-both sides is a path, so that barriers are exact where both agree.
+both sides is a path, so that barriers are exact where both agree.  Further paths lead straight to such states and to
+other minima, over any height, and are made lower where they are highest.
 """
 
 from __future__ import annotations
@@ -17,19 +18,32 @@ import numpy as np
 from origami_nlp.barriers.passes import FOLLOWED, LISTED, OPPOSITE, SIGNED, STOPPED, Pass
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
+from origami_nlp.barriers.strings import lower_ways
 from origami_nlp.barriers.traced import EXPLICIT, pattern_passes
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
-from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import (
+    FlatVertex,
+    PatternTerrain,
+    flat_tops,
+    list_flat_vertices,
+    ways_between,
+    ways_down,
+)
 
-MINIMA, FLAT_STATES, WAYS_DOWN, ON_CURVES = (
+MINIMA, FLAT_STATES, WAYS_DOWN, BETWEEN, LOWERED, ON_CURVES = (
     "the search for minima",
     "states with a vertex flat",
     "ways down from states with a vertex flat",
+    "ways between minima",
+    "paths made lower",
     "passes along traced curves",
 )
 """Parts that the time may end."""
+SECONDS = 60.0
+"""For ways of each kind, of wall time."""
 
 
 def pattern_barriers(
@@ -100,16 +114,20 @@ def _with_signs(
     problem, minima = result.model, np.array([m.phi for m in result.minima])
     bounds = list_flat_vertices(result.pattern, True, problem.until, say)
     late = [*late, *[FLAT_STATES] * (time.monotonic() > problem.until)]
-    ways: list[PathDown] = []
-    say(WAYS_DOWN)
-    try:
-        for to, path in ways_down(problem, minima, bounds):
-            ways.append(PathDown(path, to))
-    except OutOfTime:
-        late.append(WAYS_DOWN)
-    whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
+    ways, cut = _ways(problem, minima, bounds, traced, say)
     scale = energy_scale(result.pattern.stiffness)
     level = level_of(np.array([m.energy for m in result.minima]), scale)
+    whole, many = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT), len(ways)
+
+    def lower() -> None:
+        floors = [_floor(p, result, bounds) for p in whole.passes]
+        terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+        for way in lower_ways(terrain, whole.passes, floors, level):
+            ways.append(way)
+
+    late += cut + _in_time(problem, LOWERED, say, lower)
+    if len(ways) > many:
+        whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
     before = {} if known is None else {(p.from_state, p.to_state): p for p in known.passes}
     passes = []
     for p in whole.passes:
@@ -121,12 +139,66 @@ def _with_signs(
     return replace(whole, passes=tuple(passes), flat_vertices=vertices, left_out=(*late,))
 
 
+def _ways(
+    problem: PatternProblem,
+    minima: np.ndarray,
+    bounds: Sequence[FlatVertex],
+    traced: TracedPasses | None,
+    say: Callable[[str], object],
+) -> tuple[list[PathDown], list[str]]:
+    """Go down from states with a vertex flat, and walk from minima to these and to each other; what the time ended."""
+    ways, many = list[PathDown](), len(minima)
+    tops = [top for top, _ in flat_tops(problem, bounds)]
+    joined = [] if traced is None else [(m.first[0], m.second[0]) for m in traced.tree.merges]
+
+    def down() -> None:
+        for to, path in ways_down(problem, minima, bounds):
+            joined.append((to, many + int(np.argmin([np.abs(path[0] - x).max() for x in tops]))))
+            ways.append(PathDown(path, to))
+
+    def between() -> None:
+        for start, to, path in ways_between(problem, minima, tops, joined):
+            ways.append(PathDown(path, to, start))
+
+    late = _in_time(problem, WAYS_DOWN, say, down)
+    return ways, late + _in_time(problem, BETWEEN, say, between)
+
+
+def _in_time(
+    problem: PatternProblem,
+    part: str,
+    say: Callable[[str], object],
+    work: Callable[[], object],
+) -> list[str]:
+    """Do a part of the work for `SECONDS` at most; its name if the time ended it."""
+    say(part)
+    until, problem.until = problem.until, min(problem.until, time.monotonic() + SECONDS)
+    try:
+        work()
+    except OutOfTime:
+        return [part]
+    finally:
+        problem.until = until
+    return []
+
+
+def _floor(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex]) -> float:
+    """Return what a pass climbs to at least, over listed states."""
+    pair = p.from_state - 1, p.to_state - 1
+    return max(*(result.minima[k].energy for k in pair), *_bounds(p, result, bounds, "listed"))
+
+
+def _bounds(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], what: str) -> list[float]:
+    """Return what it takes to make each vertex flat at which the signs of the two minima differ."""
+    one, two = (result.signs[k - 1] for k in (p.from_state, p.to_state))
+    both = zip(bounds, one, two, strict=True)
+    return [getattr(b, what) for b, *pair in both if tuple(pair) in OPPOSITE]
+
+
 def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level: float) -> Pass:
     """Add what bounds a pass from below."""
-    one, two = (result.signs[k - 1] for k in (p.from_state, p.to_state))
-    differ = [b for b, *pair in zip(bounds, one, two, strict=True) if tuple(pair) in OPPOSITE]
-    least = max((b.least for b in differ), default=math.nan)
-    listed = max((b.listed for b in differ), default=math.nan)
+    least = max(_bounds(p, result, bounds, "least"), default=math.nan)
+    listed = max(_bounds(p, result, bounds, "listed"), default=math.nan)
     p = replace(p, least=least, listed=listed)
     if math.isinf(least):
         return replace(p, why=STOPPED)

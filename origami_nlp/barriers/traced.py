@@ -25,8 +25,8 @@ APART = 0.2
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
 EXPLICIT = (
-    "the lowest path that is known, on traced curves and through states with a vertex flat: contact may be missed "
-    "between its states, and lower ones are not excluded"
+    "the lowest path that is known, on traced curves, through states with a vertex flat, straight, or as a string that "
+    "slid down: an upper bound; contact may be missed between its states, and lower ones are not excluded"
 )
 """That nothing bounds a barrier from below."""
 

@@ -53,6 +53,7 @@ def project(
         Largest entry of closure and openings, [] or [K]: whether that is close enough is for the caller to say; inf
         where steps of one state led to where a gap is not defined.
     """
+    problem.check_time()  # where constraints cannot be met together, there are many in a row
     x = held(x, contacts)
     root = problem.root
     if x.ndim == 1:

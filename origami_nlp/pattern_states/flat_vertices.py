@@ -172,6 +172,36 @@ def _joined(pattern: Pattern, flat: np.ndarray) -> Pattern:
     ).with_laws([pattern.laws[k] for k in kept] if pattern.laws else [None] * len(kept))
 
 
+def flat_tops(
+    problem: PatternProblem, flat_vertices: Sequence[FlatVertex]
+) -> list[tuple[np.ndarray, list[int]]]:
+    """Return states of least energy with a vertex flat, each once, and the flat state: what ways may pass.
+
+    Parameters
+    ----------
+    problem
+        Of the pattern.
+    flat_vertices
+        Of `list_flat_vertices`.
+
+    Returns
+    -------
+    list of tuple
+        A state [n], and the places in `flat_vertices` of vertices that are flat there.
+    """
+    tops: list[tuple[np.ndarray, list[int]]] = []
+    for vertex, known in enumerate(flat_vertices):
+        for x in known.states[:MOST_STATES]:
+            same = (at for y, at in tops if np.abs(x - y).max() <= NEAR_SINGULAR_TOL)
+            if (at := next(same, None)) is not None:
+                at.append(vertex)
+            else:
+                tops.append((x, [vertex]))
+    if problem.pattern.lies_flat and not any(not x.any() for x, _ in tops):
+        tops.append((np.zeros(problem.size), list(range(len(flat_vertices)))))
+    return tops
+
+
 def ways_down(
     problem: PatternProblem, minima: np.ndarray, flat_vertices: Sequence[FlatVertex]
 ) -> Iterator[tuple[int, np.ndarray]]:
@@ -194,18 +224,7 @@ def ways_down(
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
     signs = PopSigns(problem.pattern)
     sides = np.sign(signs.sums(minima))
-    tops: list[
-        tuple[np.ndarray, list[int]]
-    ] = []  # each once, with the vertices that are flat there
-    for vertex, known in enumerate(flat_vertices):
-        for x in known.states[:MOST_STATES]:
-            same = (at for y, at in tops if np.abs(x - y).max() <= NEAR_SINGULAR_TOL)
-            if (at := next(same, None)) is not None:
-                at.append(vertex)
-            else:
-                tops.append((x, [vertex]))
-    if problem.pattern.lies_flat and not any(not x.any() for x, _ in tops):
-        tops.append((np.zeros(problem.size), list(range(len(flat_vertices)))))
+    tops = flat_tops(problem, flat_vertices)
     symmetries, gone = find_labels(problem.pattern).symmetries(problem.pattern), list[np.ndarray]()
     for top, vertices in tops:
         if any(np.abs(top - x).max() <= NEAR_SINGULAR_TOL for x in gone):

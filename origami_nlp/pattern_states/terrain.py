@@ -28,6 +28,8 @@ HALVINGS = 12
 """Of a step into contact."""
 DENSE = 0.1
 """Steps of a way down are cut to this length [rad], and each state on it looked at."""
+FINER = 7
+"""How often steps beside the highest states of other ways are halved: these climb by a millionth more at most."""
 
 
 class PatternTerrain(Terrain):
@@ -57,7 +59,7 @@ class PatternTerrain(Terrain):
         within = within and self.pattern_problem.closure.lifts_to_one(x)
         return within and not (self.contact and self.pattern_problem.crossings.find(x))
 
-    def _step(
+    def step(
         self, a: np.ndarray, start: np.ndarray, held: np.ndarray | None = None, jumps: bool = False
     ) -> np.ndarray | None:
         """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
@@ -73,9 +75,13 @@ class PatternTerrain(Terrain):
             return None
         return None if self.contact and not jumps and self._pops.is_jump(a, x) else x
 
+    def has_flat(self, x: np.ndarray) -> bool:
+        """Whether a vertex with a sign is flat at a state [n]."""
+        return bool(self._pops.flat(x).any())
+
     def beside(self, a: np.ndarray, start: np.ndarray) -> np.ndarray | None:
         """Close a start beside a state [n], on either side of vertices; None where that is no admissible state."""
-        return self._step(a, start, jumps=True)
+        return self.step(a, start, jumps=True)
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that are fully folded at both stay so."""
@@ -84,8 +90,8 @@ class PatternTerrain(Terrain):
         flat = (a == 0) & (b == 0)
         for share in shares:
             start = a + share * (b - a)
-            x = self._step(a, start, at_limit | flat)
-            x = self._step(a, start) if x is None else x
+            x = self.step(a, start, at_limit | flat)
+            x = self.step(a, start) if x is None else x
             if x is None or (self.contact and self._pops.is_jump(x, b)):
                 return None
             if np.abs(x - start).max() > np.abs(b - a).max() + CLOSURE_TOL:
@@ -132,21 +138,73 @@ class PatternTerrain(Terrain):
         end = self._descent(state)
         if end is None:
             return state[None]
-        out = [state]
-        for x in end.path[1:]:
+        out = self.cut([state, *end.path[1:]], until)
+        if out is None:
+            return state[None]
+        return state[None] if self.over(state, out).max() > self.floor else out
+
+    def walk_to(self, k: int, goal: np.ndarray) -> tuple[np.ndarray, bool]:
+        """Walk straight from state k to another [n], over any height: states looked at [S, n]; whether it arrives."""
+        path = self._walk(self.minima[k], goal, None)
+        arrives = bool(np.abs(path[-1] - goal).max() <= NEAR_SINGULAR_TOL)
+        if arrives:
+            path[-1] = goal
+        whole = self.cut(list(path))
+        return (self.minima[k][None], False) if whole is None else (whole, arrives)
+
+    def through_flat(self, path: np.ndarray) -> np.ndarray | None:
+        """Add to a path [S, n] the states in which vertices are exactly flat that it takes to their other side.
+
+        Short steps may, see `PopSigns.is_jump`; None where there is no such admissible state beside them.
+        """
+        sums, out = self._pops.sums(path), [path[0]]
+        for k, x in enumerate(path[1:]):
+            if (passed := sums[k] * sums[k + 1] < 0).any():
+                around = [self._pops.around[v] for v in np.flatnonzero(passed)]
+                kept = np.isin(np.arange(len(x)), np.concatenate(around))
+                middle = self.step(
+                    path[k], np.where(kept, 0.0, 0.5 * (path[k] + x)), kept, jumps=True
+                )
+                if middle is None or np.abs(middle - x).max() > DENSE:
+                    return None
+                out.append(middle)
+            out.append(x)
+        return np.array(out)
+
+    def with_tops(self, path: np.ndarray) -> np.ndarray | None:
+        """Add states beside those of a path [S, n] that are higher than both neighbours, closer and closer.
+
+        None where there is no admissible state beside them.
+        """
+        for _ in range(FINER):
+            rises = self.over(path[0], path)
+            tops = 1 + np.flatnonzero((rises[1:-1] >= rises[:-2]) & (rises[1:-1] >= rises[2:]))
+            after = np.unique(np.concatenate([tops, tops + 1]))
+            half = np.array([0.5])
+            middles = [self.between(path[k - 1], path[k], half) for k in after]
+            found = [x for x in middles if x is not None]
+            if len(found) < len(middles):
+                return None
+            path = np.insert(path, after, np.array(found).reshape(-1, path.shape[1]), axis=0)
+        return path
+
+    def cut(
+        self, states: Sequence[np.ndarray], until: Callable[[np.ndarray], bool] | None = None
+    ) -> np.ndarray | None:
+        """Cut steps to `DENSE` and look at each state, [S, n]; None where a step leaves closed admissible states."""
+        out = [states[0]]
+        for x in states[1:]:
             while self.distance(out[-1], x) > DENSE:
                 share = DENSE / self.distance(out[-1], x)
                 inner = self.between(out[-1], x, np.array([0.9 * share]))
                 if inner is None or self.distance(inner[0], x) >= self.distance(out[-1], x):
-                    return state[None]
+                    return None
                 if self.distance(inner[0], out[-1]) > 2 * DENSE:
-                    return state[None]
+                    return None
                 out.append(inner[0])
             out.append(x)
-            if until(x):
+            if until is not None and until(x):
                 break
-        if self.over(state, np.array(out)).max() > self.floor:
-            return state[None]
         return np.array(out)
 
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
@@ -190,8 +248,7 @@ class PatternTerrain(Terrain):
             sides = []
             for y in (x, -x, *self.others(k)):
                 starts = (
-                    self._step(flat, np.where(kept, FIRST * y, t * flat), jumps=True)
-                    for t in NEARLY
+                    self.step(flat, np.where(kept, FIRST * y, t * flat), jumps=True) for t in NEARLY
                 )
                 beside = next((z for z in starts if z is not None), None)
                 self._left -= 1
@@ -218,14 +275,14 @@ class PatternTerrain(Terrain):
 
     def _lowest_flat(self, x: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
         """Go down from a state with some creases made flat, which stay so, as far as facets do not cross."""
-        starts = (self._step(x, np.where(kept, 0.0, t * x), kept, jumps=True) for t in SHRUNK)
+        starts = (self.step(x, np.where(kept, 0.0, t * x), kept, jumps=True) for t in SHRUNK)
         good = next((y for y in starts if y is not None), None)
         if good is None:
             return None
         for y in descend(self.pattern_problem, good, kept=kept).path[1:]:
             share = 1.0
             for _ in range(HALVINGS):
-                new = self._step(good, good + share * (y - good), kept, jumps=True)
+                new = self.step(good, good + share * (y - good), kept, jumps=True)
                 if new is not None:
                     good = new
                     break
@@ -258,7 +315,7 @@ class PatternTerrain(Terrain):
             held = None if goal is None else (path[-1] == goal) & (goal == 0)
             move = length / left * way
             # straight ahead rounding would grow from step to step
-            new = self._step(path[-1], path[-1] + (coarse(move) if goal is None else move), held)
+            new = self.step(path[-1], path[-1] + (coarse(move) if goal is None else move), held)
             if new is None:
                 break
             moved = float(np.linalg.norm(new - path[-1]))

@@ -1,0 +1,149 @@
+"""Ways between stable states of a sheet: straight to states with a vertex flat, and to each other, over any height.
+
+Descents from states with a vertex flat reach few minima (`ways_down`).  Walks from minima reach more: straight to the
+flat state, to states with one vertex flat, and to other minima; and from where such a walk meets contact, down again.
+Each is closed, and facets do not cross at the states that are looked at: how high it climbs is an upper bound.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, groups
+from origami_nlp.pattern_problem import PatternProblem, PopSigns, find_labels, image
+from origami_nlp.pattern_states.terrain import PatternTerrain
+
+NEAREST = 8
+"""Other minima that walks from a minimum lead to, while no way to them is known."""
+MOST_DESCENTS = 60
+"""From where walks meet contact, in all."""
+PLACES = 6
+"""Decimals of distances that are compared: more are rounding."""
+
+
+def ways_between(
+    problem: PatternProblem,
+    minima: np.ndarray,
+    tops: Sequence[np.ndarray],
+    joined: Sequence[tuple[int, int]],
+) -> Iterator[tuple[int, int, np.ndarray]]:
+    """Walk from minima to states that ways may pass, and to other minima where no way is known yet.
+
+    Parameters
+    ----------
+    problem
+        Of the pattern.
+    minima
+        Stable states, [M, n].
+    tops
+        States with vertices flat, [n] each.
+    joined
+        Pairs that a way is known between: of minima by number, and of tops, M and further.
+
+    Yields
+    ------
+    tuple
+        Number of the minimum that a way begins at, -1 for a top; of that it ends at; and its states, [S, n].
+    """
+    yield from _Walks(problem, minima, tops, joined).ways()
+
+
+class _Walks:
+    """Walks from minima, and what they have joined."""
+
+    def __init__(
+        self,
+        problem: PatternProblem,
+        minima: np.ndarray,
+        tops: Sequence[np.ndarray],
+        joined: Sequence[tuple[int, int]],
+    ) -> None:
+        self.minima, self.tops, self.joined = minima, tops, list(joined)
+        self.terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+        pattern = problem.pattern
+        self._symmetries, signs = find_labels(pattern).symmetries(pattern), PopSigns(pattern)
+        self._nodes = np.array([*minima, *tops])
+        self._sides = np.sign(signs.sums(self._nodes)) * ~np.array(
+            list(map(signs.flat, self._nodes))
+        )
+        self._descents = MOST_DESCENTS
+
+    def ways(self) -> Iterator[tuple[int, int, np.ndarray]]:
+        """Go all of them."""
+        many = len(self.minima)
+        for top in range(many, len(self._nodes)):
+            for k in range(many):
+                if not self._differ(k, top) and (k, top) not in self.joined:
+                    path, arrives = self.terrain.walk_to(k, self._nodes[top])
+                    if arrives:
+                        yield from self._with_images(top, k, path[::-1])
+        for one, other in self._pairs():
+            for k, to in ((one, other), (other, one)):
+                if not self._apart(k, to):
+                    break
+                path, arrives = self.terrain.walk_to(k, self.minima[to])
+                if not arrives:
+                    to, path = self._down(k, path)
+                if to >= 0 and self._apart(k, to):
+                    yield from self._with_images(k, to, path)
+
+    def _differ(self, one: int, other: int) -> bool:
+        """Whether a vertex is on different sides in two states, so that no straight way leads from one to the other."""
+        return bool((self._sides[one] * self._sides[other] < 0).any())
+
+    def _apart(self, one: int, other: int) -> bool:
+        """Whether no way is known between two states."""
+        group = groups(len(self._nodes), self.joined)
+        return bool(group[one] != group[other])
+
+    def _pairs(self) -> Iterator[tuple[int, int]]:
+        """Minima that are not joined, the nearest ones of each, in order of distance."""
+        many = len(self.minima)
+        far = np.linalg.norm(self.minima[:, None] - self.minima, axis=2).round(PLACES)
+        group = groups(len(self._nodes), self.joined)[:many]
+        pairs = set()
+        for k in range(many):
+            others = [
+                j
+                for j in np.argsort(far[k], kind="stable").tolist()
+                if group[j] != group[k] and not self._differ(k, j)
+            ]
+            pairs |= {(min(k, j), max(k, j)) for j in others[:NEAREST]}
+        yield from sorted(pairs, key=lambda pair: (far[pair], pair))
+
+    def _down(self, k: int, path: np.ndarray) -> tuple[int, np.ndarray]:
+        """Go down from where a walk ended; number of the minimum that leads to, -1 for none."""
+        if len(path) < 2 or not self._descents:
+            return -1, path
+        self._descents -= 1
+        down = self.terrain.path_down(path[-1], lambda _: False)
+        apart = np.abs(self.minima - down[-1]).max(axis=1)
+        to = int(apart.argmin())
+        if len(down) < 2 or apart[to] > NEAR_SINGULAR_TOL or to == k:
+            return -1, path
+        return to, np.concatenate([path, down[1:-1], self.minima[to][None]])
+
+    def _number(self, x: np.ndarray) -> int:
+        """Return which state this is, -1 for none of them."""
+        apart = np.abs(self._nodes - x).max(axis=1)
+        return int(apart.argmin()) if apart.min() <= NEAR_SINGULAR_TOL else -1
+
+    def _with_images(
+        self, start: int, to: int, path: np.ndarray
+    ) -> Iterator[tuple[int, int, np.ndarray]]:
+        """Note a way and its images under symmetries of the sheet with its springs."""
+        many, whole = len(self.minima), self.terrain.through_flat(path)
+        if whole is None or (whole := self.terrain.with_tops(whole)) is None:
+            return
+        path = np.concatenate([self._nodes[start][None], whole[1:-1], self._nodes[to][None]])
+        self.joined.append((to, start))
+        yield (start if start < many else -1), to, path
+        for symmetry in self._symmetries:
+            whole = image(symmetry, path)
+            start, to = self._number(whole[0]), self._number(whole[-1])
+            if min(start, to) >= 0 and not {(to, start), (start, to)} & set(self.joined):
+                self.joined.append((to, start))
+                whole[0], whole[-1] = self._nodes[start], self._nodes[to]
+                yield (start if start < many else -1), to, whole
