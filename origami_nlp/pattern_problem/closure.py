@@ -167,8 +167,8 @@ class Closure:
         """Return the loops, one after the other, as arrays.
 
         Of each turn, [E]: `crease`, the loop that it is `of`, signed `axis` and `point` [E, 3]; of each loop, [L]: the
-        `first` turn, the end of all in addition, how many `rows`, `start` and `moved` [L, 3].  `reference` angles are
-        [n].
+        `first` turn, the end of all in addition, the first `row`, how many `rows`, `start` and `moved` [L, 3].
+        `reference` angles are [n].
         """
         every = [(g, k) for g in self._groups for k in range(len(g.creases))]
         long = np.array([g.creases.shape[1] for g, _ in every], int)
@@ -183,6 +183,7 @@ class Closure:
             ),
             "point": np.concatenate([*(x.reshape(-1, 3) for x in points), np.zeros((0, 3))]),
             "first": np.cumsum([0, *long]),
+            "row": np.array([g.rows[k] for g, k in every], int),
             "rows": np.array([3 if g.points is None else 6 for g, _ in every], int),
             "reference": self.pattern.reference,
             "start": np.concatenate([*(g.start for g in self._groups), np.zeros(0)]),
@@ -267,6 +268,10 @@ class Closure:
 
     def __call__(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Evaluate the equations [m] and their Jacobian [m, n] at a state; dense."""
+        if self.compiled.usable:
+            values, jacobian, lifts = self.compiled.equations(phi)
+            self.lifted = phi.tobytes(), lifts
+            return values, jacobian
         at = self.turned(phi)
         j = self.jacobian(phi, at)
         return self.values(phi, at), j if isinstance(j, np.ndarray) else j.toarray()

@@ -19,7 +19,7 @@ MOST_WORK = 4e7
 """Rows times the square of the band up to which its factors are formed in C: beyond, sparse ones take less."""
 SIZES = "n m loops pairs band".split()
 FLOATS = "axis point reference start moved".split()
-INTS = "first crease of rows place one other".split()
+INTS = "first crease of rows row place one other".split()
 WORK = "c o q t value j l d".split()
 
 
@@ -111,6 +111,8 @@ class CompiledClosure:
             library.project.restype = None
             library.follow.argtypes = [address] * 6
             library.follow.restype = whole
+            library.equations.argtypes = [address] * 5
+            library.equations.restype = ctypes.c_double
 
     def __reduce__(self) -> Any:
         return CompiledClosure, self._made_of  # addresses are of one process
@@ -144,6 +146,17 @@ class CompiledClosure:
         )
         residual, least = self._ends.tolist()
         return phi, residual, least > 0
+
+    def equations(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Evaluate closure [m] and its Jacobian [m, n] at a state [n], and whether all loops end with q0 > 0."""
+        phi = np.ascontiguousarray(phi, np.float64)
+        m = self._loops.m
+        values, jacobian = np.empty(m), np.zeros((m, len(phi)))
+        loops, place = self._given
+        least = self._library.equations(
+            loops, phi.ctypes.data, place, values.ctypes.data, jacobian.ctypes.data
+        )
+        return values, jacobian, least > 0
 
     def follow(
         self, phi: np.ndarray, along: np.ndarray

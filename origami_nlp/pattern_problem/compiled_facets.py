@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.numerics import NONZERO, compiled
+from origami_nlp.numerics import INSIDE, NONZERO, compiled
+
+FEW = 64
+"""Pairs of features for which there is room at first."""
 
 
 def _source() -> str:
@@ -25,6 +29,8 @@ def library() -> Any:
         whole, at = ctypes.c_int64, ctypes.c_void_p
         made.find_crossings.restype = made.place.restype = None
         made.place.argtypes = [whole, *[at] * 8]
+        made.gaps.restype = whole
+        made.gaps.argtypes = [whole, at, whole, *[at] * 10, ctypes.c_double, *[at] * 3]
         made.find_crossings.argtypes = [*[whole] * 3, at, whole, at, at, ctypes.c_double, at, at]
     return made
 
@@ -57,3 +63,44 @@ def crossings_among(
     corners, one, other, work, out = at
     made.find_crossings(*x.shape[:3], corners, len(first), one, other, deep, work, out)
     return hit
+
+
+class GapsInC:
+    """Gaps of pairs of features, with their derivatives by every fold angle, in C.
+
+    Parameters
+    ----------
+    creases
+        Of the pattern: facets that hold creases [n], their directions and points on them, [n, 3].
+    """
+
+    def __init__(self, creases: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+        n = len(creases[0])
+        self._axes, self.numbers = np.empty((n, 6)), dict[Any, int]()
+        shapes = (("f8", (4, 3)), ("i8", (4,)), ("i8", ()), ("f8", ()), ("f8", (n,)))
+        # of each pair: points in the reference state, facets that carry them, whether two sides, sign, creases crossed
+        self._tables = [np.empty((FEW, *shape), kind) for kind, shape in shapes]
+        kinds = zip(creases, ("i8", "f8", "f8"), strict=True)
+        self._creases = [np.ascontiguousarray(x, kind) for x, kind in kinds]
+
+    def add(self, pair: Any, points: np.ndarray, senses: np.ndarray) -> int:
+        """Note a pair with its points in the reference state [4, 3] and the creases between [n]; return its number."""
+        k = self.numbers[pair] = len(self.numbers)
+        if k == len(self._tables[0]):
+            self._tables = [np.concatenate([table, table]) for table in self._tables]
+        values = points, pair.owners, pair.type == "edge-edge", pair.sign, senses
+        for table, value in zip(self._tables, values, strict=True):
+            table[k] = value
+        return k
+
+    def __call__(
+        self, which: Sequence[int], turn: np.ndarray, shift: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return gaps [K] and rows [K, n] of pairs by number where facets have moved; None where sides run along."""
+        numbers, n = np.array(which, np.int64), len(self._axes)
+        gap, rows = np.empty(len(numbers)), np.empty((len(numbers), n))
+        given = (*self._tables, turn, shift, *self._creases)
+        at = (x.ctypes.data for x in given)
+        work = (x.ctypes.data for x in (self._axes, gap, rows))
+        made = library().gaps(len(numbers), numbers.ctypes.data, n, *at, INSIDE, *work)
+        return (gap, rows) if made else None

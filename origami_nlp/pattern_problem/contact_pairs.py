@@ -118,11 +118,19 @@ class ContactPair:
             return self.facets[0], a
         return tuple(sorted(((min(a, b), max(a, b)), (min(c, d), max(c, d)))))
 
+    @property
+    def owners(self) -> tuple[int, int, int, int]:
+        """The facets that carry its four points."""
+        i, j = self.facets
+        return (i, i, j, j) if self.type == "edge-edge" else (j, i, i, i)
+
+    def reference(self, corners: np.ndarray) -> np.ndarray:
+        """Return its four points in the reference state, of the pattern's corners [V, 3], [4, 3]."""
+        return corners[list(self.corners)]
+
     def points(self, at: FoldedGeometry) -> np.ndarray:
         """Return its four points in space, [4, 3]."""
-        i, j = self.facets
-        owners = (j, i, i, i) if self.type == "vertex-face" else (i, i, j, j)
-        return at.points(np.array(owners), np.array(self.corners))
+        return at.points(np.array(self.owners), np.array(self.corners))
 
     def gap(self, at: FoldedGeometry) -> float:
         """Return the distance along the common normal, positive where facets are apart [unit of the corners].
@@ -183,6 +191,11 @@ def gaps_and_rows(
     touches: Sequence[ContactPair], at: FoldedGeometry
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the gaps of touches, [k], and their derivatives by every fold angle, [k, n]; see `ContactPair.gap`."""
+    if at.poses.compiled is not None:
+        made = at.poses.gaps_in_c(touches, at.turn, at.shift)
+        if made is None:
+            raise Parallel(RUN_ALONG)
+        return made[0], at.poses.gathered(made[1])
     first, second = np.array([t.facets for t in touches], int).T
     sides = np.array([t.type == "edge-edge" for t in touches])
     owners = np.column_stack(

@@ -25,7 +25,6 @@ from origami_nlp.numerics import (
     LOADED,
     OUTSIDE,
     Matrix,
-    dense,
 )
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.borders import choices, without_passing
@@ -110,13 +109,15 @@ class PatternContacts(PatternEquations):
         return found
 
     def _dense(self, x: np.ndarray) -> PatternLocal:
-        found = self.rows(x)
-        return replace(found, closure_jacobian=dense(found.closure_jacobian))
+        c, j = self.closure(x)
+        return self._local(x, c, j)
 
     def rows(self, x: np.ndarray) -> PatternLocal:
         """Evaluate the same with the Jacobian of closure as `jacobian` has it."""
         at = self.closure.turned(x)
-        c, j = self.closure.values(x, at), self.closure.jacobian(x, at)
+        return self._local(x, self.closure.values(x, at), self.closure.jacobian(x, at))
+
+    def _local(self, x: np.ndarray, c: np.ndarray, j: Matrix) -> PatternLocal:
         none, size = np.zeros((0, self.size)), self.crossings.size
         known: dict[Contact, tuple[float, np.ndarray]] = self.kept("gaps", x, dict)
         return PatternLocal(

@@ -64,6 +64,10 @@ class CoplanarContact(ContactPair):
         """What distinguishes it from others."""
         return self.type, self.facets, self.place
 
+    def reference(self, corners: np.ndarray) -> np.ndarray:
+        """Return the point and three corners of the facet in the reference state, [4, 3]."""
+        return np.vstack([self.place, corners[list(self.corners[1:])]])
+
     def points(self, at: FoldedGeometry) -> np.ndarray:
         """Return the point and three corners of the facet in space, [4, 3]."""
         i, j = self.facets

@@ -10,7 +10,7 @@ import numpy as np
 import scipy as sp
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem.compiled_facets import library
+from origami_nlp.pattern_problem.compiled_facets import GapsInC, library
 
 MOVES = 1e-3
 """A crease folded by more moves [rad]."""
@@ -121,12 +121,28 @@ class Poses:
         return turn, shift
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: kept for name, kept in vars(self).items() if name != "compiled"}
+        return {k: v for k, v in vars(self).items() if k not in ("compiled", "_gaps")}
 
     @cached_property
     def compiled(self) -> Any:
         """Compiled functions; None where nothing can be compiled."""
         return library()
+
+    @cached_property
+    def _gaps(self) -> GapsInC:
+        p = self.pattern
+        return GapsInC((p.left, p.directions, p.corners[p.ends[:, 0]]))
+
+    def gaps_in_c(
+        self, pairs: Sequence[Any], turn: np.ndarray, shift: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return gaps [K] and rows of pairs of features (`ContactPair`); None where sides run along each other."""
+        gaps, corners, which = self._gaps, self.pattern.corners, []
+        for one in pairs:
+            if (k := gaps.numbers.get(one)) is None:
+                k = gaps.add(one, one.reference(corners), self.senses(*one.facets))
+            which.append(k)
+        return gaps(which, turn, shift)
 
     def _placed_in_c(self, phi: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> bool:
         """Place all facets but the root by a compiled function; whether there is one."""

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from origami_nlp.numerics import CLOSURE_TOL, DEEP
-from origami_nlp.pattern_problem import cross_each_other, crossings_among
+from origami_nlp.pattern_problem import ContactPair, cross_each_other, crossings_among
+from origami_nlp.pattern_problem.contact_pairs import gaps_and_rows
 from tests.compiled_patterns import PATTERNS, with_and_without
 
 
@@ -65,3 +66,31 @@ def test_facets_that_cross(both):
     reference = np.array([cross_each_other(p[first], p[second], DEEP) for p in x])
     assert reference.any() and not reference.all()
     assert (compiled == reference).all()
+
+
+def test_equations_and_gaps(both):
+    """Values and rows at closed states, and that sides which run along each other have no gap."""
+    one, other = both
+    rng, seen = np.random.default_rng(4), 0
+    start, _ = other.project(0.6 * one.pattern.signs)
+    for size in (0.0, 0.02, 0.1):
+        x, residual = other.project(start + size * rng.uniform(-1, 1, one.size))
+        values, jacobian = one.closure(x)
+        expected, slopes = other.closure(x)
+        assert np.abs(values - expected).max() <= 1e-14
+        assert np.abs(jacobian - slopes).max() <= 1e-13
+        assert one.closure.lifts_to_one(x) == other.closure.lifts_to_one(x.copy())
+        if residual > CLOSURE_TOL:
+            continue
+        pairs = [pair for pair, _ in other.features.facing(other.placed(x), 0.3)][:60]
+        if pairs:
+            seen += len(pairs)
+            gaps, rows = gaps_and_rows(pairs, one.placed(x))
+            expected, slopes = gaps_and_rows(pairs, other.placed(x))
+            assert np.abs(gaps - expected).max() <= 1e-12
+            assert np.abs(rows - slopes).max() <= 1e-11 * max(1.0, np.abs(slopes).max())
+    assert seen or one.pattern.cell or one.pattern.facets < 9
+    side = ContactPair("edge-edge", (0, 0), (*one.pattern.polygons[0][:2],) * 2, 1.0)
+    for problem in both:
+        with pytest.raises(ArithmeticError, match="run along"):
+            gaps_and_rows([side], problem.placed(start))

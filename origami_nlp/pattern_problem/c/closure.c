@@ -73,6 +73,22 @@ static void slopes(const Loops *p, const Place *at, double *j) {
     }
 }
 
+/* Closure [m] and its Jacobian [m, n], which comes as zeros, by rows as `Closure` numbers them; the least real part of q. */
+double equations(const Loops *p, const double *phi, Place *at, double *values, double *jacobian) {
+  double least = INFINITY;
+  turn(p, phi, at);
+  slopes(p, at, at->j);
+  for (int64_t l = 0; l < p->loops; l++) {
+    if (at->q[4 * l] < least) least = at->q[4 * l];
+    for (int64_t a = 0; a < p->rows[l]; a++) {
+      values[p->row[l] + a] = at->value[p->place[l] + a];
+      for (int64_t e = p->first[l]; e < p->first[l + 1]; e++)
+        jacobian[(p->row[l] + a) * p->n + p->crease[e]] += at->j[6 * e + a];
+    }
+  }
+  return least;
+}
+
 /* Cholesky's factors of JJ' + eps, column by column [m, band + 1], by rows that end; 0 where it is not definite. */
 static int factorise(const Loops *p, const double *j, const int64_t *stays, double *l) {
   int64_t m = p->m, w = p->band + 1;

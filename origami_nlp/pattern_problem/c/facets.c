@@ -101,3 +101,51 @@ void place(int64_t steps, const int64_t *here, const int64_t *before, const int6
     }
   }
 }
+
+/* Gaps of some pairs of features and their derivatives by every fold angle (`contact_pairs.gaps_and_rows`): gap [K],
+   rows [K, n].
+
+   Of each pair that is known its four points in the reference state and the facets that carry them, whether it is two sides, its sign, and
+   how the walk from one facet to the other crosses creases; of creases, the facet that holds them, direction and a
+   point.  0 where two sides run along each other. */
+int64_t gaps(int64_t many, const int64_t *which, int64_t n, const double *point, const int64_t *owner, const int64_t *sides,
+             const double *sign, const double *senses, const double *turn, const double *shift, const int64_t *left,
+             const double *direction, const double *end, double inside, double *axis, double *gap, double *rows) {
+  for (int64_t c = 0; c < n; c++) { /* axis and moment, [n, 6] */
+    const double *r = turn + 9 * left[c], *t = shift + 3 * left[c];
+    double o[3], *a = axis + 6 * c;
+    for (int i = 0; i < 3; i++) a[i] = dot(r + 3 * i, direction + 3 * c), o[i] = dot(r + 3 * i, end + 3 * c) + t[i];
+    cross(a, o, a + 3);
+  }
+  for (int64_t m = 0; m < many; m++, rows += n) {
+    const int64_t k = which[m], *own = owner + 4 * k;
+    const double *sense = senses + n * k;
+    double p[12], u[3], v[3], w[3], r[3], x[3], y[3], turned[3];
+    for (int q = 0; q < 4; q++)
+      for (int i = 0; i < 3; i++)
+        p[3 * q + i] = dot(turn + 9 * own[q] + 3 * i, point + 12 * k + 3 * q) + shift[3 * own[q] + i];
+    for (int i = 0; i < 3; i++) u[i] = p[3 + i] - p[i], v[i] = p[9 + i] - p[6 + i];
+    if (sides[k])
+      cross(u, v, w);
+    else {
+      for (int i = 0; i < 3; i++) x[i] = p[6 + i] - p[3 + i], y[i] = p[9 + i] - p[3 + i];
+      cross(x, y, w);
+    }
+    double size = sqrt(dot(w, w));
+    if (sides[k] && !(size > inside * sqrt(dot(u, u)) * sqrt(dot(v, v)))) return 0;
+    for (int i = 0; i < 3; i++) w[i] /= size, r[i] = sides[k] ? p[6 + i] - p[i] : -u[i];
+    double g = dot(r, w);
+    cross(sides[k] ? p + 6 : p, w, turned);
+    if (sides[k]) {
+      double a[3], b[3];
+      cross(r, u, a), cross(w, u, b);
+      for (int i = 0; i < 3; i++) x[i] = a[i] - g * b[i];
+      cross(v, x, y);
+      for (int i = 0; i < 3; i++) turned[i] += y[i] / size;
+    }
+    gap[m] = sign[k] * g;
+    for (int64_t c = 0; c < n; c++)
+      rows[c] = sense[c] == 0.0 ? 0.0 : sign[k] * sense[c] * (dot(turned, axis + 6 * c) - dot(w, axis + 6 * c + 3));
+  }
+  return 1;
+}
