@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -61,6 +61,14 @@ SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
+_Found: TypeAlias = tuple[float, np.ndarray, float]
+"""Change of energy, a lower state, and the length of the step to it."""
+LONG = 5
+"""Steps along a way, each half as long as the one before, that are tried before those of the next way."""
+AT_ONCE = 8
+"""Ways whose short steps are tried together."""
+SHORTER = 0.25
+"""Of further ones, tried where no long step of any way leads down."""
 STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
 KNOWN = Classification("minimum", None, "judged before", 0)
 DescentDirection: TypeAlias = tuple[tuple[Contact, ...], np.ndarray, tuple[Contact, ...]]
@@ -251,32 +259,58 @@ def _step(
     """Take one admissible step down, of at most `length`, by a backtracking line search; None where no step is
     lower."""
     near = state.problem.about_to_close(state.x, length)
-    best: tuple[float, np.ndarray, float] | None = None
     listed = state.pieces if state.contacts.few else []
     for ahead in (near, ()) if near else ((),):
+        best: _Found | None = None
+        waiting = list[Iterator[_Found | None]]()
         for rows, d, held in _ways_down(state, ahead, curved):
-            if best is not None and rows in listed:
+            if best is not None and (rows in listed or not state.contacts.few):
                 break  # of the pieces themselves the first that leads down
-            size = _length(d, curved)
-            if size < ROUNDED:
+            if _length(d, curved) < ROUNDED:
                 continue
-            slope = float(state.local.gradient @ d)
-            step = min(1.0, length / size)
-            # sufficient decrease (Nocedal & Wright, 3.4), along states that are pulled back onto closure
-            while step * size >= SHORTEST:
-                found = _lower(state, step * d, DECREASE * step * slope, held, leads)
-                if found is None and curved:
-                    found = _lower(state, step * d, DECREASE * step * slope, held, leads, rows)
-                if found is not None:
-                    if best is None or found[0] < best[0]:
-                        best = (*found, step * size)
-                    break
-                step /= 2
-            if best is not None and not state.contacts.few:
-                break
-        if best is not None:
+            way = _shorter_and_shorter(state, (rows, d, held), length, curved, leads)
+            best = _lowest_of((best, *itertools.islice(way, LONG)))
+            waiting.append(way)
+            if len(waiting) == AT_ONCE:
+                best, waiting = best or _shorter(waiting), []
+        if (best := best or _shorter(waiting)) is not None:
             return best[1:]  # not looking ahead only where that led nowhere
     return None
+
+
+def _shorter(ways: Sequence[Iterator[_Found | None]]) -> _Found | None:
+    """Go on with shorter steps along all ways, where no long one leads down."""
+    return next(filter(None, map(_lowest_of, itertools.zip_longest(*ways))), None)
+
+
+def _lowest_of(found: Iterable[_Found | None]) -> _Found | None:
+    """Return the one with the lowest energy; None where there is none."""
+    return min((one for one in found if one is not None), key=lambda one: one[0], default=None)
+
+
+def _shorter_and_shorter(
+    state: State,
+    way: DescentDirection,
+    length: float,
+    curved: bool,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+) -> Iterator[_Found | None]:
+    """Try steps along a way, each shorter than the one before, until one leads down: the last that is yielded."""
+    rows, d, held = way
+    size, slope = _length(d, curved), float(state.local.gradient @ d)
+    step, many = min(1.0, length / size), 0
+    # sufficient decrease (Nocedal & Wright, 3.4), along states that are pulled back onto closure
+    while step * size >= SHORTEST:
+        enough = DECREASE * step * slope
+        found = _lower(state, step * d, enough, held, leads)
+        if found is None and curved:
+            found = _lower(state, step * d, enough, held, leads, rows)
+        if found is not None:
+            yield (*found, step * size)
+            return
+        yield None
+        many += 1
+        step *= 0.5 if many < LONG else SHORTER
 
 
 def _length(d: np.ndarray, curved: bool) -> float:

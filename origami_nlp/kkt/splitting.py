@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import partial
+from operator import itemgetter
 from typing import TypeAlias
 
 import numpy as np
@@ -158,8 +159,11 @@ def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:
     def levers(option: tuple[Contact, ...]) -> list[float]:
         return sorted(lever[c] for c in option)
 
-    ordered = [tuple(sorted(branch, key=levers)) for branch in branches]
-    return tuple(sorted(ordered, key=lambda branch: [levers(option) for option in branch]))
+    ordered = []
+    for branch in branches:
+        options = sorted(((levers(option), option) for option in branch), key=itemgetter(0))
+        ordered.append(([of for of, _ in options], tuple(option for _, option in options)))
+    return tuple(branch for _, branch in sorted(ordered, key=itemgetter(0)))
 
 
 def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:

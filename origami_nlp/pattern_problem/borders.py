@@ -141,18 +141,24 @@ def _sides_on_faces(
     on = (depth.min(axis=1, initial=np.inf) >= -near) & (border & rings.border[b]).any(axis=1)
     # what meets inside has a gap of its own
     on &= border.sum(axis=1) + (first | last) >= 2
-    for k in np.flatnonzero(on):
-        p, q = a[k], b[k]
-        one, other = int(ids[p, i[k]]), int(ids[p, rings.after[p, i[k]]])
-        f, g = int(facet[p]), int(facet[q])
+    a, b, i, low, high = a[on], b[on], i[on], low[on], high[on]
+    first, last, border = first[on], last[on], border[on]
+    towards = cross(side[on][:, None], planes.side[b])
+    signs = np.sign(np.einsum("kpi,kpi->kp", towards, planes.inward[b])).tolist()
+    away = np.sign(np.where(first, high, low)).tolist()
+    ends = np.column_stack([ids[a, i], ids[a, rings.after[a, i]]])
+    here = np.where(first, ends[:, 0], ends[:, 1]).tolist()
+    sides = np.stack([ids[b], np.take_along_axis(ids[b], rings.after[b], axis=1)], axis=2).tolist()
+    triangles = rings.triangle[b].tolist()
+    facets = np.column_stack([facet[a], facet[b]]).tolist()
+    touches = (first | last).tolist()
+    for k, ((one, other), (f, g)) in enumerate(zip(ends.tolist(), facets, strict=True)):
         # an end that lies on the plane has a gap over the facet; each border beside it has one of its own
         gaps = []
-        if first[k] or last[k]:
-            away, here = (high[k], one) if first[k] else (low[k], other)
-            corners = (here, *map(int, rings.triangle[q]))
-            gaps.append(ContactPair("vertex-face", (g, f), corners, float(np.sign(away))))  # type: ignore[arg-type]
-        for j in np.flatnonzero(border[k]):
-            sign = float(np.sign(cross(side[k], planes.side[q, j]) @ planes.inward[q, j]))
-            ends_of = int(ids[q, j]), int(ids[q, rings.after[q, j]])
-            gaps.append(ContactPair("edge-edge", (f, g), (one, other, *ends_of), sign))
+        if touches[k]:
+            corners = (here[k], *triangles[k])
+            gaps.append(ContactPair("vertex-face", (g, f), corners, away[k]))
+        for j in np.flatnonzero(border[k]).tolist():
+            corners = (one, other, *sides[k][j])
+            gaps.append(ContactPair("edge-edge", (f, g), corners, signs[k][j]))
         yield tuple(gaps)
