@@ -19,6 +19,7 @@ from origami_nlp.display import (
     draw_pattern_state,
     label_text,
 )
+from origami_nlp.pattern import in_plane
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +82,7 @@ def draw_actuation(seen: Actuation) -> Figure:
 
 def _draw_torques(axes: Axes, seen: Actuation) -> None:
     """Draw the sheet with the creases that bear torques."""
-    p, x = seen.pattern, seen.pattern.corners[:, :2]
+    p, x = seen.pattern, in_plane(seen.pattern)
     for polygon in p.polygons:
         ring = x[[*polygon, polygon[0]]]
         axes.plot(*ring.T, color=BORDER, lw=0.8, zorder=1)

@@ -112,6 +112,7 @@ from .pattern_file import (
     read_pattern as read_pattern,
 )
 from .places import is_place as is_place, with_places as with_places
+from .plane import in_plane as in_plane, laid_flat as laid_flat
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

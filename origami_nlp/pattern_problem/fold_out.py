@@ -22,6 +22,7 @@ from origami_nlp.pattern import (
     STIFFNESS_KEY,
     Pattern,
     Scene,
+    in_plane,
     laws_to_fold,
 )
 from origami_nlp.pattern_problem.crossings import PatternCrossings
@@ -117,7 +118,7 @@ def pattern_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> 
         "file_title": p.name or "pattern",
         "frame_classes": [kind],
         "frame_attributes": [attribute],
-        "vertices_coords": (p.corners[:, :2] if p.is_flat else p.corners).tolist(),
+        "vertices_coords": (in_plane(p) if p.is_flat else p.corners).tolist(),
         "edges_vertices": [*p.ends.tolist(), *map(list, others)],
         "edges_assignment": letters,
         "edges_foldAngle": _degrees(p.rest if p.is_flat else p.reference, len(others)),

@@ -20,7 +20,7 @@ from origami_nlp.display import (
     draw_states,
     label_text,
 )
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.pattern_states.mobility import Mobility
 from origami_nlp.pattern_states.motion import Motion
 
@@ -77,7 +77,7 @@ def _draw_flat(axes: Axes, p: Pattern) -> None:
         for i, v in enumerate(q):
             s = (min(q[i - 1], v), max(q[i - 1], v))
             count[s] = count.get(s, 0) + 1
-    xy = p.corners[:, :2]
+    xy = in_plane(p)
     border = [xy[list(s)] for s, n in count.items() if n == 1 and s not in crease]
     axes.add_collection(LineCollection(border, colors=BORDER, linewidths=1.5 * scale))
     for letter, colour, dashes in (

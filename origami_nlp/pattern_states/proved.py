@@ -19,8 +19,7 @@ from origami_nlp.pattern_states.judgement import judge, judge_end, singular_besi
 from origami_nlp.proof import (
     MeshProof,
     ProofOptions,
-    QuadProof,
-    StripProof,
+    SheetProof,
     prove_mesh,
     prove_quad_mesh,
     prove_strip,
@@ -113,7 +112,7 @@ def prove_list(
 
 
 def hold_against(
-    proof: StripProof | MeshProof | QuadProof,
+    proof: SheetProof,
     problem: PatternProblem,
     known: Sequence[JudgedState],
     contact: bool,
@@ -195,7 +194,7 @@ def hold_against(
 
 
 def _where_rank_is_lost(
-    proof: StripProof | MeshProof | QuadProof,
+    proof: SheetProof,
     problem: PatternProblem,
     phi: np.ndarray,
     known: Sequence[JudgedState],

@@ -21,6 +21,7 @@ from .complete import pose as pose
 from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
+from .flat_sheets import SheetMinimum as SheetMinimum, SheetProof as SheetProof
 from .mesh_certificate import (
     MeshCertificate as MeshCertificate,
     mesh_from_dict as mesh_from_dict,
@@ -28,7 +29,6 @@ from .mesh_certificate import (
 )
 from .mesh_states import why_no_mesh as why_no_mesh
 from .meshes import (
-    MeshMinimum as MeshMinimum,
     MeshProof as MeshProof,
     certificate_of_mesh as certificate_of_mesh,
     prove_mesh as prove_mesh,

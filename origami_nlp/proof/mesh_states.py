@@ -32,6 +32,7 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact
+from origami_nlp.proof.flat_sheets import Vector, cross, dot, flat_sheet, off_line
 
 MOST_MODES = 5_000
 """Choices of a sign and a branch at each vertex, at most."""
@@ -103,6 +104,8 @@ class FoldingMesh:
         By how much the sectors of the file differ from the relations that are taken as exact [rad].
     creases
         How many.
+    moved
+        `FlatSheet.moved`.
     """
 
     crossings: tuple[Crossing, ...]
@@ -110,6 +113,7 @@ class FoldingMesh:
     factors: tuple[Ball, ...]
     deviation: float
     creases: int
+    moved: float
 
     def multiplier(self, key: Key) -> Ball:
         """Return kappa > 0, enclosed."""
@@ -230,40 +234,30 @@ def _inverse(key: Key) -> Key:
 
 def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingMesh | None, str]:
     """Return the mesh of a pattern, or None and why its states are not enumerated."""
-    if not pattern.is_flat or pattern.corners[:, 2].any():
-        return None, "the reference state is not flat"
-    if pattern.cell:
-        return None, "it is a cell that repeats"
-    if pattern.holes or not pattern.vertices:
-        return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
+    sheet, why = flat_sheet(pattern)
+    if sheet is None:
+        return None, why
     deviation = 0.0
     cosines: list[tuple[Fraction, Fraction]] = []
     drafts: list[tuple[tuple[int, ...], list[int], list[bool]]] = []
-    for v in pattern.vertices:
-        if len(v.creases) != 4:
-            return None, f"vertex {v.vertex} has not four creases"
-        u = directions(pattern, v.vertex, v.creases)
-        turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
-        if min(turns) <= 0 <= max(turns):
-            return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
-        sense = 1 if turns[0] > 0 else -1
+    for one in sheet.rounds:
+        u = one.directions
         off = sector_sum(u)
         if off > CLOSURE_TOL:
             return (
                 None,
-                f"vertex {v.vertex} does not fold flat: opposite sectors sum to {off:.2g} rad off 180 degrees",
+                f"vertex {one.vertex} does not fold flat: opposite sectors sum to {off:.2g} rad off 180 degrees",
             )
         bent = [cross(u[i], u[i + 2]) for i in (0, 1)]
         lines = []
         for i in (0, 1):
-            cosine = dot(u[i], u[i + 2])
-            away = float(abs(bent[i]) / abs(cosine)) if cosine < 0 else math.inf
+            away = off_line(u[i], u[i + 2])
             lines.append(away <= CLOSURE_TOL)
-            deviation = max(deviation, away * lines[-1])
+            deviation = max(deviation, away if lines[-1] else 0.0)
             size = dot(u[i], u[i]) * dot(u[i + 2], u[i + 2])
-            cosines.append((cosine, size))
+            cosines.append((dot(u[i], u[i + 2]), size))
         deviation = max(deviation, off)
-        drafts.append((v.creases, [sense * (1 if b > 0 else -1) for b in bent], lines))
+        drafts.append((one.creases, [one.sense * (1 if b > 0 else -1) for b in bent], lines))
     values = [float(c) / math.sqrt(s) for c, s in cosines]
     classes: list[float] = []
     number: list[tuple[int, int]] = []
@@ -280,20 +274,29 @@ def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingM
     factors = tuple((exact(1.0) + exact(x)).widened(exact(room).centre) for x in classes)
     crossings = []
     for k, (creases, bend, lines) in enumerate(drafts):
-        (one, minus_one), (two, minus_two) = number[2 * k], number[2 * k + 1]
+        (along, minus_along), (two, minus_two) = number[2 * k], number[2 * k + 1]
         crossings.append(
             Crossing(
                 creases,
                 {
-                    1: None if lines[0] else (-bend[0], _product(((one, 1),), ((minus_two, -1),))),
-                    -1: None if lines[1] else (bend[1], _product(((minus_one, 1),), ((two, -1),))),
+                    1: None
+                    if lines[0]
+                    else (-bend[0], _product(((along, 1),), ((minus_two, -1),))),
+                    -1: None
+                    if lines[1]
+                    else (bend[1], _product(((minus_along, 1),), ((two, -1),))),
                 },
             )
         )
     if math.prod(len(c.modes) for c in crossings) > modes:
         return None, f"{len(crossings)} vertices can fold in more than {modes} ways"
     return FoldingMesh(
-        tuple(crossings), _rows(pattern.creases, crossings), factors, deviation, pattern.creases
+        tuple(crossings),
+        _rows(pattern.creases, crossings),
+        factors,
+        deviation,
+        pattern.creases,
+        sheet.moved,
     ), ""
 
 
@@ -326,27 +329,6 @@ def why_no_mesh(pattern: Pattern, modes: int = MOST_MODES) -> str:
     if pattern.laws:
         return "creases have hinge laws: proofs of meshes know linear springs only"
     return as_folding_mesh(pattern, modes)[1]
-
-
-Vector = tuple[Fraction, Fraction]
-
-
-def directions(pattern: Pattern, vertex: int, creases: Sequence[int]) -> list[Vector]:
-    """Return where creases of a vertex go from it, exactly."""
-    place = pattern.corners[:, :2].tolist()
-    away = [int(pattern.ends[c].sum()) - vertex for c in creases]
-    (x, y) = map(Fraction, place[vertex])
-    return [(Fraction(place[w][0]) - x, Fraction(place[w][1]) - y) for w in away]
-
-
-def cross(a: Vector, b: Vector) -> Fraction:
-    """Return a x b."""
-    return a[0] * b[1] - a[1] * b[0]
-
-
-def dot(a: Vector, b: Vector) -> Fraction:
-    """Return a . b."""
-    return a[0] * b[0] + a[1] * b[1]
 
 
 def sector_sum(u: Sequence[Vector]) -> float:

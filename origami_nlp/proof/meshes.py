@@ -12,7 +12,6 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball
+from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.mesh_curves import CurveEnergy, CurveMinima, fold
 from origami_nlp.proof.mesh_states import (
@@ -39,71 +39,34 @@ Place = int | tuple[Curve, int]
 """Where a crease is: 0; 1 or -1, at +-180 degrees; or on a curve, at its minimum of some number."""
 
 
-@dataclass(frozen=True)
-class MeshMinimum:
-    """A minimum of the energy of a mesh.
+@dataclass(frozen=True, kw_only=True)
+class MeshProof(SheetProof):
+    """What is proved of a mesh whose vertices fold flat: all closed states are products of curves.
 
     Attributes
     ----------
-    fold_angles
-        [n] [rad]; those that are 0 or +-pi are so exactly.
-    radius
-        None of the fold angles differs by more [rad].
-    """
-
-    fold_angles: np.ndarray
-    radius: float
-
-
-@dataclass(frozen=True)
-class MeshProof:
-    """What is proved of a mesh within fold limits.
-
-    Attributes
-    ----------
-    curves
-        Curves of which all closed states are products.
     products
-        Those products: which curves, with all other creases at 0 or +-180 degrees.
+        Which curves, with all other creases at 0 or +-180 degrees.
     isolated
         How many of these products are of states alone: no curve is in them.
     together
         Curves of one product, at most.
-    minima
-        Each once.
-    maxima
-        How many maxima of the energy lie inside the curves.
-    undecided
-        What is left open: between which fold angles [n], [n], and why.
-    deviation
-        By how much the sectors of the file differ from the relations that are taken as exact [rad].
-    boxes, seconds
-        Boxes of theta, and the processor time that they took.
     """
 
-    curves: int
     products: int
     isolated: int
     together: int
-    minima: tuple[MeshMinimum, ...]
-    maxima: int
-    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
-    deviation: float
-    boxes: int
-    seconds: float
-
-    contact = False
-    """Facets may cross."""
 
     @property
-    def over(self) -> str:
-        """Over which states the statement ranges, in words."""
+    def states(self) -> str:
+        """Where all closed states are, in words."""
         return (
-            f"all closed states within fold limits are {self.products} products of {self.curves} curves, along which "
+            f"are {self.products} products of {self.curves} curves, along which "
             f"tangents of half the fold angles are proportional ({self.together} of a product at most; "
-            f"{self.isolated} products are of flat and flat-folded states alone); of the sheet whose vertices fold "
-            f"flat and whose equal sectors are equal exactly, as the file's are to {self.deviation:.2g} rad"
+            f"{self.isolated} products are of flat and flat-folded states alone)"
         )
+
+    meant = "of the sheet whose vertices fold flat and whose equal sectors are equal exactly"
 
 
 def prove_mesh(
@@ -154,37 +117,22 @@ def prove_mesh(
     search = _Enumeration(mesh, pattern, boxes, until)
     search.run()
     return MeshProof(
-        len(search.known),
-        len(search.products),
-        sum(not f.curves for f in search.products),
-        max((len(f.curves) for f in search.products), default=0),
-        tuple(search.minima),
-        sum(known.maxima for known in search.known.values()),
-        tuple(search.open),
-        mesh.deviation + 4 * UNIT,
-        search.boxes,
-        time.process_time() - started,
+        curves=len(search.known),
+        minima=tuple(search.minima),
+        maxima=sum(known.maxima for known in search.known.values()),
+        undecided=tuple(search.open),
+        deviation=mesh.deviation + 4 * UNIT,
+        moved=mesh.moved,
+        boxes=search.boxes,
+        seconds=time.process_time() - started,
+        products=len(search.products),
+        isolated=sum(not f.curves for f in search.products),
+        together=max((len(f.curves) for f in search.products), default=0),
     )
 
 
-class ProvedMesh(Protocol):
-    """What a certificate has of a proof."""
-
-    @property
-    def minima(self) -> Sequence[MeshMinimum]:
-        """Each once."""
-
-    @property
-    def undecided(self) -> Sequence[tuple[np.ndarray, np.ndarray, str]]:
-        """What is left open."""
-
-    @property
-    def deviation(self) -> float:
-        """By how much the sectors of the file differ from what is taken as exact [rad]."""
-
-
 def certificate_of_mesh(
-    pattern: Pattern, proof: ProvedMesh, *, generic: bool = False
+    pattern: Pattern, proof: SheetProof, *, generic: bool = False
 ) -> MeshCertificate:
     """Return the proof of a mesh in the form that is written to a file and checked.
 
@@ -228,7 +176,7 @@ class _Enumeration:
         self.known: dict[Curve, CurveMinima] = {}
         self.products: set[StateProduct] = set()
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
-        self.minima: list[MeshMinimum] = []
+        self.minima: list[SheetMinimum] = []
         self.boxes = 0
         self._local: dict[tuple[tuple[VertexMode, ...], ...], list[StateProduct] | None] = {}
 
@@ -321,7 +269,7 @@ class _Enumeration:
             elif slope < 0:
                 return
         if certain:
-            self.minima.append(MeshMinimum(0.5 * (low + high), float(0.5 * (high - low).max())))
+            self.minima.append(SheetMinimum(0.5 * (low + high), float(0.5 * (high - low).max())))
         else:
             self.open.append((low, high, "whether the energy falls from a state along a curve"))
 

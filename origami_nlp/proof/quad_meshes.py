@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, laid_flat
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
-from origami_nlp.proof.meshes import MeshMinimum
+from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.quad_sheets import QuadMesh, as_quad_mesh, why_no_quad_mesh
 from origami_nlp.proof.quad_states import QuadCurve, QuadStates
 from origami_nlp.proof.strip_contact import APART, CROSSING, StripContact, why_no_strip_contact
@@ -47,57 +47,32 @@ class ThetaInterval(NamedTuple):
     is_root: bool
 
 
-@dataclass(frozen=True)
-class QuadProof:
-    """What is proved of a mesh within fold limits, or of its states in which no facets cross.
+@dataclass(frozen=True, kw_only=True)
+class QuadProof(SheetProof):
+    """What is proved of a mesh of vertices of degree four: the flat state, curves through it, and rigid states.
 
     Attributes
     ----------
-    curves
-        Curves through the flat state.
     choices
         Of a mode at each vertex, that do not contradict each other in signs.
     rigid
         States beside the flat one that stand alone.
-    minima
-        Rigid states, the flat one if no curve goes through it, and minima on the curves; each once.
-    maxima
-        How many maxima of the energy lie inside the curves.
-    undecided
-        What is left open: between which fold angles [n], [n], and why.
-    deviation
-        By how much sectors of the file that are taken as equal differ [rad].
-    boxes, seconds
-        Boxes of theta, and the processor time that they took.
-    contact
-        Whether states in which facets cross are left out, and minima that touching facets hold are listed.
     """
 
-    curves: int
     choices: int
     rigid: int
-    minima: tuple[MeshMinimum, ...]
-    maxima: int
-    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
-    deviation: float
-    boxes: int
-    seconds: float
-    contact: bool
 
     @property
-    def over(self) -> str:
-        """Over which states the statement ranges, in words."""
+    def states(self) -> str:
+        """Where all closed states are, in words."""
         curves = f"{self.curves} curve{'s' * (self.curves != 1)} through it"
-        equal = (
-            f"; of the sheet whose equal sectors are equal exactly, as the file's are to {self.deviation:.2g} rad"
-            * bool(self.deviation)
-        )
-        facets = ", and facets are apart, touch or cross over intervals of them" * self.contact
         return (
-            f"all closed states within fold limits are the flat state, {self.rigid} rigid states that stand alone, and "
+            f"are the flat state, {self.rigid} rigid states that stand alone, and "
             f"{curves}, along which vertices of equal sectors fold alike ({self.choices} choices of a mode at each "
-            f"vertex, the others excluded by intervals){facets}{equal}"
+            "vertex, the others excluded by intervals)"
         )
+
+    meant = "of the sheet whose equal sectors are equal exactly"
 
 
 def prove_quad_mesh(
@@ -141,20 +116,22 @@ def prove_quad_mesh(
     if contact and (why := why_no_strip_contact(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no mesh whose contact can be proved: {why}")
     started = time.process_time()
+    pattern = laid_flat(pattern)
     search = _QuadSearch(mesh, pattern, StripContact(pattern) if contact else None, boxes, until)
     with np.errstate(all="ignore"):
         search.run()
     return QuadProof(
-        search.curves,
-        search.choices,
-        search.rigid,
-        tuple(search.minima),
-        search.maxima,
-        tuple(search.open),
-        mesh.deviation,
-        search.boxes,
-        time.process_time() - started,
-        contact,
+        curves=search.curves,
+        minima=tuple(search.minima),
+        maxima=search.maxima,
+        undecided=tuple(search.open),
+        deviation=mesh.deviation,
+        moved=mesh.moved,
+        boxes=search.boxes,
+        seconds=time.process_time() - started,
+        contact=contact,
+        choices=search.choices,
+        rigid=search.rigid,
     )
 
 
@@ -172,15 +149,15 @@ class _QuadSearch:
         self.mesh, self.pattern, self.facets = mesh, pattern, facets
         self.most, self.until = boxes, until
         self.curves = self.choices = self.rigid = self.maxima = self.boxes = 0
-        self.minima: list[MeshMinimum] = []
+        self.minima: list[SheetMinimum] = []
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
-        self._flat: list[MeshMinimum | None] = []
+        self._flat: list[SheetMinimum | None] = []
 
     def run(self) -> None:
         """Go through all choices; then ask of the flat state."""
         self._choose((), None)
         if not self.curves:
-            self.minima.append(MeshMinimum(np.zeros(self.mesh.creases), 0.0))
+            self.minima.append(SheetMinimum(np.zeros(self.mesh.creases), 0.0))
         elif all(self._flat):
             self.minima += [one for one in self._flat[:1] if one is not None]
         elif any(self._flat):
@@ -284,7 +261,7 @@ class _QuadSearch:
                 )
             elif inside.all():
                 self.rigid += 1
-                self.minima.append(MeshMinimum(side * phi, float(radius.max())))
+                self.minima.append(SheetMinimum(side * phi, float(radius.max())))
 
     def _along(self, modes: tuple[int, ...], signs: dict[int, int]) -> None:
         """Add the minima of a curve along which all loops close."""
@@ -298,9 +275,9 @@ class _QuadSearch:
         self.boxes += examined
         flat = None
         for one in ends.minima():
-            found = MeshMinimum(one.fold_angles, one.radius)
+            found = SheetMinimum(one.fold_angles, one.radius)
             if one.theta[0] <= 0 <= one.theta[1] and not one.at_limit:
-                flat = MeshMinimum(np.zeros(self.mesh.creases), 0.0)
+                flat = SheetMinimum(np.zeros(self.mesh.creases), 0.0)
             else:
                 self.minima.append(found)
         self._flat.append(flat)

@@ -21,7 +21,6 @@ are. So each mesh comes with classes of equal sectors, of which relations that h
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -33,7 +32,16 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact, rational
-from origami_nlp.proof.mesh_states import Vector, cross, directions, dot, sector_sum
+from origami_nlp.proof.flat_sheets import (
+    Round,
+    Vector,
+    between,
+    cross,
+    dot,
+    flat_sheet,
+    sector,
+)
+from origami_nlp.proof.mesh_states import sector_sum
 from origami_nlp.proof.strip_states import Corner, Side, corner_of, why_no_stop
 
 MOST_VERTICES = 12
@@ -76,11 +84,14 @@ class QuadMesh:
         How many.
     deviation
         By how much sectors of the file that are taken as equal differ [rad]; 0 where none do.
+    moved
+        `FlatSheet.moved`.
     """
 
     vertices: tuple[QuadVertex, ...]
     creases: int
     deviation: float
+    moved: float
 
     def signs(self, modes: tuple[int, ...]) -> dict[int, int] | None:
         """Return the signs of folds of the first vertices in these modes; None where they contradict each other."""
@@ -122,68 +133,51 @@ def why_no_quad_mesh(pattern: Pattern) -> str:
 
 def as_quad_mesh(pattern: Pattern) -> tuple[QuadMesh | None, str]:
     """Return the mesh of a pattern, or None and why its states are not enumerated."""
-    if not pattern.is_flat or pattern.corners[:, 2].any():
-        return None, "the reference state is not flat"
-    if pattern.cell:
-        return None, "it is a cell that repeats"
-    if pattern.holes or not pattern.vertices:
-        return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
-    if len(pattern.vertices) > MOST_VERTICES:
-        return None, f"{len(pattern.vertices)} vertices (at most {MOST_VERTICES})"
-    drafts = []
-    for v in pattern.vertices:
-        if len(v.creases) != 4:
-            return None, f"vertex {v.vertex} has not four creases"
-        u = directions(pattern, v.vertex, v.creases)
-        turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
-        if min(turns) <= 0 <= max(turns):
-            return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
+    sheet, why = flat_sheet(pattern)
+    if sheet is None:
+        return None, why
+    if len(sheet.rounds) > MOST_VERTICES:
+        return None, f"{len(sheet.rounds)} vertices (at most {MOST_VERTICES})"
+    for one in sheet.rounds:
+        u = one.directions
         if sector_sum(u) <= CLOSURE_TOL:
-            return None, f"vertex {v.vertex} folds flat"
+            return None, f"vertex {one.vertex} folds flat"
         for i in (0, 1):
             if abs(cross(u[i], u[i + 2])) <= Fraction(CLOSURE_TOL) * abs(dot(u[i], u[i + 2])):
-                return None, f"at vertex {v.vertex} opposite creases are in one line"
-        rings = [v.creases[i:] + v.creases[:i] for i in range(4)]
-        seen = [corner_of(pattern, v.vertex, ring)[:2] for ring in rings]
-        drafts.append((v.creases, seen, u))
+                return None, f"at vertex {one.vertex} opposite creases are in one line"
     # the most sensitive first: least is done to its folds before
     bends = [
         min(
             float(cross(u[i], u[i + 2]) ** 2 / (dot(u[i], u[i]) * dot(u[i + 2], u[i + 2])))
             for i in (0, 1)
         )
-        for _, _, u in drafts
+        for u in (one.directions for one in sheet.rounds)
     ]
-    order = _in_order([d[0] for d in drafts], int(np.argmin(bends)))
-    around = {c for d in drafts for c in d[0]}
-    if len(order) < len(drafts) or len(around) < pattern.creases:
+    order = _in_order([r.creases for r in sheet.rounds], int(np.argmin(bends)))
+    around = {c for r in sheet.rounds for c in r.creases}
+    if len(order) < len(sheet.rounds) or len(around) < pattern.creases:
         return None, "vertices do not hang together, or a crease is none of theirs"
     classes = _Classes()
-    numbers = [classes.of(u) for _, _, u in drafts]
+    numbers = [classes.of(r.directions) for r in sheet.rounds]
     room = 4 * classes.deviation + 16 * UNIT * bool(classes.deviation)
-    vertices = [_vertex(*drafts[i], numbers[i], room) for i in order]
-    return QuadMesh(tuple(vertices), pattern.creases, classes.deviation), ""
+    vertices = [_vertex(sheet.rounds[i], numbers[i], room) for i in order]
+    return QuadMesh(tuple(vertices), pattern.creases, classes.deviation, sheet.moved), ""
 
 
-def _vertex(
-    creases: tuple[int, ...],
-    seen: list[tuple[Corner, Fraction]],
-    u: list[Vector],
-    sectors: tuple[int, ...],
-    room: float,
-) -> QuadVertex:
+def _vertex(ring: Round, sectors: tuple[int, ...], room: float) -> QuadVertex:
+    seen = [corner_of(ring.turned(i)) for i in range(4)]
     corners = tuple(_widened(corner, room) for corner, _ in seen)
     squares = []
     for corner, (_, q) in zip(corners, seen, strict=True):
         near, far = corner.sides
         ball = near.sin_b * near.sin_c * (far.sin_b * far.sin_c).inverse()
         squares.append(ball if room else rational(q))
-    return QuadVertex(creases, corners, tuple(squares), sectors, _signs(u))
+    return QuadVertex(ring.creases, corners, tuple(squares), sectors, _signs(ring))
 
 
-def _signs(u: list[Vector]) -> dict[int, tuple[int, ...]]:
+def _signs(ring: Round) -> dict[int, tuple[int, ...]]:
     """Return the signs of folds in both modes, the first one positive."""
-    sense = _sign(cross(u[0], u[1]))
+    u, sense = ring.directions, ring.sense
     c = [sense * cross(u[i], u[(i + 1) % 4]) for i in range(4)]
     across = _sign(sense * cross(u[0], u[2]))
     # w_2 [13] = -([23] w_1 + [12] w_3), w_4 [13] = [34] w_1 + [41] w_3
@@ -209,11 +203,11 @@ class _Classes:
         """Return the classes of the sectors between directions."""
         found = []
         for a, b in zip(u, u[1:] + u[:1], strict=True):
-            sector = dot(a, b), abs(cross(a, b))
-            off = [_between(sector, other) for other in self.known]
+            own = sector(a, b)
+            off = [between(own, other) for other in self.known]
             number = next((i for i, x in enumerate(off) if x <= CLOSURE_TOL), len(off))
             if number == len(off):
-                self.known.append(sector)
+                self.known.append(own)
             else:
                 self.deviation = max(self.deviation, off[number])
             found.append(number)
@@ -225,12 +219,6 @@ def modes_of(mesh: QuadMesh) -> Iterator[tuple[int, ...]]:
     for modes in itertools.product((1, -1), repeat=len(mesh.vertices)):
         if mesh.signs(modes) is not None:
             yield modes
-
-
-def _between(a: Vector, b: Vector) -> float:
-    """Return the angle between directions, 0 where they are parallel exactly [rad]."""
-    along = dot(a, b)
-    return float(abs(cross(a, b)) / along) if along > 0 else math.pi
 
 
 def _sign(x: Fraction) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, in_plane
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def stated_sheet(pattern: Pattern) -> dict[str, Any]:
             f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
         )
     return {
-        "corners": tuple((x, y) for x, y, _ in pattern.corners.tolist()),
+        "corners": tuple((x, y) for x, y in in_plane(pattern).tolist()),
         "facets": tuple(tuple(map(int, p)) for p in pattern.polygons),
         "creases": tuple((a, b) for a, b in pattern.ends.tolist()),
         "stiffness": tuple(pattern.stiffness.tolist()),

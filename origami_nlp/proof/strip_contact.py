@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.proof.ball_vectors import (
     corner,
     determinant,
@@ -83,7 +83,8 @@ def why_no_strip_contact(pattern: Pattern) -> str:
 
 def _is_convex(pattern: Pattern, polygon: tuple[int, ...]) -> bool:
     """Return whether a polygon is convex, in exact arithmetic; corners of 180 degrees may be."""
-    x = [[Fraction(c) for c in pattern.corners[i, :2].tolist()] for i in polygon]
+    place = in_plane(pattern)
+    x = [[Fraction(c) for c in place[i].tolist()] for i in polygon]
     turns = set()
     for a, b, c in zip(x, x[1:] + x[:1], x[2:] + x[:2], strict=True):
         turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])

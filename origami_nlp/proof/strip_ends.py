@@ -9,6 +9,7 @@ import numpy as np
 
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball
+from origami_nlp.proof.flat_sheets import SheetMinimum
 from origami_nlp.proof.strip_contact import (
     APART,
     CROSSING,
@@ -32,11 +33,13 @@ from origami_nlp.proof.strip_energy import (
 )
 
 BALL = ("centre", "radius")
+WIDEST = 1e-6
+"""Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
 
 
-@dataclass(frozen=True)
-class StripMinimum:
-    """A minimum of the energy on a curve.
+@dataclass(frozen=True, kw_only=True)
+class StripMinimum(SheetMinimum):
+    """A minimum of the energy on a curve, fold angles in the middle of theta.
 
     Attributes
     ----------
@@ -44,10 +47,6 @@ class StripMinimum:
         Of the folds along the row for theta > 0, [k + 1].
     theta
         Two numbers that it lies between [rad].
-    fold_angles
-        In the middle, [n] [rad].
-    radius
-        None of the fold angles differs by more [rad].
     at_limit
         Whether a crease is at +-pi there.
     touching
@@ -58,8 +57,6 @@ class StripMinimum:
 
     signs: tuple[int, ...]
     theta: tuple[float, float]
-    fold_angles: np.ndarray
-    radius: float
     at_limit: bool
     touching: tuple[tuple[int, int], ...] = ()
     stops: tuple[tuple[int, int], ...] = ()
@@ -195,8 +192,10 @@ class CurveEnds:
         return float(self._gaps(piece, touch, theta).sign.min())
 
     def _leave(self, piece: ThetaStretch, why: str) -> None:
-        ends = np.array([piece.lower]), np.array([piece.upper])
-        angles = self.energy.over(np.array([int(piece.curve)]), *ends).angles
+        self._leave_open(int(piece.curve), piece.lower, piece.upper, why)
+
+    def _leave_open(self, curve: int, lower: float, upper: float, why: str) -> None:
+        angles = self.energy.over(np.array([curve]), *np.array([[lower], [upper]])).angles
         low, high = (np.full(len(self.energy.rest), s * math.pi) for s in (-1, 1))
         for crease, a in angles.items():
             low[crease] = np.fmax(-math.pi, a.centre[0] - a.radius[0])
@@ -248,7 +247,12 @@ class CurveEnds:
             at = {self.energy.across[i]: side * math.pi for i, side in folds.items()}
             found.append(self._state(int(piece.curve), low, high, at))
         found += [self._state(curve, x, x, {-1: 0.0}) for curve, x in self._ends]
-        return found + [self._held_state(piece) for piece in self._held]
+        found += [self._held_state(piece) for piece in self._held]
+        for one in found:
+            if not one.radius <= WIDEST:
+                number = np.flatnonzero((self.energy.signs.T == one.signs).all(axis=1))[0]
+                self._leave_open(int(number), *one.theta, "the fold angles of a minimum")
+        return [one for one in found if one.radius <= WIDEST]
 
     def _held_state(self, piece: ThetaStretch) -> StripMinimum:
         """Return the state of a piece where two facets meet, in a narrow box."""
@@ -320,4 +324,6 @@ class CurveEnds:
             phi[crease] = held.get(crease, np.clip(angle.centre[0], -math.pi, math.pi))
             radius = max(radius, float(angle.radius[0]))
         signs = tuple(int(s) for s in self.energy.signs[:, curve])
-        return StripMinimum(signs, (float(low), float(high)), phi, radius, bool(held))
+        return StripMinimum(
+            phi, radius, signs=signs, theta=(float(low), float(high)), at_limit=bool(held)
+        )

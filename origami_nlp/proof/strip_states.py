@@ -24,15 +24,26 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
+from origami_nlp.proof.flat_sheets import (
+    Round,
+    Vector,
+    between,
+    cross,
+    dot,
+    flat_sheet,
+    off_line,
+    sector,
+)
 
 MOST_VERTICES = 8
 """In a row: 256 curves."""
@@ -70,10 +81,11 @@ class Corner(NamedTuple):
 
 @dataclass(frozen=True)
 class Strip:
-    """Vertices in a row, [k], and the squares of rho along it, [k + 1], which are fractions."""
+    """Vertices in a row, [k], the squares of rho along it, [k + 1], which are fractions; and `FlatSheet.moved`."""
 
     corners: tuple[Corner, ...]
     squares: tuple[Fraction, ...]
+    moved: float
 
     @property
     def row(self) -> list[int]:
@@ -100,38 +112,35 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
 
     Sectors are those of the corners as they are, in exact arithmetic.
     """
-    if not pattern.is_flat or pattern.corners[:, 2].any():
-        return None, "the reference state is not flat"
-    if pattern.cell:
-        return None, "it is a cell that repeats"
-    if pattern.holes or not pattern.vertices:
-        return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
-    if any(len(v.creases) != 4 for v in pattern.vertices):
-        return None, "a vertex has not four creases"
-    if len(pattern.vertices) > MOST_VERTICES:
-        return None, f"{len(pattern.vertices)} vertices in a row (at most {MOST_VERTICES})"
-    rounds = [v.creases for v in pattern.vertices]
+    sheet, why = flat_sheet(pattern)
+    if sheet is None:
+        return None, why
+    if len(sheet.rounds) > MOST_VERTICES:
+        return None, f"{len(sheet.rounds)} vertices in a row (at most {MOST_VERTICES})"
+    rounds = [r.creases for r in sheet.rounds]
     why = "vertices are not in a row, each sharing a crease with the next one opposite"
     reasons = []
     for end, first in itertools.product(range(len(rounds)), range(4)):
         order = _row(rounds, end, first)
         if order is None:
             continue
-        corners = [corner_of(pattern, pattern.vertices[v].vertex, c) for v, c in order]
-        bad = next((w for _, _, w in corners if w), "")
-        if bad:
+        rings = [sheet.rounds[v].turned(at) for v, at in order]
+        if bad := next(filter(None, map(_why_no_corner, rings)), ""):
             reasons.append(bad)
             continue
+        corners = [corner_of(ring) for ring in rings]
         # any other crease is a free hinge, whose energy the curves know nothing of
-        around = {crease for c, _, _ in corners for crease in c.creases}
+        around = {crease for c, _ in corners for crease in c.creases}
         if not len(around) == 3 * len(corners) + 1 == pattern.creases:
             reasons.append("a crease is none of the row, or two vertices share more than one")
             continue
         squares = [Fraction(1)]
-        for _, ratio, _ in corners:
+        for _, ratio in corners:
             squares.append(squares[-1] * ratio)
         largest = max(squares)
-        return Strip(tuple(c for c, _, _ in corners), tuple(s / largest for s in squares)), ""
+        return Strip(
+            tuple(c for c, _ in corners), tuple(s / largest for s in squares), sheet.moved
+        ), ""
     return None, min(reasons, default=why)
 
 
@@ -166,15 +175,13 @@ def why_no_stop(pattern: Pattern) -> str:
     return ""
 
 
-def _row(
-    rounds: Sequence[tuple[int, ...]], end: int, first: int
-) -> list[tuple[int, tuple[int, ...]]] | None:
-    """Return all vertices in a row from a crease of one of them, with their creases from there; None: they are not."""
+def _row(rounds: Sequence[tuple[int, ...]], end: int, first: int) -> list[tuple[int, int]] | None:
+    """Return all vertices in a row from a crease of one, each with the place where it begins; None: they are not."""
     order, vertex, crease = [], end, rounds[end][first]
     while True:
         at = rounds[vertex].index(crease)
         ring = rounds[vertex][at:] + rounds[vertex][:at]
-        order.append((vertex, ring))
+        order.append((vertex, at))
         beyond = [v for v, others in enumerate(rounds) if ring[2] in others and v != vertex]
         if not beyond or len(order) > len(rounds):
             break
@@ -182,57 +189,39 @@ def _row(
     return order if sorted(v for v, _ in order) == list(range(len(rounds))) else None
 
 
-def corner_of(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corner, Fraction, str]:
-    """Return a vertex, q of its row, and why it is refused."""
-    place = pattern.corners[:, :2]
-    away = [int(pattern.ends[c].sum()) - vertex for c in ring]
-    u = [
-        [Fraction(x) - Fraction(y) for x, y in zip(place[w], place[vertex], strict=True)]
-        for w in away
-    ]
-
-    def cross(i: int, j: int) -> Fraction:
-        return u[i][0] * u[j][1] - u[i][1] * u[j][0]
-
-    def dot(i: int, j: int) -> Fraction:
-        return u[i][0] * u[j][0] + u[i][1] * u[j][1]
-
-    name, why = f"vertex {vertex}", ""
-    a1, a2, a3, a4 = (cross(i, (i + 1) % 4) for i in range(4))
-    q = Fraction(1)
-    if min(a1, a2, a3, a4) <= 0 <= max(a1, a2, a3, a4):
-        why = f"{name} has a sector of 180 degrees or more"
-    else:
-        q = a1 * a4 * dot(2, 2) / (a2 * a3 * dot(0, 0))
-        if cross(1, 3) == 0:
-            why = f"at {name} the creases across the row are in one line"
-        elif cross(0, 2) == 0 and a1**2 * dot(3, 3) == a4**2 * dot(1, 1):
-            why = f"{name} is symmetric about the row"
-    sense = 1 if a1 > 0 else -1
-    sides = tuple(_side(cross, dot, sense, *three) for three in ((1, 0, 3), (1, 2, 3)))
-    directions = np.array([[float(x) for x in v] for v in u])
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
-    return Corner(ring, sides, directions), q, why  # type: ignore[arg-type]
+def _why_no_corner(ring: Round) -> str:
+    """Return why the folds of a vertex, its creases from one of the row, are not known; "" where they are."""
+    u = ring.directions
+    if off_line(u[1], u[3]) <= CLOSURE_TOL:
+        return f"at vertex {ring.vertex} the creases across the row are in one line"
+    beside = sector(u[0], u[1]), sector(u[3], u[0])
+    if off_line(u[0], u[2]) <= CLOSURE_TOL and between(*beside) <= CLOSURE_TOL:
+        return f"vertex {ring.vertex} is symmetric about the row"
+    return ""
 
 
-def _side(
-    cross: Callable[[int, int], Fraction],
-    dot: Callable[[int, int], Fraction],
-    sense: int,
-    second: int,
-    row: int,
-    fourth: int,
-) -> Side:
-    """Return the sectors between a crease of the row and the two across, from products of directions of creases."""
+def corner_of(ring: Round) -> tuple[Corner, Fraction]:
+    """Return a vertex, from one of its creases, and q of the row of that."""
+    u = ring.directions
+    a1, a2, a3, a4 = (cross(u[i], u[(i + 1) % 4]) for i in range(4))
+    q = a1 * a4 * dot(u[2], u[2]) / (a2 * a3 * dot(u[0], u[0]))
+    sides = tuple(_side(u, ring.sense, *three) for three in ((1, 0, 3), (1, 2, 3)))
+    unit = np.array([[float(x) for x in v] for v in u])
+    unit /= np.linalg.norm(unit, axis=1)[:, None]
+    return Corner(ring.creases, sides, unit), q  # type: ignore[arg-type]
 
-    def over(value: Fraction, *creases: int) -> Ball:
+
+def _side(u: Sequence[Vector], sense: int, before: int, at: int, after: int) -> Side:
+    """Return the sectors between a crease of the row and the two across, from directions of creases."""
+    second, row, fourth = u[before], u[at], u[after]
+
+    def over(value: Fraction, *creases: Vector) -> Ball:
         """Divide by the lengths of directions: exact but for one root."""
         square = math.prod((dot(c, c) for c in creases), start=Fraction(1))
         return rational(value) * rational(square).root().inverse()
 
-    turn = (
-        sense if row == 0 else -sense
-    )  # sectors run from crease 4 over 1 to 2, and from 2 over 3 to 4
+    # sectors run from crease 4 over 1 to 2, and from 2 over 3 to 4
+    turn = sense if at == 0 else -sense
     sin_sum, cos_sum = turn * cross(fourth, second), dot(fourth, second)
     far = dot(second, second) * dot(fourth, fourth)
     sin_apart = abs(cross(row, second)) * dot(row, fourth) - abs(cross(row, fourth)) * dot(

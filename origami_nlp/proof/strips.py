@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, laid_flat
+from origami_nlp.proof.flat_sheets import SheetProof
 from origami_nlp.proof.sheet_certificate import OpenInterval, stated_sheet
 from origami_nlp.proof.strip_certificate import (
     CertifiedCurve,
@@ -52,45 +53,26 @@ FIRST = np.array([-BEYOND, -1.0, -0.1, 0.13, 1.0, BEYOND])
 """Where the first boxes end [rad]: the flat state, theta = 0, is within one, at any depth."""
 
 
-@dataclass(frozen=True)
-class StripProof:
-    """What is proved of a strip within fold limits, or of its states in which no facets cross.
+@dataclass(frozen=True, kw_only=True)
+class StripProof(SheetProof):
+    """What is proved of a strip: all closed states lie on curves through the flat state.
 
     Attributes
     ----------
-    curves
-        Curves through the flat state on which all closed states lie.
-    minima
-        On them, each once.
-    maxima
-        How many maxima of the energy lie inside the curves.
-    undecided
-        What is left open: between which fold angles [n], [n], and why.
-    boxes, seconds
-        Boxes of theta, and the processor time that they took.
-    contact
-        Whether states in which facets cross are left out, and minima that touching facets hold are listed.
     row
         Creases along the row, from 0.
     claims
         What is claimed of each curve, box by box, for a certificate.
     """
 
-    curves: int
     minima: tuple[StripMinimum, ...]
-    maxima: int
-    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
-    boxes: int
-    seconds: float
-    contact: bool = False
-    row: tuple[int, ...] = ()
-    claims: tuple[CertifiedCurve, ...] = field(default=(), repr=False)
+    row: tuple[int, ...]
+    claims: tuple[CertifiedCurve, ...] = field(repr=False)
 
     @property
-    def over(self) -> str:
-        """Over which states the statement ranges, in words."""
-        facets = ", and facets are apart, touch or cross over intervals of them" * self.contact
-        return f"all closed states within fold limits lie on {self.curves} curves through the flat state{facets}"
+    def states(self) -> str:
+        """Where all closed states are, in words."""
+        return f"lie on {self.curves} curves through the flat state"
 
 
 def prove_strip(
@@ -137,6 +119,7 @@ def prove_strip(
     if contact and (why := why_no_strip_contact(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no strip whose contact can be proved: {why}")
     started = time.process_time()
+    pattern = laid_flat(pattern)
     k = len(strip.corners)
     signs = np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=k)], float).T
     energy = StripEnergy(strip, pattern, signs)
@@ -144,17 +127,18 @@ def prove_strip(
     ends, curves, examined = along_curves(energy, facets, boxes, until)
     with np.errstate(all="ignore"):
         minima = ends.minima()
-    seconds = time.process_time() - started
     return StripProof(
-        signs.shape[1],
-        tuple(minima),
-        ends.maxima,
-        tuple(ends.open),
-        examined,
-        seconds,
-        contact,
-        tuple(strip.row),
-        tuple(curves),
+        curves=signs.shape[1],
+        minima=tuple(minima),
+        maxima=ends.maxima,
+        undecided=tuple(ends.open),
+        deviation=0.0,
+        moved=strip.moved,
+        boxes=examined,
+        seconds=time.process_time() - started,
+        contact=contact,
+        row=tuple(strip.row),
+        claims=tuple(curves),
     )
 
 

@@ -107,7 +107,7 @@ def test_what_is_no_strip():
         == "vertices are not in a row, each sharing a crease with the next one opposite"
     )
     assert (
-        why_no_strip(wheel([1.0, 1.2, 0.9, 1.3, math.tau - 4.4])) == "a vertex has not four creases"
+        why_no_strip(wheel([1.0, 1.2, 0.9, 1.3, math.tau - 4.4])) == "vertex 0 has not four creases"
     )
     assert "180 degrees" in why_no_strip(wheel([0.5, 0.6, 0.7, math.tau - 1.8]))
     with pytest.raises(OptionError, match="no strip that can be proved: at vertex"):

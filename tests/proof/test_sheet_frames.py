@@ -1,0 +1,111 @@
+"""Proofs of sheets do not hang on labels, nor on where the sheet lies, how large it is or from where it is seen."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern import frame_pattern, laid_flat, parse_fold
+from origami_nlp.pattern_problem import pattern_to_fold
+from origami_nlp.proof import (
+    certificate_of_mesh,
+    certificate_of_strip,
+    check_proof,
+    prove_mesh,
+    prove_quad_mesh,
+    prove_strip,
+    why_no_mesh,
+    why_no_quad_mesh,
+    why_no_strip,
+    why_no_strip_contact,
+)
+from tests.proof.test_quad_meshes import half_turns, quads
+from tests.relabelled import relabelled
+
+slow = pytest.mark.slow
+WHY = why_no_strip, why_no_mesh, why_no_quad_mesh, why_no_strip_contact
+
+
+def same_list(proof, copy, creases, sign):
+    """Whether all minima of a proof are those of the copy's, to their radii; and nothing else is said."""
+    assert len(proof.minima) == len(copy.minima)
+    assert (proof.curves, proof.maxima) == (copy.curves, copy.maxima)
+    assert len(proof.undecided) == len(copy.undecided)
+    left = list(copy.minima)
+    for one in proof.minima:
+        phi = sign * one.fold_angles[creases]
+        off = [np.abs(phi - m.fold_angles).max() - m.radius - one.radius for m in left]
+        assert min(off) < 1e-7
+        del left[int(np.argmin(off))]
+
+
+def strip():
+    sheet = o.examples.pattern("metasheet", 2, 3)
+    rng = np.random.default_rng(3)
+    return sheet.with_springs(
+        stiffness=10 ** rng.uniform(-1, 1, sheet.creases),
+        rest_angles=rng.uniform(-3, 3, sheet.creases),
+    )
+
+
+CASES = [
+    (lambda: half_turns(1), prove_quad_mesh, lambda s, p: certificate_of_mesh(s, p, generic=True)),
+    (lambda: quads(28), prove_quad_mesh, lambda s, p: certificate_of_mesh(s, p, generic=True)),
+    (strip, prove_strip, certificate_of_strip),
+    (lambda: o.examples.pattern("miura", 2, 3), prove_mesh, certificate_of_mesh),
+]
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+@pytest.mark.parametrize(
+    ("seed", "mirror", "over"),
+    [
+        (0, False, True),
+        pytest.param(1, True, False, marks=slow),
+        pytest.param(2, True, True, marks=slow),
+        pytest.param(3, False, False, marks=slow),
+    ],
+)
+def test_labels_and_places_change_nothing(case, seed, mirror, over):
+    make, prove, certificate = CASES[case]
+    sheet = make()
+    copy, creases, sign = relabelled(sheet, seed, mirror, over)
+    assert np.ptp(copy.corners[:, 2]) > 0.1
+    # corners have other numbers in reasons
+    assert [bool(why(copy)) for why in WHY] == [bool(why(sheet)) for why in WHY]
+    proof = prove(copy)
+    same_list(prove(sheet), proof, creases, sign)
+    found = check_proof(certificate(copy, proof))
+    assert found.lines[0].startswith("checked: complete")
+
+
+@pytest.mark.parametrize("scale", [1e-3, pytest.param(70.0, marks=slow)])
+def test_shifted_and_scaled_sheets_have_the_same_minima(scale):
+    sheet = half_turns(1)
+    # above the plane z = 0, which is all that is shifted exactly
+    copy = replace(sheet, corners=scale * sheet.corners + (0.0, 0.0, 3.0))
+    same_list(prove_quad_mesh(sheet), prove_quad_mesh(copy), np.arange(sheet.creases), 1.0)
+
+
+def test_contact_of_strips_is_that_of_the_sheet_turned():
+    sheet = strip()
+    copy, creases, sign = relabelled(sheet, 5)
+    same_list(prove_strip(sheet, contact=True), prove_strip(copy, contact=True), creases, sign)
+
+
+def test_corners_out_of_the_plane_are_no_flat_sheet():
+    copy, _, _ = relabelled(quads(28), 1)
+    corners = copy.corners.copy()
+    corners[3] += 1e-6 * np.cross(*(corners[[1, 2]] - corners[0]))
+    reasons = [why(replace(copy, corners=corners)) for why in WHY[:3]]
+    assert reasons == ["the corners of the flat state are not in one plane"] * 3
+
+
+def test_a_turned_sheet_is_written_as_it_is():
+    copy, _, _ = relabelled(half_turns(1), 2)
+    (frame,) = parse_fold(json.dumps(pattern_to_fold(copy)))
+    read = frame_pattern(frame)
+    assert np.allclose(read.lengths, copy.lengths, rtol=1e-12)
+    assert np.array_equal(laid_flat(copy).corners[:, 2], np.zeros(len(copy.corners)))
