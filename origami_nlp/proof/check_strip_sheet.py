@@ -67,6 +67,7 @@ class FlatDisk:
     """
 
     def __init__(self, said: StatedSheet) -> None:
+        self.said = said
         self.stiffness = [arb(k) for k in said.stiffness]
         self.rest = [arb(r) for r in said.rest]
         self.points = [tuple(map(Fraction, p)) for p in said.corners]
@@ -130,6 +131,20 @@ class FlatDisk:
             if edge not in self.beside:
                 return None
 
+    def walk(self) -> Iterator[tuple[int, int, int, int]]:
+        """Yield each facet but the first from one before it, the crease between, and +-1: from its right or left."""
+        front, seen = [0], {0}
+        for f in front:
+            ring = self.facets[f]
+            for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
+                g = self.beside.get((b, a))
+                if g is not None and g not in seen:
+                    seen.add(g)
+                    front.append(g)
+                    c = self.crease[frozenset((a, b))]
+                    # f is on the left of (a, b)
+                    yield g, f, c, -1 if self.said.creases[c] == (a, b) else 1
+
 
 class FlatSheet(FlatDisk):
     """The sheet of a strip.
@@ -142,7 +157,7 @@ class FlatSheet(FlatDisk):
 
     def __init__(self, said: StripCertificate) -> None:
         super().__init__(said)
-        self.said = said
+        self.said: StripCertificate = said
         self.vertices, self.squares = self._row()
         laws = said.laws or (None,) * len(self.rest)
         self.laws = [None if law is None else ExactLaw(law, 0.0) for law in laws]
@@ -241,20 +256,6 @@ class FlatSheet(FlatDisk):
     def factors(self) -> list[tuple[bool, Any, Any]]:
         """Of each crease of the row: whether rho is 1; rho; 1 - rho^2."""
         return [(s == 1, _ball(s).sqrt(), _ball(1 - s)) for s in self.squares]
-
-    def walk(self) -> Iterator[tuple[int, int, int, int]]:
-        """Yield each facet but the first from one before it, the crease between, and +-1: from its right or left."""
-        front, seen = [0], {0}
-        for f in front:
-            ring = self.facets[f]
-            for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
-                g = self.beside.get((b, a))
-                if g is not None and g not in seen:
-                    seen.add(g)
-                    front.append(g)
-                    c = self.crease[frozenset((a, b))]
-                    # f is on the left of (a, b)
-                    yield g, f, c, -1 if self.said.creases[c] == (a, b) else 1
 
 
 class CurveStates:

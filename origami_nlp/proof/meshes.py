@@ -16,11 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, laid_flat
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.mesh_certificate import MeshCertificate
+from origami_nlp.proof.mesh_contact import MeshContact, why_no_mesh_contact
 from origami_nlp.proof.mesh_curves import CurveEnergy, CurveMinima, fold
 from origami_nlp.proof.mesh_states import (
     MOST_MODES,
@@ -72,6 +73,7 @@ class MeshProof(SheetProof):
 def prove_mesh(
     pattern: Pattern,
     *,
+    contact: bool = False,
     boxes: int = 1_000_000,
     until: float = math.inf,
     modes: int = MOST_MODES,
@@ -82,6 +84,8 @@ def prove_mesh(
     ----------
     pattern
         Flat vertices of degree four, opposite sectors of each summing to 180 degrees; in any order, with cycles.
+    contact
+        Whether facets must not cross.
     boxes
         At most so many boxes of theta; what is left is undecided.
     until
@@ -97,7 +101,8 @@ def prove_mesh(
     Raises
     ------
     OptionError
-        If the pattern is no such mesh: `why_no_mesh` says why.
+        If the pattern is no such mesh, or its contact cannot be proved: `why_no_mesh` and `why_no_mesh_contact` say
+        why.
 
     Examples
     --------
@@ -113,18 +118,21 @@ def prove_mesh(
         raise OptionError(
             f"pattern = {pattern.title}: no mesh that can be proved: {why or why_no_mesh(pattern)}"
         )
+    if contact and (why := why_no_mesh_contact(pattern)):
+        raise OptionError(f"pattern = {pattern.title}: no mesh whose contact can be proved: {why}")
     started = time.process_time()
-    search = _Enumeration(mesh, pattern, boxes, until)
-    search.run()
+    search = _Enumeration(mesh, laid_flat(pattern), boxes, until)
+    search.run(contact)
     return MeshProof(
-        curves=len(search.known),
+        curves=len({c for f in search.products for c in f.curves}),
         minima=tuple(search.minima),
-        maxima=sum(known.maxima for known in search.known.values()),
+        maxima=search.maxima,
         undecided=tuple(search.open),
         deviation=mesh.deviation + 4 * UNIT,
         moved=mesh.moved,
         boxes=search.boxes,
         seconds=time.process_time() - started,
+        contact=contact,
         products=len(search.products),
         isolated=sum(not f.curves for f in search.products),
         together=max((len(f.curves) for f in search.products), default=0),
@@ -177,10 +185,10 @@ class _Enumeration:
         self.products: set[StateProduct] = set()
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self.minima: list[SheetMinimum] = []
-        self.boxes = 0
+        self.boxes = self.maxima = 0
         self._local: dict[tuple[tuple[VertexMode, ...], ...], list[StateProduct] | None] = {}
 
-    def run(self) -> None:
+    def run(self, contact: bool) -> None:
         """Go through all products, and ask of each state that may be a minimum whether it is."""
         for modes in itertools.product(*(c.modes for c in self.mesh.crossings)):
             if self._late():
@@ -190,6 +198,12 @@ class _Enumeration:
                     self._leave(None, "whether a loop of vertices moves is not certain")
                 else:
                     self.products.add(product)
+        if contact:
+            curves = [c for product in sorted(self.products, key=_order) for c in product.curves]
+            held = MeshContact(self.mesh, self.pattern, curves, self.most, self.until)
+            self.minima, self.maxima, self.boxes = held.minima, held.maxima, held.boxes
+            self.open += held.open
+            return
         places: dict[tuple[Place, ...], None] = {}
         for product in sorted(self.products, key=_order):
             for found in self._candidates(product):
@@ -215,6 +229,7 @@ class _Enumeration:
             energy = CurveEnergy(self.mesh, curve, self.pattern.stiffness, self.pattern.rest)
             self.known[curve] = energy.minima(max(0, self.most - self.boxes))
             self.boxes += self.known[curve].boxes
+            self.maxima += self.known[curve].maxima
         return self.known[curve]
 
     def _candidates(self, product: StateProduct) -> Iterator[tuple[Place, ...]]:

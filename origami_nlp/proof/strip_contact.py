@@ -238,7 +238,11 @@ class StripContact:
             sides = []
             for p in pair:
                 polygon = self.pattern.polygons[p]
-                far = _sides(facets.over[p].value, facets.over[base].value).sign[:, 0].tolist()
+                far = (
+                    sides_of_plane(facets.over[p].value, facets.over[base].value)
+                    .sign[:, 0]
+                    .tolist()
+                )
                 beyond = {s for s, v in zip(far, polygon, strict=True) if v not in own | folded}
                 if p == over:
                     beyond = {fold}
@@ -313,7 +317,7 @@ def _determinant_normal(y: Ball, n: int) -> Ball:
 
 def _axes(x: np.ndarray, y: np.ndarray) -> Iterator[np.ndarray]:
     """Yield normals of planes that may separate two plane polygons, [3, C, K] each."""
-    (n, e), (m, f) = (_normal_and_sides(z) for z in (x, y))
+    (n, e), (m, f) = (_normal_andsides_of_plane(z) for z in (x, y))
     yield n[:, None]
     yield m[:, None]
     yield np.cross(n[:, None], e, axis=0)
@@ -321,7 +325,7 @@ def _axes(x: np.ndarray, y: np.ndarray) -> Iterator[np.ndarray]:
     yield np.cross(e[:, :, None], f[:, None], axis=0).reshape(3, -1, x.shape[2])
 
 
-def _normal_and_sides(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _normal_andsides_of_plane(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the normal [3, K] and the sides [3, q, K] of a polygon."""
     return np.cross(x, np.roll(x, -1, axis=1), axis=0).sum(axis=1), np.roll(x, -1, axis=1) - x
 
@@ -338,7 +342,7 @@ def _passes_through(facets: Facets, a: int, b: int) -> np.ndarray:
     Where edges pass edges at both ends of a crossing, as in sheets with half-turns, a diagonal alone does.
     """
     x, y = facets.over[a].value, facets.over[b].value
-    side = _sides(x, y).sign
+    side = sides_of_plane(x, y).sign
     found = np.zeros(side.shape[1:], bool)
     for steps in range(1, len(side) // 2 + 1):
         turn = _orientations(x, y, steps).sign
@@ -347,7 +351,7 @@ def _passes_through(facets: Facets, a: int, b: int) -> np.ndarray:
     return found
 
 
-def _sides(x: Ball, y: Ball) -> Ball:
+def sides_of_plane(x: Ball, y: Ball) -> Ball:
     """Return on which side of the plane of polygon y corners x are, [q, K]."""
     n = y.centre.shape[1]
     q = [part(y, np.s_[:, i : i + 1]) for i in (0, n // 3, 2 * n // 3)]
@@ -397,7 +401,7 @@ def _nearest(x: np.ndarray, y: np.ndarray) -> Iterator[tuple[float, int, int]]:
 def _corner_on_facet(facets: Facets, a: int, b: int, i: int) -> FacetTouch | None:
     """Return how corner i of polygon a meets polygon b, if its others are on one side and a side at it goes through."""
     x, y = facets.over[a].value, facets.over[b].value
-    side = _sides(x, y).sign[:, 0]
+    side = sides_of_plane(x, y).sign[:, 0]
     others = np.delete(side, i)
     if not (others != 0).all() or not (others == others[0]).all():
         return None
@@ -422,7 +426,7 @@ def _edge_on_edge(facets: Facets, a: int, b: int, i: int, j: int) -> FacetTouch 
     sign = above[0]
     if sign == 0 or not ((above == sign).all() and (below == -sign).all()):
         return None
-    ends = _sides(y, x).sign[[j, j2], 0]
+    ends = sides_of_plane(y, x).sign[[j, j2], 0]
     turn = np.delete(_orientations(y, x).sign[j, :, 0], i)
     # past side i itself it turns as -sign g: as past all others where g < 0
     if ends[0] * ends[1] >= 0 or not (turn == sign).all():

@@ -166,7 +166,8 @@ class ThetaBoxes:
 
     def passing(self) -> np.ndarray:
         """Return which folds across the row may be at +-pi, [creases across, K]; where nothing is known, too."""
-        return np.array([~(self.angles[c].magnitude < HALF_TURN) for c in self.energy.across])
+        found = [~(self.angles[c].magnitude < HALF_TURN) for c in self.energy.across]
+        return np.array(found, bool).reshape(len(self.energy.across), len(self.half))
 
     def leaving(self, moving: np.ndarray) -> np.ndarray:
         """Return which folds across the row, moving up or down, certainly come from a limit or do not get to theirs,
@@ -180,7 +181,7 @@ class ThetaBoxes:
             found.append(
                 (within[0] & (ends[0].sign == -sign)) | (within[1] & (ends[1].sign == sign))
             )
-        return np.array(found)
+        return np.array(found, bool).reshape(len(self.energy.across), len(self.half))
 
     def gap(self, stop: Stop) -> Ball:
         """Return how far a fold is from a stop over the boxes, negative beyond it."""
@@ -298,8 +299,9 @@ def kinds_of_boxes(
     kind[inside & ~boxes.at.closes().all(axis=0)] = OUTSIDE
     # folds that pass a limit, each once, of one vertex one at most: towards larger theta they grow to pi or fall to -pi
     rates = [boxes.box.slopes[c].value for c in energy.across]
-    moving = np.array([r.sign for r in rates])
-    once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates])
+    moving = np.array([r.sign for r in rates], float).reshape(passing.shape)
+    once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates], bool)
+    once = once.reshape(passing.shape)
     known = (once | ~passing).all(axis=0)
     for one, other in energy.strip.beside:
         known &= ~(passing[one] & passing[other])
