@@ -170,19 +170,21 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
         prove_mesh,
         prove_quad_mesh,
         prove_strip,
+        why_no_mesh_contact,
         why_no_quad_mesh,
         why_no_strip,
         why_no_strip_contact,
         write_certificate,
     )
 
+    contact = getattr(result.search, "contact", "full") == "full"
     if why_no_strip(result.pattern):
         generic = not why_no_quad_mesh(result.pattern)
+        facets = contact and not generic and not why_no_mesh_contact(result.pattern)
         prover = prove_quad_mesh if generic else prove_mesh
-        mesh = prover(result.pattern, boxes=boxes)
+        mesh = prover(result.pattern, contact=facets, boxes=boxes)
         write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
         return
-    contact = getattr(result.search, "contact", "full") == "full"
     facets = contact and not why_no_strip_contact(result.pattern)
     proof = prove_strip(result.pattern, contact=facets, boxes=boxes)
     write_certificate(certificate_of_strip(result.pattern, proof), file)

@@ -24,6 +24,7 @@ from origami_nlp.proof import (
     prove_quad_mesh,
     prove_strip,
     why_no_mesh,
+    why_no_mesh_contact,
     why_no_quad_mesh,
     why_no_strip,
     why_no_strip_contact,
@@ -102,7 +103,8 @@ def prove_list(
     until = min(problem.until, time.monotonic() + seconds)
     facets = contact and not why_no_strip_contact(pattern)
     if why and generic:
-        mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
+        facets = contact and not why_no_mesh_contact(pattern)
+        mesh = prove_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
         return hold_against(mesh, problem, known, contact)
     if why:
         quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
@@ -171,10 +173,10 @@ def hold_against(
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
-        why = "a mesh" if isinstance(proof, MeshProof) else why_no_strip_contact(problem.pattern)
+        reason = why_no_mesh_contact if isinstance(proof, MeshProof) else why_no_strip_contact
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
-            f"{why}: states that touching facets hold are not enumerated"
+            f"{reason(problem.pattern)}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(

@@ -183,6 +183,7 @@ def _check_sheet(
     import flint
 
     from origami_nlp.proof.check_mesh import MeshCheck
+    from origami_nlp.proof.check_mesh_contact import MeshContactCheck
     from origami_nlp.proof.check_points import Refused
     from origami_nlp.proof.check_quads import QuadCheck
     from origami_nlp.proof.check_strips import BITS, StripCheck
@@ -205,8 +206,11 @@ def _check_sheet(
             "quaternions",
         ]
     else:
-        check = MeshCheck(said, progress)
+        check = (MeshContactCheck if said.contact else MeshCheck)(said, progress)
         about = [
+            "facets round a vertex that closes with q = +1 do not cross, being convex"
+        ] * said.contact
+        about += [
             f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
             "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
             "proportional, or creases in one line are at +-180 degrees, or those across are 0",

@@ -16,7 +16,7 @@ from flint import arb, arb_series
 
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_boxes import ThetaBall
-from origami_nlp.proof.check_strip_sheet import FlatSheet
+from origami_nlp.proof.check_strip_sheet import FlatDisk
 from origami_nlp.proof.strip_certificate import CertifiedTouch
 
 Point: TypeAlias = Any
@@ -31,6 +31,8 @@ class CheckedContact:
     ----------
     sheet
         With convex facets of which no two share a corner of the border alone.
+    slack
+        Ball round 0 in which directions of creases differ from those that are stated.
 
     Raises
     ------
@@ -38,7 +40,7 @@ class CheckedContact:
         If it is another.
     """
 
-    def __init__(self, sheet: FlatSheet) -> None:
+    def __init__(self, sheet: FlatDisk, slack: Any = 0) -> None:
         self.sheet = sheet
         facets = sheet.facets
         for ring in facets:
@@ -60,7 +62,7 @@ class CheckedContact:
             p, q = ([arb(float(x)) for x in sheet.said.corners[i]] for i in (a, b))
             u, v = q[0] - p[0], q[1] - p[1]
             length = (u * u + v * v).sqrt()
-            self.axes[crease] = (p, u / length, v / length)
+            self.axes[crease] = (p, u / length + slack, v / length + slack)
         self.beside: dict[int, dict[int, int]] = {f: {} for f in range(len(facets))}
         for (a, b), here in sheet.beside.items():
             there = sheet.beside.get((b, a))
@@ -126,13 +128,25 @@ class CheckedContact:
         Weakly: a fold that is nowhere 0 and reaches 180 degrees at most keeps its facet on one side of the one beside
         it, until both are in one plane; then over all states of the box that close.
         """
+        return not any(True for p in self._not_apart(over, weakly) if p not in but)
+
+    def open_pairs(self, over: ThetaBall) -> list[tuple[int, int]]:
+        """Return the pairs that are not certainly apart over a box."""
+        return list(self._not_apart(over, False))
+
+    def _not_apart(self, over: ThetaBall, weakly: bool) -> Iterator[tuple[int, int]]:
         balls, _, middle = self._over(over)
-        return all(
-            _plane_between(balls[a], balls[b], middle[a], middle[b])
-            or self._beside(over, a, b, weakly)
-            for a, b in self.pairs
-            if (a, b) not in but
-        )
+        for a, b in self.pairs:
+            if not (
+                _plane_between(balls[a], balls[b], middle[a], middle[b])
+                or self._beside(over, a, b, weakly)
+            ):
+                yield a, b
+
+    @property
+    def sizes(self) -> list[int]:
+        """How many corners the facets have."""
+        return [len(f) for f in self.sheet.facets]
 
     def _beside(self, over: ThetaBall, a: int, b: int, weakly: bool) -> bool:
         """Return whether the plane of some facet is between two, corners of it in it."""
@@ -190,10 +204,11 @@ class CheckedContact:
             return 0
         if not self.apart(over, but=pairs):
             return 0
-        slopes = {self._meets(over, t) for t in touches}
+        slopes = {self.meets(over, t) for t in touches}
         return slopes.pop() if len(slopes) == 1 else 0
 
-    def _meets(self, over: ThetaBall, touch: CertifiedTouch) -> int:
+    def meets(self, over: ThetaBall, touch: CertifiedTouch) -> int:
+        """Return the sign of the slope of a gap that says whether its facets are apart or cross; 0: it does not."""
         balls, series, _ = self._over(over)
         sign = self._apart_sign(balls, touch)
         if not sign:

@@ -28,6 +28,10 @@ from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.sheet_certificate import StatedSheet
 from origami_nlp.proof.strip_certificate import StripCertificate
 
+FLAT = 1e-12
+"""Deviation from folding flat, up to which a vertex is one that does [rad]."""
+NEAR = 1e-6
+"""Share by which a square of rho is less than the largest, of a vertex that may fold flat."""
 CHANGE = 0.8
 """Theta beyond which the half-angle is measured from 90 degrees [rad]."""
 
@@ -222,6 +226,11 @@ class FlatSheet(FlatDisk):
         ):
             raise Refused("a vertex or a crease is none of the row")
         largest = max(squares)
+        for vertex, square in zip(rounds, squares, strict=False):
+            d, t = vertex.dots, vertex.turns
+            off = d[0][1] * t[2][3] + t[0][1] * d[2][3]  # sin(a1 + a3)
+            if largest - square <= NEAR * largest and not abs(off) > FLAT:
+                raise Refused("a vertex folds flat: signs of folds at +-180 degrees may be others")
         return rounds, [s / largest for s in squares]
 
     def _vertex(self, v: int, ring: list[int]) -> tuple[Round, Fraction]:

@@ -175,3 +175,10 @@ def off_line(a: Vector, b: Vector) -> float:
     """Return the angle by which directions miss 180 degrees [rad]; infinite from 90 degrees."""
     along = dot(a, b)
     return float(abs(cross(a, b)) / -along) if along < 0 else math.inf
+
+
+def sector_sum(u: Sequence[Vector]) -> float:
+    """Return by how much the first and third sector miss 180 degrees [rad]."""
+    (x, y), (z, w) = ((dot(u[i], u[i + 1]), cross(u[i], u[i + 1])) for i in (0, 2))
+    real, imaginary = x * z - y * w, x * w + y * z
+    return float(abs(imaginary) / -real) if real < 0 else math.pi

@@ -36,6 +36,8 @@ from origami_nlp.proof.strip_energy import StripEnergy
 from origami_nlp.proof.strip_states import FoldStates, is_narrow
 from origami_nlp.proof.strips import along_curves
 
+MOST_BOXES = 4_000
+"""Of a curve: facets that meet all but together at its end would take any number."""
 MOST_FOLDED = 4_096
 """Ways to fold all creases to +-180 degrees, at most."""
 
@@ -242,7 +244,7 @@ class MeshContact:
         curve = FoldingCurve(self.mesh, rows, self.pattern)
         turns = np.array([[curve.turns[c]] for c in range(self.mesh.creases)], float)
         energy = FoldingEnergy(curve, self.pattern, turns)
-        left = max(0, self.most - self.boxes)
+        left = min(max(0, self.most - self.boxes), MOST_BOXES)
         ends, claims, examined = along_curves(energy, self._facets, left, self.until)
         self.boxes += examined
         self.maxima += ends.maxima

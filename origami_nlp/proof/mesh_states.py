@@ -32,7 +32,7 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact
-from origami_nlp.proof.flat_sheets import Vector, cross, dot, flat_sheet, off_line
+from origami_nlp.proof.flat_sheets import cross, dot, flat_sheet, off_line, sector_sum
 
 MOST_MODES = 5_000
 """Choices of a sign and a branch at each vertex, at most."""
@@ -329,13 +329,6 @@ def why_no_mesh(pattern: Pattern, modes: int = MOST_MODES) -> str:
     if pattern.laws:
         return "creases have hinge laws: proofs of meshes know linear springs only"
     return as_folding_mesh(pattern, modes)[1]
-
-
-def sector_sum(u: Sequence[Vector]) -> float:
-    """Return by how much the first and third sector miss 180 degrees [rad]."""
-    (x, y), (z, w) = ((dot(u[i], u[i + 1]), cross(u[i], u[i + 1])) for i in (0, 2))
-    real, imaginary = x * z - y * w, x * w + y * z
-    return float(abs(imaginary) / -real) if real < 0 else math.pi
 
 
 def _rows(creases: int, crossings: Sequence[Crossing]) -> tuple[tuple[int, ...], ...]:

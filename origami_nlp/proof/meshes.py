@@ -149,7 +149,7 @@ def certificate_of_mesh(
     pattern
         The mesh.
     proof
-        Of it, within fold limits.
+        Of it.
     generic
         Whether it is one of vertices that need not fold flat (`prove_quad_mesh`).
 
@@ -164,6 +164,10 @@ def certificate_of_mesh(
         If a facet is of several pieces, or there are stops or hinge laws: the check knows none.
     """
     pattern.check_plain_hinges("the certificate of a mesh")
+    if generic and proof.contact:
+        raise OptionError(
+            "the certificate of a mesh that does not fold flat: within fold limits only"
+        )
     return MeshCertificate(
         **stated_sheet(pattern),
         deviation=proof.deviation,
@@ -173,6 +177,7 @@ def certificate_of_mesh(
             for low, high, why in proof.undecided
         ),
         generic=generic,
+        contact=proof.contact,
     )
 
 

@@ -40,8 +40,8 @@ from origami_nlp.proof.flat_sheets import (
     dot,
     flat_sheet,
     sector,
+    sector_sum,
 )
-from origami_nlp.proof.mesh_states import sector_sum
 from origami_nlp.proof.strip_states import Corner, Side, corner_of, why_no_stop
 
 MOST_VERTICES = 12

@@ -16,8 +16,9 @@ in [-pi/2, pi/2] that meet at the flat state alone.  Where sin D is not 0 the tr
     d arg zA / d phi1 = sin a4 (sin a1 cos a4 cos phi1 + cos a1 sin a4) / sin^2 D,
 
 so that there are no other closed states.  D = pi needs creases 2 and 4 in one line and phi1 = 0; D = 0 needs a1 = a4
-and a2 = a3: vertices of these two kinds are refused.  A vertex closes as paper (turned by no full turn) until one of
-phi2, phi4 has passed +-pi, and again when the other has.
+and a2 = a3: vertices of these two kinds are refused, and those that get to fold flat: there signs may be others as
+well.  A vertex closes as paper (turned by no full turn) until one of phi2, phi4 has passed +-pi, and again when the
+other has.
 """
 
 from __future__ import annotations
@@ -43,10 +44,13 @@ from origami_nlp.proof.flat_sheets import (
     flat_sheet,
     off_line,
     sector,
+    sector_sum,
 )
 
 MOST_VERTICES = 8
 """In a row: 256 curves."""
+REACHES = 1e-6
+"""Squares of rho that are less by this share reach 180 degrees as well, where vertices that fold flat are refused."""
 NARROW = 0.1
 """Radius of a fold angle, of which four make less than a quarter of a turn [rad]."""
 
@@ -138,6 +142,15 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
         for _, ratio in corners:
             squares.append(squares[-1] * ratio)
         largest = max(squares)
+        # folded flat it closes by other signs than at the ends of curves, too
+        folds = [
+            ring.vertex
+            for ring, s in zip(rings, squares, strict=False)
+            if sector_sum(ring.directions) <= CLOSURE_TOL and largest - s <= REACHES * largest
+        ]
+        if folds:
+            reasons.append(f"vertex {min(folds)} folds flat")
+            continue
         return Strip(
             tuple(c for c, _ in corners), tuple(s / largest for s in squares), sheet.moved
         ), ""

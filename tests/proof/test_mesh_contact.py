@@ -1,0 +1,176 @@
+"""Minima with contact of meshes that fold flat: against a scan that knows rotations and a collision library alone.
+
+The scan shares no code with the proof: facets by rotation matrices, what crosses by the Flexible Collision Library.
+"""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import CertificateError, OptionError
+from origami_nlp.pattern_problem import PatternProblem, order_layers
+from origami_nlp.proof import (
+    certificate_of_mesh,
+    check_proof,
+    mesh_from_dict,
+    mesh_to_dict,
+    prove_mesh,
+    why_no_mesh_contact,
+    why_no_strip,
+)
+from origami_nlp.proof.check_layers import FlatLayers
+from origami_nlp.proof.check_strip_sheet import FlatDisk
+from tests.computed_once import thinned
+from tests.folding_rows import folding_row
+from tests.independent.rigid import Rigid
+from tests.proof.test_meshes import round_one_facet, sprung
+
+ROWS = {
+    "touches": lambda: folding_row(0),
+    "long": lambda: folding_row(6, reach=1.5),
+    **{str(s): (lambda s=s: folding_row(s, reach=(0.9, 1.5)[s % 2])) for s in range(7, 17)},
+    "three": lambda: folding_row(1, 3),
+}
+
+
+def sectors(pattern, v):
+    """Of a vertex between its creases, in order [4]."""
+    out = [pattern.ends[c].sum() - v.vertex for c in v.creases]
+    u = pattern.corners[out, :2] - pattern.corners[v.vertex, :2]
+    z = u @ [1, 1j]
+    return np.abs(np.angle(np.roll(z, -1) / z)), np.sign(np.angle(z[1] / z[0]))
+
+
+def curve(pattern, ways, t):
+    """Folds [n, K] where tan(phi/2) of the first crease is t, in one of two ways round each vertex."""
+    tangents, left = {0: np.ones(1)}, list(zip(pattern.vertices, ways, strict=True))
+    while left:
+        v, way = next(x for x in left if set(x[0].creases) & tangents.keys())
+        left.remove((v, way))
+        (a1, a2, _, _), _ = sectors(pattern, v)
+        across = (
+            -math.cos((a1 + a2) / 2) / math.cos((a1 - a2) / 2)
+            if way > 0
+            else math.sin((a1 + a2) / 2) / math.sin((a1 - a2) / 2)
+        )
+        if way > 0:
+            # tan(phi_2/2) = -[cos((a1 + a2)/2) / cos((a1 - a2)/2)]^-1 tan(phi_1/2)
+            rate = np.array([1, across, 1, -across])
+        else:
+            rate = np.array([1, across, -1, across])
+        known = next(i for i, c in enumerate(v.creases) if c in tangents)
+        for c, r in zip(v.creases, rate / rate[known] * tangents[v.creases[known]], strict=True):
+            tangents.setdefault(c, np.atleast_1d(r))
+    rates = np.array([tangents[c][0] for c in range(pattern.creases)])
+    return 2 * np.arctan(rates[:, None] * t)
+
+
+def scanned(pattern, steps=150):
+    """Minima seen on samples of all curves, and which signs at their ends are left downhill without a collision."""
+    rigid = Rigid(pattern)
+    theta = np.linspace(-0.5 * math.pi, 0.5 * math.pi, steps + 2)[1:-1]
+    minima, left = [], set()
+    for ways in itertools.product((1, -1), repeat=len(pattern.vertices)):
+        phi = curve(pattern, ways, np.tan(theta))
+        assert np.abs(rigid.open(phi[:, steps // 3])).max() < 1e-9
+        energy = 0.5 * pattern.stiffness @ (phi - pattern.rest[:, None]) ** 2
+        free = np.array([not rigid.collide(x) for x in phi.T])
+        wall = np.r_[np.inf, np.where(free, energy, np.inf), np.inf]
+        least = free & (wall[1:-1] < wall[:-2]) & (wall[1:-1] < wall[2:])
+        minima += [phi[:, k] for k in np.flatnonzero(least) if 0 < k < steps - 1]
+        for k, inner in ((0, 1), (steps - 1, steps - 2)):
+            if free[k] and energy[inner] < energy[k]:
+                left.add(tuple(np.sign(phi[:, k]).astype(int).tolist()))
+    return np.array(minima), left
+
+
+def folded_flat(pattern):
+    """Signs of all creases by which vertices close at +-180 degrees."""
+    for signs in itertools.product((1, -1), repeat=pattern.creases):
+        if all(math.prod(signs[c] for c in v.creases) < 0 for v in pattern.vertices):
+            yield signs
+
+
+@pytest.mark.parametrize("name", thinned(list(ROWS), 2))
+def test_lists_are_those_of_a_scan_with_collisions(name):
+    sheet = ROWS[name]()
+    assert why_no_strip(sheet).endswith("folds flat")
+    proof = prove_mesh(sheet, contact=True)
+    assert proof.undecided == ()
+    inside = np.array([m.fold_angles for m in proof.minima if np.abs(m.fold_angles).max() < 3.14])
+    seen, left = scanned(sheet)
+    far = np.abs(inside[:, None] - seen[None]).max(axis=2)
+    assert len(inside) == len(seen)
+    assert far.min(axis=0).max() < 0.1 and far.min(axis=1).max() < 0.1
+    problem = PatternProblem(sheet)
+    paper = {
+        s
+        for s in folded_flat(sheet)
+        if order_layers(problem, math.pi * np.array(s)).verdict == "ordered"
+    }
+    folded = {
+        tuple(np.sign(m.fold_angles).astype(int).tolist())
+        for m in proof.minima
+        if np.abs(m.fold_angles).min() > 3.14
+    }
+    assert folded == paper - left
+    said = certificate_of_mesh(sheet, proof)
+    found = check_proof(mesh_from_dict(mesh_to_dict(said)))
+    assert found.lines[0].startswith("checked: complete"), found.lines[0]
+
+
+def test_planted_omissions_and_states_that_cross_are_refused():
+    sheet = ROWS["touches"]()
+    said = certificate_of_mesh(sheet, prove_mesh(sheet, contact=True))
+    for k in range(len(said.minima)):
+        less = replace(said, minima=said.minima[:k] + said.minima[k + 1 :])
+        assert "a minimum is not listed" in check_proof(less).lines[0]
+    free = certificate_of_mesh(sheet, prove_mesh(sheet))
+    assert check_proof(free).lines[0].startswith("checked: complete")
+    assert check_proof(replace(free, contact=True)).lines[0].startswith("refused")
+    with pytest.raises(CertificateError, match="within fold limits"):
+        mesh_from_dict(mesh_to_dict(replace(said, generic=True)))
+
+
+@pytest.mark.parametrize(
+    "sheet",
+    [
+        folding_row(0),
+        pytest.param(o.examples.pattern("squaretwist"), marks=pytest.mark.slow),
+        pytest.param(folding_row(0, 3), marks=pytest.mark.slow),
+        pytest.param(sprung(round_one_facet(0), 0), marks=pytest.mark.slow),
+    ],
+)
+def test_layers_of_flat_foldings_are_those_of_the_kernel(sheet):
+    layers = FlatLayers(FlatDisk(certificate_of_mesh(sheet, prove_mesh(sheet, boxes=10))))
+    problem, paper = PatternProblem(sheet), 0
+    for signs in folded_flat(sheet):
+        verdict = order_layers(problem, math.pi * np.array(signs)).verdict
+        assert layers.can_be_stacked(signs) == (verdict == "ordered")
+        paper += verdict == "ordered"
+    assert paper > 0
+
+
+def test_a_row_that_folds_flat_is_proved_as_a_mesh():
+    """A strip's curves end where it is folded flat: other signs of folds are states there that no curve reaches."""
+    result = o.find_minima(folding_row(1), escape=False, prove=True)
+    assert result.completeness.status == "proved", result.completeness.reason
+    assert len(result.minima) == 6
+
+
+def test_what_is_not_decided_is_named():
+    assert "in one line" in why_no_mesh_contact(o.examples.pattern("miura", 2, 3))
+    with pytest.raises(OptionError, match="in one line"):
+        prove_mesh(o.examples.pattern("miura", 3, 3), contact=True)
+
+
+@pytest.mark.slow
+def test_flaps_that_meet_edge_to_edge_are_not_decided():
+    proof = prove_mesh(o.examples.pattern("squaretwist"), contact=True)
+    assert proof.undecided and not check_proof(
+        certificate_of_mesh(o.examples.pattern("squaretwist"), proof)
+    ).lines[0].startswith("checked: complete")
