@@ -62,7 +62,7 @@ CASES = [
 @pytest.mark.parametrize(
     ("seed", "mirror", "over"),
     [
-        (0, False, True),
+        pytest.param(0, False, True),
         pytest.param(1, True, False, marks=slow),
         pytest.param(2, True, True, marks=slow),
         pytest.param(3, False, False, marks=slow),
@@ -89,6 +89,7 @@ def test_shifted_and_scaled_sheets_have_the_same_minima(scale):
     same_list(prove_quad_mesh(sheet), prove_quad_mesh(copy), np.arange(sheet.creases), 1.0)
 
 
+@pytest.mark.slow
 def test_contact_of_strips_is_that_of_the_sheet_turned():
     sheet = strip()
     copy, creases, sign = relabelled(sheet, 5)
