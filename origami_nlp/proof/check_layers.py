@@ -26,7 +26,7 @@ SEARCHED = 20_000
 Point: TypeAlias = complex
 
 
-class Unclear(Exception):
+class LayersUnclear(Exception):
     """It cannot be decided."""
 
 
@@ -35,7 +35,7 @@ class FlatLayers:
 
     Raises
     ------
-    Unclear
+    LayersUnclear
         If facets all but overlap.
     """
 
@@ -120,7 +120,7 @@ class FlatLayers:
 
     def _is_deep(self, depth: float) -> bool:
         if GRAZING * self.size < depth < DEEP * self.size:
-            raise Unclear
+            raise LayersUnclear
         return depth > GRAZING * self.size
 
     def _overlap(self, f: int, g: int) -> bool:
@@ -161,7 +161,7 @@ class FlatLayers:
 
         Raises
         ------
-        Unclear
+        LayersUnclear
             If too many would have to be tried.
         """
         value = [0] * len(self.pairs)
@@ -201,7 +201,7 @@ class FlatLayers:
             nonlocal tried
             tried += 1
             if tried > SEARCHED:
-                raise Unclear
+                raise LayersUnclear
             free = next((i for i, x in enumerate(value) if not x), None)
             if free is None:
                 return True

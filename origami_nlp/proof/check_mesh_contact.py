@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_series, ctx
 
-from origami_nlp.proof.check_layers import FlatLayers, Unclear
+from origami_nlp.proof.check_layers import FlatLayers, LayersUnclear
 from origami_nlp.proof.check_mesh import ZERO, MeshCheck, RowGroup, _sign
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_contact import CheckedContact
@@ -27,6 +27,8 @@ from origami_nlp.proof.strip_certificate import CertifiedTouch
 
 NARROWEST = 2.0**-40
 """Width of T or 1/T below which an interval is left open."""
+NEAR = 2.0**-6
+"""Width of T or 1/T above which no first touch is looked for: such intervals are cut first."""
 LOOKED = 4_000
 """Intervals of a curve that are looked at, at most."""
 MOST_FOLDED = 4_096
@@ -53,7 +55,7 @@ class _Series(NamedTuple):
     folds: list[Any]
 
 
-class Stretch(NamedTuple):
+class ContactStretch(NamedTuple):
     """An interval of a chart of a curve, what is known of facets over it, and of those that meet the sign of slopes."""
 
     low: float
@@ -192,17 +194,19 @@ class MeshContactCheck(MeshCheck):
         self._closes(list(self._angles(group, side, arb(zero.mid())).values()))
         self._found.append(list(self._angles(group, side, zero).values()))
 
-    def _leave(self, group: RowGroup, side: int, s: Stretch) -> None:
+    def _leave(self, group: RowGroup, side: int, s: ContactStretch) -> None:
         self.open.append(
             f"whether facets cross for {'1/' * bool(side)}T in [{s.low:.9g}, {s.high:.9g}]"
         )
 
-    def _stretches(self, group: RowGroup, side: int, low: float, high: float) -> list[Stretch]:
+    def _stretches(
+        self, group: RowGroup, side: int, low: float, high: float
+    ) -> list[ContactStretch]:
         """Return intervals of a chart with what is known of facets, in order."""
         folds = self._folds(group, side)
         turns = [sign for _, _, sign, _ in group.creases]
         front, looked = [(low, high)], 0
-        out: list[Stretch] = []
+        out: list[ContactStretch] = []
         while front:
             a, b = front.pop()
             looked += 1
@@ -220,7 +224,7 @@ class MeshContactCheck(MeshCheck):
             elif out and out[-1].kind == kind and kind in (APART, CROSSING):
                 out[-1] = out[-1]._replace(high=b)
             else:
-                out.append(Stretch(a, b, kind, slope, touches))
+                out.append(ContactStretch(a, b, kind, slope, touches))
         return out
 
     def _blow_up(self, ball: CurveBall, way: int) -> None:
@@ -248,7 +252,7 @@ class MeshContactCheck(MeshCheck):
             return CROSSING, 0, ()
         first, second = self._chart(group, side, arb(a).union(arb(b)))
         at = self._chart(group, side, arb(0.5 * (a + b)))[0] + second * arb(0, 0.5 * (b - a))
-        if end or b - a > 0.02 or not (_sign(first) or _sign(at)):
+        if end or b - a > NEAR or not (_sign(first) or _sign(at)):
             return UNKNOWN, 0, ()
         touches = []
         for pair in contact.open_pairs(ball):
@@ -261,7 +265,7 @@ class MeshContactCheck(MeshCheck):
         slope = contact.touches(ball, touches)
         return (TOUCHING, slope, tuple(touches)) if slope else (UNKNOWN, 0, ())
 
-    def _meet(self, group: RowGroup, side: int, s: Stretch) -> None:
+    def _meet(self, group: RowGroup, side: int, s: ContactStretch) -> None:
         """Add the state where facets meet, if the energy falls towards it."""
         folds = self._folds(group, side)
 
@@ -288,7 +292,7 @@ class MeshContactCheck(MeshCheck):
         """Add the states folded flat whose layers can be ordered and from which the energy does not fall."""
         try:
             layers = FlatLayers(self.disk)
-        except Unclear:
+        except LayersUnclear:
             self.open.append("how facets that are folded flat lie on each other")
             return
         for signs in itertools.product((1, -1), repeat=len(self.row)):
@@ -298,7 +302,7 @@ class MeshContactCheck(MeshCheck):
             ways = self._ways.get(signs, [])
             try:
                 paper = layers.can_be_stacked(signs)
-            except Unclear:
+            except LayersUnclear:
                 self.open.append("whether layers can be ordered")
                 continue
             if not paper and any(w is not None for w in ways):

@@ -87,7 +87,7 @@ class SheetMinimum:
     radius: float
 
 
-class Round(NamedTuple):
+class VertexRound(NamedTuple):
     """A vertex, its creases in order round it, and where they go from it."""
 
     vertex: int
@@ -99,21 +99,21 @@ class Round(NamedTuple):
         """1 where the creases run counter-clockwise in the plane."""
         return 1 if cross(*self.directions[:2]) > 0 else -1
 
-    def turned(self, at: int) -> Round:
+    def turned(self, at: int) -> VertexRound:
         """Return it with its creases from the one at a place."""
         u = self.directions
-        return Round(self.vertex, self.creases[at:] + self.creases[:at], u[at:] + u[:at])
+        return VertexRound(self.vertex, self.creases[at:] + self.creases[:at], u[at:] + u[:at])
 
 
-class FlatSheet(NamedTuple):
+class SheetInPlane(NamedTuple):
     """A sheet in its plane: the pattern, its vertices, and by how much laying it there moved a crease at most [rad]."""
 
     pattern: Pattern
-    rounds: list[Round]
+    rounds: list[VertexRound]
     moved: float
 
 
-def flat_sheet(pattern: Pattern) -> tuple[FlatSheet | None, str]:
+def flat_sheet(pattern: Pattern) -> tuple[SheetInPlane | None, str]:
     """Return a sheet of vertices of degree four, or None and why a pattern is none."""
     if not pattern.is_flat:
         return None, "the reference state is not flat"
@@ -139,8 +139,8 @@ def flat_sheet(pattern: Pattern) -> tuple[FlatSheet | None, str]:
         turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
         if min(turns) <= 0 <= max(turns):
             return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
-        rounds.append(Round(v.vertex, v.creases, u))
-    return FlatSheet(flat, rounds, moved), ""
+        rounds.append(VertexRound(v.vertex, v.creases, u))
+    return SheetInPlane(flat, rounds, moved), ""
 
 
 def directions(pattern: Pattern, vertex: int, creases: Sequence[int]) -> list[Vector]:

@@ -105,7 +105,7 @@ class FoldingMesh:
     creases
         How many.
     moved
-        `FlatSheet.moved`.
+        `SheetInPlane.moved`.
     """
 
     crossings: tuple[Crossing, ...]

@@ -33,8 +33,8 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact, rational
 from origami_nlp.proof.flat_sheets import (
-    Round,
     Vector,
+    VertexRound,
     between,
     cross,
     dot,
@@ -85,7 +85,7 @@ class QuadMesh:
     deviation
         By how much sectors of the file that are taken as equal differ [rad]; 0 where none do.
     moved
-        `FlatSheet.moved`.
+        `SheetInPlane.moved`.
     """
 
     vertices: tuple[QuadVertex, ...]
@@ -164,7 +164,7 @@ def as_quad_mesh(pattern: Pattern) -> tuple[QuadMesh | None, str]:
     return QuadMesh(tuple(vertices), pattern.creases, classes.deviation, sheet.moved), ""
 
 
-def _vertex(ring: Round, sectors: tuple[int, ...], room: float) -> QuadVertex:
+def _vertex(ring: VertexRound, sectors: tuple[int, ...], room: float) -> QuadVertex:
     seen = [corner_of(ring.turned(i)) for i in range(4)]
     corners = tuple(_widened(corner, room) for corner, _ in seen)
     squares = []
@@ -175,7 +175,7 @@ def _vertex(ring: Round, sectors: tuple[int, ...], room: float) -> QuadVertex:
     return QuadVertex(ring.creases, corners, tuple(squares), sectors, _signs(ring))
 
 
-def _signs(ring: Round) -> dict[int, tuple[int, ...]]:
+def _signs(ring: VertexRound) -> dict[int, tuple[int, ...]]:
     """Return the signs of folds in both modes, the first one positive."""
     u, sense = ring.directions, ring.sense
     c = [sense * cross(u[i], u[(i + 1) % 4]) for i in range(4)]

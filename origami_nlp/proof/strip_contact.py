@@ -32,6 +32,7 @@ from origami_nlp.proof.ball_vectors import (
     stacked,
 )
 from origami_nlp.proof.balls import Ball, Jet, exact, rational
+from origami_nlp.proof.flat_sheets import cross
 from origami_nlp.proof.strip_states import FoldStates
 
 UNKNOWN, APART, CROSSING, TOUCHING = range(4)
@@ -83,13 +84,9 @@ def why_no_strip_contact(pattern: Pattern) -> str:
 
 def _is_convex(pattern: Pattern, polygon: tuple[int, ...]) -> bool:
     """Return whether a polygon is convex, in exact arithmetic; corners of 180 degrees may be."""
-    place = in_plane(pattern)
-    x = [[Fraction(c) for c in place[i].tolist()] for i in polygon]
-    turns = set()
-    for a, b, c in zip(x, x[1:] + x[:1], x[2:] + x[:2], strict=True):
-        turn = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
-        turns.add((turn > 0) - (turn < 0))
-    return not {-1, 1} <= turns
+    x = [(Fraction(a), Fraction(b)) for a, b in in_plane(pattern)[list(polygon)].tolist()]
+    u = [(b[0] - a[0], b[1] - a[1]) for a, b in zip(x, x[1:] + x[:1], strict=True)]
+    return not {-1, 1} <= {(t > 0) - (t < 0) for t in map(cross, u, u[1:] + u[:1])}
 
 
 def _far_pairs(pattern: Pattern) -> list[tuple[int, int]]:

@@ -36,8 +36,8 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 from origami_nlp.proof.flat_sheets import (
-    Round,
     Vector,
+    VertexRound,
     between,
     cross,
     dot,
@@ -85,7 +85,7 @@ class Corner(NamedTuple):
 
 @dataclass(frozen=True)
 class Strip:
-    """Vertices in a row, [k], the squares of rho along it, [k + 1], which are fractions; and `FlatSheet.moved`."""
+    """Vertices in a row, [k], the squares of rho along it, [k + 1], which are fractions; and `SheetInPlane.moved`."""
 
     corners: tuple[Corner, ...]
     squares: tuple[Fraction, ...]
@@ -202,7 +202,7 @@ def _row(rounds: Sequence[tuple[int, ...]], end: int, first: int) -> list[tuple[
     return order if sorted(v for v, _ in order) == list(range(len(rounds))) else None
 
 
-def _why_no_corner(ring: Round) -> str:
+def _why_no_corner(ring: VertexRound) -> str:
     """Return why the folds of a vertex, its creases from one of the row, are not known; "" where they are."""
     u = ring.directions
     if off_line(u[1], u[3]) <= CLOSURE_TOL:
@@ -213,7 +213,7 @@ def _why_no_corner(ring: Round) -> str:
     return ""
 
 
-def corner_of(ring: Round) -> tuple[Corner, Fraction]:
+def corner_of(ring: VertexRound) -> tuple[Corner, Fraction]:
     """Return a vertex, from one of its creases, and q of the row of that."""
     u = ring.directions
     a1, a2, a3, a4 = (cross(u[i], u[(i + 1) % 4]) for i in range(4))
