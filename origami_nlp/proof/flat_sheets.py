@@ -1,6 +1,6 @@
 """Flat sheets of vertices of degree four, as all their proofs read them: directions of creases, exactly.
 
-A sheet that is turned in space is laid into its plane first: to rounding, which is told.
+A sheet that is turned in space is laid into its plane first: to rounding, which is reported.
 """
 
 from __future__ import annotations
