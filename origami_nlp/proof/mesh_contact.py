@@ -4,7 +4,7 @@ Then all creases move together, and a closed state is the flat one, one inside a
 +-180 degrees: by any signs whose product is -1 round each vertex.  Inside the curves facets are asked about as those of
 strips are (`strip_contact`).  At their ends all facets come to lie in one plane: z = z'(xi) (theta - end) for heights z
 over that of a facet that stays, so that facets seen with z' for z are apart, or cross, as they do before the end.
-States folded flat are of paper if their layers can be ordered; then a curve that ends there is an escape path unless facets
+States folded flat are of paper if their layers can be ordered; then a curve that ends there leaves it, unless facets
 cross on it.  That curves on which facets do not cross end in states of paper is a limit, and is asked as well.
 """
 
