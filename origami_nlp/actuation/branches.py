@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.actuation.cones import FlatMotion, cones, driven_nappe, subspace, ways
+from origami_nlp.actuation.cones import FlatMotion, cones, cut, driven_nappe, subspace, ways
 from origami_nlp.actuation.driving import DrivenSet, driven_set, signed_set
 from origami_nlp.actuation.release import follows, release_along
 from origami_nlp.actuation.result import BranchWay, FlatBranch
@@ -71,13 +71,14 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[FlatM
         if max((len(loop.creases) for loop in pattern.vertices), default=0) <= 4:
             return [], cone.reason
         found, reason = cones(pattern, problem.check_time)
-        if found and stops.any():
-            return [], several
         for motion in found:
             generic, _ = ways(motion, np.cos(GENERIC * np.arange(pattern.creases)))
             if not all(follows(problem, way) for way in generic):
                 return [], "a cone of motions is not closed to higher order"
-        return found, reason
+        if stops.any() and any(not motion.side for motion in found):
+            return [], several
+        left = [part for motion in found if (part := cut(motion, stops)) is not None]
+        return left, reason
     cone = split(problem, np.zeros(pattern.creases), cone)
     lines = []
     for line in cone.lines:

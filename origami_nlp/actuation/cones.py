@@ -8,13 +8,14 @@ fold angles is positive and negative.  Where the form is regular closed states f
 Work f . v of torques is positive on all of one nappe, and negative on all of the other, exactly where the inverse form
 is positive at f; else it is positive on a part of each.  From a small push at random the steepest descent leaves along
 a local maximum of f . v over unit v of the cone: with q the form on the velocities, stationary are v ~ (1 + s q)^-1 f
-with v' q v = 0, a polynomial in s.
+with v' q v = 0, a polynomial in s.  Stops of the flat state cut the cone: each face, on which some of them hold, is a
+cone of the same kind with fewer creases, and a way is a maximum if the stops push back where it is most there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -38,11 +39,14 @@ class FlatMotion:
         Of a cone, [k], the first entry positive and the others negative; empty for a subspace.
     side
         Of a cone: 1 where the sum of the fold angles is positive, -1 where it is negative.
+    stops
+        Of a cone that they cut: -1, 0 or 1 of each crease, the side that is shut, [n]; empty where none is.
     """
 
     basis: np.ndarray
     form: np.ndarray
     side: int = 0
+    stops: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 def subspace(basis: np.ndarray) -> FlatMotion:
@@ -119,6 +123,8 @@ def ways(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], bool]
     alone : bool
         Whether they are strict local maxima; otherwise some only stand for those about them.
     """
+    if motion.stops.any():
+        return _ways_cut(motion, force)
     q, g = motion.form / motion.form[0], motion.basis.T @ force
     size = float(np.linalg.norm(force))
     if np.linalg.norm(g) <= SAME_DIRECTION * size:
@@ -132,13 +138,78 @@ def ways(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], bool]
     for s, y in _stationary(q, g, groups):
         y = y / np.linalg.norm(y)
         across = np.linalg.svd(np.array([y, q * y]))[2][2:]
-        bend = np.linalg.eigvalsh((across * (1 + s * q)) @ across.T)
-        if bend[0] < -SAME_DIRECTION or y @ g <= SAME_DIRECTION or y[0] * motion.side <= 0:
+        bend = min(np.linalg.eigvalsh((across * (1 + s * q)) @ across.T), default=1.0)
+        if bend < -SAME_DIRECTION or y @ g <= SAME_DIRECTION or y[0] * motion.side <= 0:
             continue
-        alone = alone and bool(bend[0] > SAME_DIRECTION)
+        alone = alone and bool(bend > SAME_DIRECTION)
         found.append(y)
     found.sort(key=lambda y: tuple((-coarse(np.r_[y @ g, motion.basis @ y])).tolist()))
     return [motion.basis @ y for y in found], alone
+
+
+def cut(motion: FlatMotion, stops: np.ndarray) -> FlatMotion | None:
+    """Return a nappe of a cone without what stops of the flat state [n] shut; None where that is all of it."""
+    if not stops.any():
+        return motion
+    motion = replace(motion, stops=stops)
+    # torques that work on all of the nappe: if some of it is left, there is a way of most work
+    near = np.cos(np.arange(len(stops)))
+    near = motion.basis @ (motion.basis.T @ near) / np.linalg.norm(near)
+    least = float(np.abs(motion.form[1:]).min() / motion.form[0]) ** 0.5
+    return (
+        motion
+        if ways(motion, motion.side * motion.basis[:, 0] + 0.1 * min(least, 1.0) * near)[0]
+        else None
+    )
+
+
+def _ways_cut(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], bool]:
+    """As `ways`, on a nappe that stops cut: on each face those of its cone at which held stops push back."""
+    stopped, found, alone = np.flatnonzero(motion.stops), list[np.ndarray](), True
+    least, shut_side = (
+        SAME_DIRECTION * float(np.linalg.norm(force)),
+        motion.stops[:, None] * motion.basis,
+    )
+    for size in range(len(stopped) + 1):
+        for shut in map(list, combinations(stopped.tolist(), size)):
+            face, touching = _face(motion, shut)
+            on_face, single = ways(face, force) if face else ([], True)
+            for way in (*on_face, *touching):
+                room = -(motion.stops * way)[stopped]
+                if (room < -SAME_DIRECTION).any() or way @ force <= least:
+                    continue
+                y = motion.basis.T @ way
+                normals = [y, motion.form / motion.form[0] * y, *shut_side[shut]]
+                push = np.linalg.lstsq(np.array(normals).T, motion.basis.T @ force, rcond=None)[0][
+                    2:
+                ]
+                if (push < -least).any() and not touching:
+                    continue
+                free = ~np.isin(stopped, shut)
+                strict = bool((push > least).all() and (room[free] > SAME_DIRECTION).all())
+                alone = alone and single and strict and not touching
+                found.append(way)
+    found.sort(key=lambda v: tuple((-coarse(np.r_[v @ force, v])).tolist()))
+    return found, alone
+
+
+def _face(motion: FlatMotion, shut: list[int]) -> tuple[FlatMotion | None, list[np.ndarray]]:
+    """Return the part of a nappe on which these creases do not move, or its rays where that only touches the cone."""
+    if not shut:
+        return replace(motion, stops=np.zeros(0)), []
+    _, values, vt = np.linalg.svd(motion.basis[shut])
+    free = vt[int((values > SAME_DIRECTION).sum()) :].T
+    size, axes = np.linalg.eigh((free.T * motion.form) @ free)
+    axes = free @ axes[:, ::-1]
+    axes *= motion.side * np.where(
+        axes[0] < 0, -1.0, 1.0
+    )  # on the nappe itself, not the one opposite
+    if not len(size) or size[-1] < -RANK or (size[-1] > RANK and len(size) == 1):
+        return None, []
+    if size[-1] <= RANK:
+        return None, [motion.basis @ axis for axis in axes.T[np.abs(size[::-1]) <= RANK]]
+    axes[:, 0] *= motion.side
+    return FlatMotion(motion.basis @ axes, size[::-1], motion.side), []
 
 
 def _groups(q: np.ndarray) -> list[list[int]]:
@@ -227,7 +298,7 @@ def driven_nappe(
             if strict and len(found) == 1:
                 work = float(found[0] @ torques)
                 which = tuple(c + 1 for c in creases)
-                return DrivenSet(
-                    branch, which, tuple(torques[list(creases)].tolist()), work, size == alone
-                )
+                fewest = size == alone and not motion.stops.any()
+                sizes = tuple(torques[list(creases)].tolist())
+                return DrivenSet(branch, which, sizes, work, fewest)
     return None
