@@ -17,6 +17,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from origami_nlp.folding.compiled_layers import Around, Arranged, Paths, arranged_in_c, library
 from origami_nlp.folding.orders import TRANSITIVE, Allowed, Orders, Rules, not_interleaved
 from origami_nlp.numerics import cross
 
@@ -197,6 +198,12 @@ def layer_problem(
     LayerProblem or None
         None where nothing touches.
     """
+    found = (_arranged_in_numpy if library() is None else arranged_in_c)(creases, tolerance)
+    return None if found is None else _folded(*found, tuple((fold_angles > 0).tolist()))
+
+
+def _arranged_in_numpy(creases: np.ndarray, tolerance: float) -> Arranged | None:
+    """Return what `arranged_in_c` does, to rounding."""
     n = len(creases)
     node = np.arange(n)
     if n > 1:
@@ -209,30 +216,21 @@ def layer_problem(
     # creases apart, and none on a facet in which it does not end: nothing lies on anything
     if len(nodes) == n and all(len(path) == 2 for path in paths):
         return None
-    walk = tuple(
-        ((i, piece), u, v)
-        for i, path in enumerate(paths)
-        for piece, (u, v) in enumerate(itertools.pairwise(path))
-    )
     far: dict[int, set[int]] = {w: set() for w in nodes}
-    for _, u, v in walk:
+    for u, v in itertools.chain.from_iterable(map(itertools.pairwise, paths)):
         far[u].add(v)
         far[v].add(u)
     around = tuple((w, _turning(creases, w, far[w])) for w in nodes)
-    return _folded(walk, around, tuple((fold_angles > 0).tolist()))
-
-
-Around = tuple[tuple[int, tuple[int, ...]], ...]
-"""For each node those next to it, counter-clockwise seen from outside."""
+    return tuple(map(tuple, paths)), around
 
 
 @lru_cache(maxsize=4096)
-def _folded(walk: tuple[Step, ...], around: Around, left: tuple[bool, ...]) -> LayerProblem:
+def _folded(paths: Paths, around: Around, left: tuple[bool, ...]) -> LayerProblem:
     """Let closed creases turn to their side; `left`: whether crease i turns left.
 
     States of one combinatorial kind ask the same question, and share its answers.
     """
-    posed = _posed(walk, around)
+    posed, walk = _posed(paths, around)
     fixed: dict[Pair, bool] = {}
     feasible = posed.feasible
     for (s, u, w), (t, _, v) in zip(walk, walk[1:] + walk[:1], strict=True):
@@ -246,8 +244,13 @@ def _folded(walk: tuple[Step, ...], around: Around, left: tuple[bool, ...]) -> L
 
 
 @lru_cache(maxsize=1024)
-def _posed(walk: tuple[Step, ...], around: Around) -> LayerProblem:
-    """Pose the problem of a walk, whatever the sides to which closed creases turn."""
+def _posed(paths: Paths, around: Around) -> tuple[LayerProblem, tuple[Step, ...]]:
+    """Pose the problem of a walk, whatever the sides to which closed creases turn; and return the walk."""
+    walk = tuple(
+        ((i, piece), u, v)
+        for i, path in enumerate(paths)
+        for piece, (u, v) in enumerate(itertools.pairwise(path))
+    )
     segments: dict[tuple[int, int], list[tuple[Strand, int]]] = {}
     for strand, u, v in walk:
         segments.setdefault((min(u, v), max(u, v)), []).append((strand, 1 if u < v else -1))
@@ -257,7 +260,7 @@ def _posed(walk: tuple[Step, ...], around: Around) -> LayerProblem:
             problem.tables.append((((a, b), (b, c), (a, c)), TRANSITIVE))
     _add_passages(problem, walk, dict(around))
     problem.ready = problem.numbered
-    return problem
+    return problem, walk
 
 
 def _nodes_on_arcs(

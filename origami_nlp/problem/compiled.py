@@ -112,6 +112,21 @@ class Structure:
         """Whether the piece closes when it lies flat."""
         return self.flat_sheet and self.winding == 1
 
+    @cached_property
+    def first_gaps(self) -> tuple[int, ...]:
+        """For each gap, the first one with the same rays: crease k on facet j belongs to two facet pairs."""
+        first: dict[tuple[str, tuple[int, ...]], int] = {}
+        return tuple(first.setdefault((g.type, g.rays), i) for i, g in enumerate(self.gaps))
+
+    @cached_property
+    def gaps_of_pairs(self) -> dict[tuple[int, int], list[int]]:
+        """The gaps of each facet pair: both ends of the first facet off the second, then the reverse."""
+        out: dict[tuple[int, int], list[int]] = {}
+        for index, gap in enumerate(self.gaps):
+            if gap.pair is not None:
+                out.setdefault(gap.pair, []).append(index)
+        return out
+
 
 @dataclass(frozen=True)
 class Functions:

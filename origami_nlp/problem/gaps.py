@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Literal
 
 import casadi as ca
@@ -80,13 +79,6 @@ def can_cross(sector_angles: Sequence[float], i: int, j: int) -> bool:
     outside = [sector_angles[m % n] for m in range(j + 1, j + (i - j) % n)]
     spare = sector_angles[i] + sector_angles[j]
     return touching_deficit(between) + touching_deficit(outside) < spare - OUTSIDE
-
-
-@lru_cache(maxsize=64)
-def first_of_each(gaps: tuple[Gap, ...]) -> tuple[int, ...]:
-    """For each gap, the first one with the same rays: crease k on facet j belongs to two facet pairs."""
-    first: dict[tuple[str, tuple[int, ...]], int] = {}
-    return tuple(first.setdefault((g.type, g.rays), i) for i, g in enumerate(gaps))
 
 
 def facet_gap(rays: Sequence[Any], k: int, j: int, sine: Any) -> Any:

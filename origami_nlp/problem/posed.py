@@ -17,7 +17,7 @@ from origami_nlp.numerics import SUMMED
 from origami_nlp.pattern import Scene, dead_loads, limit_words
 from origami_nlp.problem.compiled import Structure
 from origami_nlp.problem.contact import Contact, FoldLimits, gap_weights
-from origami_nlp.problem.gaps import Gap, first_of_each
+from origami_nlp.problem.gaps import Gap
 from origami_nlp.problem.hinge_laws import HingeLaws
 from origami_nlp.problem.model_reduction import enumerate_gaps, facet_of_ray
 from origami_nlp.problem.parameters import Parameters
@@ -216,7 +216,7 @@ class PosedProblem(Energies, PrettyRepr):
     @cached_property
     def gaps(self) -> tuple[Contact, ...]:
         """Every gap once (a crease on a facet belongs to two facet pairs), on its positive side."""
-        same = first_of_each(self.structure.gaps)
+        same = self.structure.first_gaps
         return tuple(Contact("gap", i, 1) for i in range(len(same)) if same[i] == i)
 
     @cached_property

@@ -18,12 +18,21 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.folding import LARGEST_TOLERANCE, LayerProblem, fold_vertex, layer_problem
-from origami_nlp.numerics import ANSWERED, CONTACT_TOL, NEAR_SINGULAR_TOL, RANK, UNPOLISHED, cross
+from origami_nlp.numerics import (
+    ANSWERED,
+    CONTACT_TOL,
+    NEAR_SINGULAR_TOL,
+    RANK,
+    UNPOLISHED,
+    cross,
+    quaternion as quat,
+)
 from origami_nlp.problem.contact import Contact
-from origami_nlp.problem.gaps import Gap, first_of_each
+from origami_nlp.problem.gaps import Gap
 from origami_nlp.problem.posed import PosedProblem
 
 Rays = Callable[[], np.ndarray]
+Point = Sequence[float]
 MOST_LISTED = 256
 """Pieces of the feasible set that are listed one by one."""
 
@@ -155,7 +164,7 @@ def guess_gaps(
     """Guess which gaps an answer of a solver closes, from their size and the force of separating planes."""
     out = []
     limited = {contact.index for contact in limits if contact.at == math.pi}
-    same = first_of_each(model.structure.gaps)
+    same = model.structure.first_gaps
     for index, gap in enumerate(model.structure.gaps):
         value = gaps[index]
         if gap.pair is None:
@@ -193,29 +202,29 @@ def closed_contacts(
     base: list[Contact] = []
     if model.has_limits:
         base += model.fold_limits.contacts(x, model.fold_limits.room(x) <= tolerance)
-    for index, gap in enumerate(model.structure.gaps):
-        if gap.type != "facet-pair" and gaps[index] <= tolerance:
+    values, structure = gaps.tolist(), model.structure
+    for index, gap in enumerate(structure.gaps):
+        if gap.type != "facet-pair" and values[index] <= tolerance:
             base.append(Contact("gap", index, 1))
-    of_pair: dict[tuple[int, int], list[int]] = {}
-    for index, gap in enumerate(model.structure.gaps):
-        if gap.pair is not None:
-            of_pair.setdefault(gap.pair, []).append(index)
     # where no gap of a pair is closed nothing touches
-    near = np.abs(gaps) <= tolerance
-    of_pair = {pair: indices for pair, indices in of_pair.items() if near[indices].any()}
+    of_pair = {
+        pair: indices
+        for pair, indices in structure.gaps_of_pairs.items()
+        if any(abs(values[i]) <= tolerance for i in indices)
+    }
     if not of_pair:
         return ClosedContacts(tuple(base), (), ())
-    at = rays()
+    at: list[Point] = rays().tolist()
     branches: list[tuple[tuple[Contact, ...], ...]] = []
     implied: list[tuple[Contact, Contact]] = []
     layers = _Layers(model, x, tolerance)
     for indices in of_pair.values():
-        options = _pair_pieces(model, layers, at, gaps, indices, tolerance)
+        options = _pair_pieces(model, layers, at, values, indices, tolerance)
         # a way that closes nothing: the pair is apart at this state, whatever the other ways say
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
-        for option in options:
+        for option in sorted(options):  # not in the order of hashes
             rows = []
             for row in option:
                 again = _limit_that_says_the_same(model, row, base)
@@ -232,8 +241,8 @@ def closed_contacts(
 def _pair_pieces(
     model: PosedProblem,
     layers: _Layers,
-    rays: np.ndarray,
-    gaps: np.ndarray,
+    rays: list[Point],
+    gaps: list[float],
     indices: list[int],
     tolerance: float,
 ) -> set[tuple[Contact, ...]]:
@@ -243,26 +252,26 @@ def _pair_pieces(
     Facets that lie on each other have both sides open pointwise; the order of the layers says which are.
     """
     structure = model.structure
-    same = first_of_each(structure.gaps)
+    same = structure.first_gaps
     options: set[tuple[Contact, ...]] = set()
-    flat = bool((np.abs(gaps[indices]) <= tolerance).all())
-    sides = layers.sides(structure.gaps[indices[0]].pair) if flat else (0, 0)
-    for ends, forced in ((indices[:2], sides[0]), (indices[2:], sides[1])):
-        values = gaps[ends]
-        _, j = structure.gaps[ends[0]].rays
-        for side in (1, -1):
-            if (side * values < -tolerance).any() or side == -forced:
-                continue
-            # a ray counts as touching only if it lies on the facet, not on its plane elsewhere
-            touching = [
-                e
-                for e, value in zip(ends, values, strict=True)
-                if abs(value) <= tolerance
-                and _on_arc(rays, structure.gaps[e].rays[0], j, tolerance)
-            ]
-            # two planes, two sides: four ways in which two arcs may be kept from crossing; each asks both ends to one
-            # side
-            options.add(tuple(Contact("gap", same[e], side) for e in touching))
+    flat = all(abs(gaps[i]) <= tolerance for i in indices)
+    forced = layers.sides(structure.gaps[indices[0]].pair) if flat else (0, 0)
+    for ends, not_beyond in zip((indices[:2], indices[2:]), forced, strict=True):
+        open_to = [s for s in (1, -1) if not any(s * gaps[e] < -tolerance for e in ends)]
+        if not open_to:
+            continue
+        # a ray counts as touching only if it lies on the facet, not on its plane elsewhere
+        touching = [
+            e
+            for e in ends
+            if abs(gaps[e]) <= tolerance and _on_arc(rays, *structure.gaps[e].rays, tolerance)
+        ]
+        # two planes, two sides: four ways in which two arcs may be kept from crossing; each asks both ends to one side
+        options |= {
+            tuple(Contact("gap", same[e], side) for e in touching)
+            for side in open_to
+            if side != -not_beyond
+        }
     if not options:  # crossing within the tolerance of the caller: nothing to say here
         return {()}
     if any(not o for o in options):
@@ -305,23 +314,25 @@ class _Layers:
         return 0, 0
 
 
-def _on_arc(rays: np.ndarray, k: int, j: int, tolerance: float) -> bool:
+def _on_arc(rays: list[Point], k: int, j: int, tolerance: float) -> bool:
     """Return whether ray k lies on the arc from ray j to the next, ends included (given: in its plane)."""
     a, b, c = rays[j], rays[(j + 1) % len(rays)], rays[k]
-    normal = cross(a, b)
-    return bool(cross(a, c) @ normal >= -tolerance and cross(c, b) @ normal >= -tolerance)
+    normal = quat.cross(a, b)
+    ahead, back = (quat.dot(quat.cross(*side), normal) for side in ((a, c), (c, b)))
+    return bool(ahead >= -tolerance and back >= -tolerance)
 
 
-def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -> bool:
+def _overlap(rays: list[Point], pair: tuple[int, int] | None, tolerance: float) -> bool:
     """Return whether an end of one facet of the pair lies on the other."""
     assert pair is not None
     i, j = pair
     n = len(rays)
     for a, b in ((i, j), (j, i)):
-        normal = cross(rays[b], rays[(b + 1) % n])
-        normal = normal / np.linalg.norm(normal)
+        normal = quat.cross(rays[b], rays[(b + 1) % n])
+        size = math.sqrt(quat.dot(normal, normal))
         for k in (a, (a + 1) % n):
-            if abs(rays[k] @ normal) <= tolerance and _on_arc(rays, k, b, tolerance):
+            off = abs(quat.dot(rays[k], normal)) / size if size else math.nan
+            if off <= tolerance and _on_arc(rays, k, b, tolerance):
                 return True
     return False
 
