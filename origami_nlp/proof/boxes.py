@@ -24,22 +24,24 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, first_largest
 from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
-from origami_nlp.proof.compiled_boxes import EXACT, library
+from origami_nlp.proof.compiled_boxes import (
+    EXACT,
+    GRID,
+    KEPT,
+    OFF,
+    WIDER,
+    Parts,
+    halved,
+    library,
+    settled,
+)
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.tree import NodeKind, Recorder
 
-WIDER = 1e-9
-"""Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
-GRID = 2.0**-12
-"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
-OFF = 0.3
-"""Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
-KEPT = 0.9
-"""A contraction that leaves more than this share of every side is not carried out."""
 BEYOND = math.nextafter(math.pi, 4.0)
 """The double above pi: free angles range to it."""
 
@@ -81,6 +83,16 @@ class Boxes:
     upper: np.ndarray
     pins: np.ndarray
     node: np.ndarray
+
+    @classmethod
+    def of(cls, parts: Parts) -> Boxes:
+        """Return boxes of which no tree is kept."""
+        return cls(*parts, np.zeros(parts[0].shape[1], dtype=int))
+
+    @property
+    def parts(self) -> Parts:
+        """Lower and upper bounds, and pins."""
+        return self.lower, self.upper, self.pins
 
     def __len__(self) -> int:
         return self.lower.shape[1]
@@ -216,6 +228,8 @@ def prune(
 
 def _cut_to(wanted: int, batch: Boxes, small: float, recorder: Recorder | None) -> Boxes:
     """Cut a small batch until it has so many boxes: rows of a few take as long as rows of a hundred."""
+    if not recorder and library():
+        return Boxes.of(halved(batch.parts, wanted, small))
     while len(batch) < wanted and (wide := batch.widths.max(axis=0, initial=0.0) >= small).any():
         batch = joined([batch[~wide], *_halves(batch[wide], recorder)])
     return batch
@@ -249,6 +263,9 @@ def _shrunk(
     if recorder:
         _record_rows(posed, batch, closed, critical, recorder)
     keep = np.flatnonzero(~(out | no))
+    if not recorder and library():
+        done, again = settled(batch.parts, keep, *_bounds(posed, rows, keep), small)
+        return Boxes.of(done), Boxes.of(again)
     batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
     if recorder:
         used = np.asarray(rows.asked[:, keep].any(axis=0))
@@ -308,7 +325,7 @@ def _contracted(
 ) -> tuple[Boxes, np.ndarray, np.ndarray, np.ndarray]:
     """Contract boxes: the batch, new bounds [n, K], and which are empty [K]."""
     middle, half = variables(batch.lower, batch.upper)
-    low, high = (_bounds_in_c if library() else _bounds_in_numpy)(posed, rows, keep)
+    low, high = _bounds(posed, rows, keep)
     # outward: down for lower bounds, up for upper ones
     low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
     high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
@@ -335,6 +352,13 @@ def _nonzero(rows: Affine) -> np.ndarray:
     return out
 
 
+def _bounds(
+    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of xi in some boxes, [n, K]."""
+    return (_bounds_in_c if library() else _bounds_in_numpy)(posed, rows, keep)
+
+
 def _bounds_in_c(
     posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -345,14 +369,8 @@ def _bounds_in_c(
     (own, n, boxes), more, count = rows.closure.slopes.shape, len(asked), len(keep)
     size = np.array([n, boxes, count, own, more, posed.linear.start, posed.pivots])
     low, high = np.empty((2, n, count))
-    poor = np.empty(count, dtype=bool)
-    arrays = (size, keep, *given, asked, low, high, poor)
+    arrays = (size, keep, *given, asked, low, high)
     library().contract(*(v.ctypes.data for v in arrays))
-    if poor.any():
-        a, c, e = _batch_first(rows.closure, keep[poor])
-        lower, upper = _bounds(a, c, e, _inverse_of_pivots(a, posed))
-        low[:, poor] = np.fmax(low[:, poor], lower.T)
-        high[:, poor] = np.fmin(high[:, poor], upper.T)
     return low, high
 
 
@@ -361,14 +379,14 @@ def _bounds_in_numpy(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds of xi in some boxes, [n, K]."""
     a, c, e = _batch_first(rows.closure, keep)
-    low, high = _bounds(a, c, e, _inverse_of_pivots(a, posed))
+    low, high = _bounds_by(a, c, e, _inverse_of_pivots(a, posed))
     if len(rows.asked):
         asked = rows.asked[:, keep].T
         more = _batch_first(rows.critical, keep)
         a = np.concatenate([a, more[0] * asked[:, :, None]], axis=1)
         c = np.concatenate([c, more[1] * asked], axis=1)
         e = np.concatenate([e, np.where(asked, more[2], 1.0)], axis=1)
-    low2, high2 = _bounds(a, c, e, _least_squares(a, e))
+    low2, high2 = _bounds_by(a, c, e, _least_squares(a, e))
     # a matrix that came out as NaN bounds nothing
     return np.fmax(low, low2).T, np.fmin(high, high2).T
 
@@ -379,7 +397,7 @@ def _batch_first(rows: Affine, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return a, rows.centre[:, keep].T, rows.error[:, keep].T
 
 
-def _bounds(
+def _bounds_by(
     a: np.ndarray, c: np.ndarray, e: np.ndarray, y: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds [K, n] of xi where c + a xi + e eta = 0, by the matrices y [K, n, R]."""
@@ -412,8 +430,9 @@ def _inverse_of_pivots(a: np.ndarray, posed: BoxProblem) -> np.ndarray:
     volume = np.linalg.norm(square, axis=1).prod(axis=1)
     poor = ~(np.abs(np.linalg.det(square)) > DEPENDENT * volume)
     inverse = np.linalg.inv(np.where(poor[:, None, None], np.eye(posed.pivots), square))
-    # pinned angles have no slopes: what rounding makes of their columns is no inverse
-    inverse[poor] = np.linalg.pinv(np.nan_to_num(square[poor], posinf=0.0, neginf=0.0), rcond=RANK)
+    inverse[poor] = (
+        0.0  # pinned angles have no slopes: what rounding makes of their columns is no inverse
+    )
     y = np.zeros((boxes, n, count))
     part = np.zeros((boxes, n, posed.pivots))
     np.put_along_axis(part, chosen[:, :, None], inverse, axis=1)
