@@ -25,6 +25,8 @@ BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
 EARLY = 64
 """Compiled descents that are made before their ends are judged, by each thread."""
+FIRST = 16
+"""The same of the first ones: a first answer early."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
 Work = Generator[tuple[Descents, Samples], Ends, None]
@@ -131,9 +133,12 @@ class Search:
 
     def _parts(self, starts: Samples) -> list[Samples]:
         """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
-        early = self._answer_of or self._descents.crossings.any
-        first, rest = np.split(np.arange(len(starts)), [0 if early else self._batches[0]])
-        most = EARLY * self._workers if self._descents.compiled else self._batches[1]
+        early, most = self._batches
+        if self._descents.compiled:
+            early, most = FIRST * self._workers, EARLY * self._workers
+        elif self._descents.crossings.any:
+            early = 0
+        first, rest = np.split(np.arange(len(starts)), [0 if self._answer_of else early])
         split = [first, *np.array_split(rest, -(-len(rest) // most) or 1)]
         return [starts[part] for part in split if len(part)]
 

@@ -182,7 +182,10 @@ class CreaseChain:
 
     def misses(self, x: np.ndarray) -> np.ndarray:
         """Largest closure residual of fold angles [K, n], [K]; infinite on the lift q = -1."""
-        _, q = self.fold(x * self.share)
+        return self.misses_of(self.fold(x * self.share)[1])
+
+    def misses_of(self, q: np.ndarray) -> np.ndarray:
+        """Largest closure residual of ends of the piece [4, K], [K]; infinite on the lift q = -1."""
         if self.kind == "C":
             if self.order > 1:
                 return np.abs(q[0] - exact_cosine(self.order))

@@ -100,7 +100,10 @@ def _books(model: Model) -> tuple[np.ndarray, ...]:
         list(itertools.product((0, 1, 2), repeat=model.size))
     )  # flat, fully folded, moving
     kinds = kinds[(kinds[:, group] == 2).sum(axis=1) >= 2]
-    creases, q = fold_vertex(vertex, np.where(kinds == 1, math.pi, 0.0)[:, group])
+    n = model.size
+    creases, q = fold_vertex(vertex, math.pi * np.indices((2,) * n).reshape(n, -1).T[:, group])
+    which = (kinds == 1) @ 2 ** np.arange(n)[::-1]  # what moves is flat here: few different ones
+    creases, q = creases[which], q[which]
     hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
     line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
     on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSURE_TOL

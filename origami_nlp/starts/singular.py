@@ -54,7 +54,15 @@ def flat_foldings(model: Model) -> list[np.ndarray]:
     n = model.size
     few = model.has_limits and n <= MOST_FLAT_VARIABLES
     x = math.pi * (np.indices((3,) * n).reshape(n, -1).T - 1.0) if few else np.zeros((1, n))
-    closed = CreaseChain(model).misses(x) <= CLOSURE_TOL
+    chain = CreaseChain(model)
+    if chain.kind == "C" and few:
+        # a turn by -pi is that by pi with the opposite sign: so many are folded, and carried over
+        _, q = chain.fold(math.pi * np.indices((2,) * n).reshape(n, -1).T)
+        which = (x != 0) @ 2 ** np.arange(n)[::-1]
+        off = chain.misses_of(q[:, which] * (-1.0) ** (x < 0).sum(axis=1))
+    else:
+        off = chain.misses(x)
+    closed = off <= CLOSURE_TOL
     closed &= model.fold_limits.inside(x).all(axis=1)
     return [state for state in x[closed] if model.lifts_to_one(state)]
 
