@@ -264,7 +264,7 @@ def _pair_pieces(
         touching = [
             e
             for e in ends
-            if abs(gaps[e]) <= tolerance and _on_arc(rays, *structure.gaps[e].rays, tolerance)
+            if abs(gaps[e]) <= tolerance and _on_arc(rays, structure.gaps[e].rays, tolerance)
         ]
         # two planes, two sides: four ways in which two arcs may be kept from crossing; each asks both ends to one side
         options |= {
@@ -314,8 +314,9 @@ class _Layers:
         return 0, 0
 
 
-def _on_arc(rays: list[Point], k: int, j: int, tolerance: float) -> bool:
-    """Return whether ray k lies on the arc from ray j to the next, ends included (given: in its plane)."""
+def _on_arc(rays: list[Point], place: tuple[int, ...], tolerance: float) -> bool:
+    """Return whether ray k lies on the arc from ray j to the next, ends included (given: in its plane); place: k, j."""
+    k, j = place
     a, b, c = rays[j], rays[(j + 1) % len(rays)], rays[k]
     normal = quat.cross(a, b)
     ahead, back = (quat.dot(quat.cross(*side), normal) for side in ((a, c), (c, b)))
@@ -332,7 +333,7 @@ def _overlap(rays: list[Point], pair: tuple[int, int] | None, tolerance: float) 
         size = math.sqrt(quat.dot(normal, normal))
         for k in (a, (a + 1) % n):
             off = abs(quat.dot(rays[k], normal)) / size if size else math.nan
-            if off <= tolerance and _on_arc(rays, k, b, tolerance):
+            if off <= tolerance and _on_arc(rays, (k, b), tolerance):
                 return True
     return False
 
