@@ -1,4 +1,10 @@
-from . import judging as judging, time_budget as time_budget, union as union
+from . import (
+    budget_page as budget_page,
+    judging as judging,
+    patterns_page as patterns_page,
+    time_budget as time_budget,
+    union as union,
+)
 from .attempt import draw_starts as draw_starts
 from .cone_speed import MAP_DEGREES as MAP_DEGREES, measure as measure
 from .cone_speed_table import as_markdown as as_markdown

@@ -54,6 +54,13 @@ def speed(
     out.write("markdown", as_markdown, data, _link(out.files("figure"), out.files("markdown")))
 
 
+def _origin() -> dict[str, str]:
+    """Return of which commit a record is, and what made it."""
+    from benchmarks.checkout import stamp
+
+    return {"stamp": stamp(), "command": f"python -m benchmarks {shlex.join(sys.argv[1:])}"}
+
+
 def _link(figures: list[str], pages: list[str]) -> str | None:
     """Return how the Markdown file may show the figure."""
     shown = [f for f in figures if Path(f).suffix.lower() in (".png", ".svg")]
@@ -101,7 +108,8 @@ def profile(
             budgets.append(time_budget.measure(scene, seed))
     out.say(time_budget.table(budgets))
     found = [{**asdict(b), "total": b.total} for b in budgets]
-    out.write("json", lambda: {"schema": "origami-nlp/time-budget/1", "panels": found})
+    said = {"schema": "origami-nlp/time-budget/1", "panels": found, **_origin()}
+    out.write("json", lambda: said)
     out.save("figure", time_budget.draw, budgets)
     out.write("markdown", time_budget.markdown, budgets)
 
@@ -137,7 +145,6 @@ def search(
     import tempfile
 
     from benchmarks import coverage_markdown, draw_coverage, measure_coverage, scenes_for
-    from benchmarks.checkout import stamp
     from benchmarks.fixed_costs import measure_costs
 
     with progress.progress("search") as report:
@@ -151,8 +158,7 @@ def search(
             progress=lambda text: report(text=text),
         )
         if out.files("json"):
-            data["stamp"] = stamp()
-            data["command"] = f"python -m benchmarks {shlex.join(sys.argv[1:])}"
+            data |= _origin()
             data["costs"] = measure_costs(lambda text: report(text=text))
     out.page(coverage_markdown(data))
     out.write("json", lambda: data)
@@ -180,10 +186,13 @@ def costs(
 
 
 def page() -> None:
-    """Write the page of speed against error, its figure and the README's sentence from the recorded measurement."""
+    """Write the pages of speed and of where time goes, figures and the README's sentence from what was recorded."""
     import json
 
-    from benchmarks import read_bench, speed_page
+    from benchmarks import budget_page, patterns_page, read_bench, speed_page
+
+    budget_page.write_page()
+    patterns_page.write_page()
 
     data = json.loads(speed_page.DATA.read_text())
     speed_page.write_page(data, read_bench(speed_page.PAPER))
@@ -200,7 +209,7 @@ def patterns(
     with progress.progress("patterns") as report:
         found = run_patterns(quick=quick, progress=lambda text: report(text=text))
     out.say(found)
-    out.write("json", found.to_dict)
+    out.write("json", lambda: {**found.to_dict(), **_origin()})
     out.save("figure", draw_patterns, found)
     out.write("markdown", found.to_markdown)
 

@@ -13,6 +13,7 @@ from benchmarks import (
     draw_patterns,
     measure_contact,
     measure_scale,
+    patterns_page,
     run_patterns,
 )
 from benchmarks.__main__ import app
@@ -148,3 +149,12 @@ def test_patterns_are_pressed_together_in_time(name, seed):
     case = measure_contact(name, seed)
     _pressed(case)
     assert case.pairs > 40
+
+
+def test_tables_of_the_page_are_those_recorded():
+    data, text = json.loads(patterns_page.DATA.read_text()), patterns_page.PAGE.read_text()
+    assert patterns_page.with_tables(text, data) == text, "run: python -m benchmarks page"
+    assert f"`{data['stamp']}`" in text
+    ours = [p for p in data["points"] if p["method"] == "this package"]
+    last = {p["pattern"]: p["angle"] for p in ours}
+    assert len(last) == 7 and max(last.values()) <= 3.5e-13, "as the first sentence says"

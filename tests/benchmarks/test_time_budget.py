@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks import time_budget
+from benchmarks import budget_page, time_budget
 from benchmarks.__main__ import app
 from origami_nlp import examples
 from origami_nlp.minima import find as minima, ipopt, record
@@ -50,3 +50,11 @@ def test_the_command(monkeypatch, tmp_path, budget):
     data = json.loads(out.read_text())
     assert len(data["panels"]) == 18
     assert np.isclose(data["panels"][0]["total"], budget.total)
+    assert data["stamp"] in budget_page.page(data)
+
+
+def test_the_page_is_made_from_the_record():
+    data = json.loads(budget_page.DATA.read_text())
+    made = budget_page.page(data)
+    assert budget_page.PAGE.read_text() == made, "run: python -m benchmarks page"
+    assert set(data["panels"][0]["seconds"]) == set(time_budget.STAGES), "stages are those of now"
