@@ -40,7 +40,7 @@ class FlatMotion:
     side
         Of a cone: 1 where the sum of the fold angles is positive, -1 where it is negative.
     stops
-        Of a cone that they cut: -1, 0 or 1 of each crease, the side that is shut, [n]; empty where none is.
+        Of a cone that they cut: -1, 0 or 1 of each crease, the side to which it cannot fold, [n]; empty where none is.
     """
 
     basis: np.ndarray
@@ -148,7 +148,7 @@ def ways(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], bool]
 
 
 def cut(motion: FlatMotion, stops: np.ndarray) -> FlatMotion | None:
-    """Return a nappe of a cone without what stops of the flat state [n] shut; None where that is all of it."""
+    """Return a nappe of a cone without what stops of the flat state [n] keep out; None where that is all of it."""
     if not stops.any():
         return motion
     motion = replace(motion, stops=stops)
