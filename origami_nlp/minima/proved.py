@@ -103,6 +103,10 @@ MOST_JUDGED = 20
 """Of regions that a proof leaves open: in so many it is asked whether there is a minimum that the search lacks.  There
 are hundreds where whole sets of states are level."""
 
+MOST_SINGULAR = 100
+"""Of singular states that are judged where a proof has failed for other reasons, those of least energy: along creases
+that are one line there are hundreds."""
+
 
 def why_not(model: Model) -> str:
     """Return why a scene is not tried to be proved complete; "" where it is."""
@@ -164,12 +168,15 @@ def hold_against(
         return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
 
     lemmas: dict[tuple[int, ...], list[Isolation]] = {}
+    least = _worth_judging(model, proof)
     singular = _merged(
         [
             open_region(cluster)
             if time.monotonic() > until
             else _stands_alone(model, limits, record, cluster, added, lemmas)
-            for cluster in proof.singular
+            if k in least
+            else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
+            for k, cluster in enumerate(proof.singular)
         ]
     )
     if proof.flat_radius and proof.flat_is_minimum is None:
@@ -218,6 +225,16 @@ def hold_against(
         ),
         over=_ranges_over(model.scene),
     )
+
+
+def _worth_judging(model: Model, proof: Proof) -> set[int]:
+    """Return which singular states are judged: all, unless the list stays without proof whatever they are."""
+    if (proof.finished and not proof.undecided) or len(proof.singular) <= MOST_SINGULAR:
+        return set(range(len(proof.singular)))
+    middles = np.array([0.5 * np.add(c.lower, c.upper) for c in proof.singular])
+    # those of one energy stay in the order of the proof
+    order = np.argsort(np.round(model.parameters.energy(middles), 9), kind="stable")
+    return set(order[:MOST_SINGULAR].tolist())
 
 
 def _ranges_over(scene: Scene) -> str:
