@@ -197,3 +197,17 @@ def test_panels_within_fold_limits(scene):
     c = result.completeness
     assert c.status in ("proved", "proved-except-singular"), list(c.lines())
     assert not c.added
+
+
+@pytest.mark.slow
+def test_a_proof_that_failed_judges_a_hundred_singular_states_those_of_least_energy():
+    """Two creases in one line and a stop at 0: all that folds about the line is singular."""
+    limits = (*((-math.pi, math.pi),) * 3, (0.0, math.pi))
+    vertex = Vertex.from_degrees((110, 70, 110, 70))
+    scene = Scene(vertex, (1, 2, 1.5, 0.7), (0.4, -0.6, 0.8, 0.9), "none", limits=limits)
+    found = find_minima(scene, escape=False).completeness
+    judged = [r.energy for r in found.singular if r.verdict]
+    left = [r.energy for r in found.singular if not r.verdict]
+    assert found.status == "not-proved" and len(left) > 100 and 100 <= len(judged) <= 110
+    assert f"{len(left)} singular states are not decided" in found.reason
+    assert np.quantile(judged, 0.9) < np.quantile(left, 0.1)
