@@ -208,7 +208,8 @@ def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, 
     all_ = set(itertools.product((-0.7, 0.7), repeat=creases))
     crossing = {folds for folds in all_ if crosses(folds)}
     assert found == all_ - crossing and len(crossing) == rolled and len(result.minima) == len(found)
-    assert result.search.by_source[OtherWells.name] > 0
+    # up to three lines are folded to their wells at the start, of more hinges snap one by one
+    assert (result.search.by_source.get(OtherWells.name, 0) > 0) == (creases > 3)
 
 
 @pytest.mark.slow
