@@ -32,7 +32,7 @@ from origami_nlp.pattern import (
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import state_frame, states_to_fold
-from origami_nlp.problem import Model, Moving, Parameters
+from origami_nlp.problem import LawChange, Model, Parameters
 
 SAMPLES = 17
 """Scenes of a family that are posed before it is followed, to see whether it is smooth."""
@@ -114,7 +114,7 @@ class Family:
         laws = line.direction.laws
         if self.course is None or laws is None:
             return line
-        laws = replace(laws, moving=Moving(self.course, 0.0))
+        laws = replace(laws, moving=LawChange(self.course, 0.0))
         return replace(line, direction=replace(line.direction, laws=laws))
 
     def winding(self, s: float) -> float:

@@ -20,7 +20,7 @@ from .contact import (
     openings as openings,
 )
 from .gaps import Gap as Gap, separation_rows as separation_rows
-from .hinge_laws import HingeLaws as HingeLaws, Moving as Moving
+from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
 from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap

@@ -17,7 +17,7 @@ PIECE = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
+class LawChange:
     """Laws that change with s beyond factors and shifts: by t = start + s, a number that they are stated with."""
 
     course: LawCourse
@@ -56,7 +56,7 @@ class HingeLaws:
     laws: tuple[HingeLaw | None, ...]
     weight: np.ndarray
     shift: np.ndarray
-    moving: Moving | None = None
+    moving: LawChange | None = None
 
     @staticmethod
     def of(laws: Sequence[HingeLaw | None], counts: np.ndarray | float) -> HingeLaws:
