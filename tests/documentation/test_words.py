@@ -18,7 +18,7 @@ NAMES = set(
     """
     Told told Brief brief Full Turnable Station Track Programme programme Posed Touch Lying Choice Placed press pressing
     ways_out Lower thin_at leads_somewhere search_spheres let_go Way Web Arc Node Half Over Overview overview freedoms
-    examine Alike group_alike find_boundaries Boundaries LawChange Ended CLOSES TOUCHES SAME BESIDE ENDS TYPED Stand stands
+    examine Alike group_alike find_boundaries Boundaries Moving Ended CLOSES TOUCHES SAME BESIDE ENDS TYPED Stand stands
     SheetTerrain SheetSearch TouchStrata TouchStarts TouchSystem Twin programmes tell
     freedom one_freedom sheets Sheets on_sheet
     """.split()
