@@ -182,9 +182,10 @@ def find_minima_of_each(
     prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
 ) -> list[MinimaResult]:
-    """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
+    """Return what `find_minima` finds for each of some scenes, with one limit of time for all.
 
-    Descents of all of them are made together then; starts, judgements and stopping are those of each search alone.
+    Descents are made together where they have one vertex, which takes 0.94 to 1 of the time of single searches; starts,
+    judgements and stopping are those of each search alone.
 
     Parameters
     ----------
