@@ -174,6 +174,7 @@ def _in_time(
     say(part)
     until, problem.until = problem.until, min(problem.until, time.monotonic() + SECONDS)
     try:
+        problem.check_time()
         work()
     except OutOfTime:
         return [part]
