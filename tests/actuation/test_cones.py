@@ -92,6 +92,19 @@ def test_directions_of_most_work_are_those_of_samples_of_the_cone(case):
     assert met == set(range(len(ways)))
 
 
+def cut_case(case, shut):
+    """A case with stops at the flat state: signs of the stops, what `actuate` says, the ways, velocities and form."""
+    scene, torques, null, form = cone_case(case)
+    stops = np.zeros(len(null))
+    limits = [(-3.0, 3.0)] * len(null)
+    for crease in shut:
+        stops[abs(crease) - 1] = np.sign(crease)
+        limits[abs(crease) - 1] = (-3.0, 0.0) if crease > 0 else (0.0, 3.0)
+    seen = o.actuate(replace(scene, limits=limits), torques)
+    ways = [w.velocity for b in seen.branches for w in b.ways]
+    return stops, seen, ways, null, form
+
+
 CUTS = [
     ("5, both sides", (1, -3)),
     ("7, all", (1, 2, 3)),
@@ -105,14 +118,7 @@ CUTS = [
 @pytest.mark.parametrize("case, shut", thinned(CUTS, 2))
 def test_directions_of_most_work_on_a_cone_that_stops_cut(case, shut):
     """SciPy's SLSQP from random directions ends in the ways; creases > 0 may not valley-fold, < 0 not mountain-fold."""
-    scene, torques, null, form = cone_case(case)
-    stops = np.zeros(len(null))
-    limits = [(-3.0, 3.0)] * len(null)
-    for crease in shut:
-        stops[abs(crease) - 1] = np.sign(crease)
-        limits[abs(crease) - 1] = (-3.0, 0.0) if crease > 0 else (0.0, 3.0)
-    seen = o.actuate(replace(scene, limits=limits), torques)
-    ways = [w.velocity for b in seen.branches for w in b.ways]
+    stops, seen, ways, null, form = cut_case(case, shut)
     assert ways and all((way * stops <= 1e-9).all() for way in ways)
     assert seen.unique is (len(ways) == 1)
     g = null.T @ seen.loads[0] / np.linalg.norm(seen.loads[0])
@@ -143,6 +149,27 @@ def test_directions_of_most_work_on_a_cone_that_stops_cut(case, shut):
     assert met
     for state in seen.reached:
         assert state.verdict == "minimum" and (state.phi * stops <= 1e-9).all()
+
+
+@pytest.mark.parametrize("case", ["5, one side", "5, both sides"])
+@pytest.mark.parametrize("shut", [(), (1,), (-2,), (1, -3), (1, 2), (1, 2, 3), (-1, -2, -4)])
+def test_directions_of_five_creases_are_those_of_a_scan_of_their_cone(case, shut):
+    """Each side of the cone of five creases is one circle of unit directions: all of it in 100,000 steps."""
+    stops, seen, ways, null, form = cut_case(case, shut)
+    size, axes = np.linalg.eigh(form)
+    g = seen.loads[0] / np.linalg.norm(seen.loads[0])
+    t = np.linspace(0, 2 * np.pi, 100_000, endpoint=False)
+    found = []
+    for side in (-1.0, 1.0):
+        y = np.array([np.cos(t), np.sin(t), np.full(len(t), side)]) / np.sqrt(np.abs(size))[:, None]
+        velocity = (null @ axes @ (y / np.linalg.norm(y, axis=0))).T
+        free = (velocity * stops <= 1e-12).all(axis=1)
+        work = np.where(free, velocity @ g, -9.0)
+        top = free & (work > 1e-4) & (work >= np.roll(work, 1)) & (work >= np.roll(work, -1))
+        found += list(velocity[top])
+    assert len(found) == len(ways)
+    for way in ways:
+        assert min(np.abs(one - way).max() for one in found) < 1e-3
 
 
 def test_fewer_creases_start_no_side_of_a_vertex_alone():
