@@ -43,6 +43,8 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     if wanted is not None:
         return wanted is not False
     many = len(pattern.vertices)
+    if many > max(FEW, FEW_ROUND):  # before its sectors are read: that takes seconds for thousands of vertices
+        return False
     if not why_no_strip(pattern):
         return many <= FEW - contact
     if not why_no_quad_mesh(pattern):
