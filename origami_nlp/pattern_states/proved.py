@@ -43,7 +43,8 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     if wanted is not None:
         return wanted is not False
     many = len(pattern.vertices)
-    if many > max(FEW, FEW_ROUND):  # before its sectors are read: that takes seconds for thousands of vertices
+    # before its sectors are read, which takes seconds for thousands of vertices
+    if many > max(FEW, FEW_ROUND):
         return False
     if not why_no_strip(pattern):
         return many <= FEW - contact
