@@ -184,8 +184,8 @@ def find_minima_of_each(
 ) -> list[MinimaResult]:
     """Return what `find_minima` finds for each of some scenes, with one limit of time for all.
 
-    Descents are made together where they have one vertex, which takes 0.93 to 1.01 of the time of single searches; starts,
-    judgements and stopping are those of each search alone.
+    Descents are made together where they have one vertex, which takes 0.93 to 1.01 of the time of single
+    searches; starts, judgements and stopping are those of each search alone.
 
     Parameters
     ----------
