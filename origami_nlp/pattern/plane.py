@@ -47,7 +47,26 @@ def in_plane(pattern: Pattern) -> np.ndarray:
 
 
 def laid_flat(pattern: Pattern) -> Pattern:
-    """Return a flat sheet with its corners in a plane z = constant: itself if they are, or if it is not flat."""
+    """Return a flat sheet with its corners in a plane z = constant.
+
+    Parameters
+    ----------
+    pattern
+        Any pattern.
+
+    Returns
+    -------
+    Pattern
+        The sheet laid in its plane; the pattern itself if it lies so, or if it is not flat.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import laid_flat
+    >>> sheet = o.examples.pattern("miura", 2, 2)
+    >>> laid_flat(sheet) is sheet
+    True
+    """
     if not pattern.is_flat or not np.ptp(pattern.corners[:, 2]):
         return pattern
     corners = np.column_stack([in_plane(pattern), np.zeros(len(pattern.corners))])

@@ -24,7 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, NONZERO, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
@@ -369,8 +369,14 @@ def _bounds_in_c(
     (own, n, boxes), more, count = rows.closure.slopes.shape, len(asked), len(keep)
     size = np.array([n, boxes, count, own, more, posed.linear.start, posed.pivots])
     low, high = np.empty((2, n, count))
-    arrays = (size, keep, *given, asked, low, high)
+    poor = np.empty(count, dtype=bool)
+    arrays = (size, keep, *given, asked, low, high, poor)
     library().contract(*(v.ctypes.data for v in arrays))
+    if poor.any():
+        a, c, e = _batch_first(rows.closure, keep[poor])
+        lower, upper = _bounds_by(a, c, e, _inverse_of_pivots(a, posed))
+        low[:, poor] = np.fmax(low[:, poor], lower.T)
+        high[:, poor] = np.fmin(high[:, poor], upper.T)
     return low, high
 
 
@@ -430,9 +436,8 @@ def _inverse_of_pivots(a: np.ndarray, posed: BoxProblem) -> np.ndarray:
     volume = np.linalg.norm(square, axis=1).prod(axis=1)
     poor = ~(np.abs(np.linalg.det(square)) > DEPENDENT * volume)
     inverse = np.linalg.inv(np.where(poor[:, None, None], np.eye(posed.pivots), square))
-    inverse[poor] = (
-        0.0  # pinned angles have no slopes: what rounding makes of their columns is no inverse
-    )
+    # pinned angles have no slopes: what rounding makes of their columns is no inverse
+    inverse[poor] = np.linalg.pinv(np.nan_to_num(square[poor], posinf=0.0, neginf=0.0), rcond=RANK)
     y = np.zeros((boxes, n, count))
     part = np.zeros((boxes, n, posed.pivots))
     np.put_along_axis(part, chosen[:, :, None], inverse, axis=1)

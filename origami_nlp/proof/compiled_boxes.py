@@ -55,7 +55,7 @@ def library() -> Any:
         whole, at, number = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
         made.run.argtypes = [whole, *[at] * 4, whole]
         made.nonzero.argtypes = [whole, whole, whole, at, at, at, number, at]
-        made.contract.argtypes = [at] * 11
+        made.contract.argtypes = [at] * 12
         made.settle.argtypes = [whole, whole, whole, number, *[at] * 11]
         made.halve.argtypes = [whole, whole, number, at, at, at, whole, at, at, at]
         for function in (made.run, made.nonzero, made.contract, made.settle):

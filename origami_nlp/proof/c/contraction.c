@@ -139,10 +139,10 @@ static void least_squares(int64_t rows, int64_t n, double a[rows][n], const doub
     }
 }
 
-/* Some boxes: bounds low, high [n][count] of xi; where the pivots depend the matrix of these is not tried. */
+/* Some boxes: bounds low, high [n][count] of xi, and where the pivots depend (the matrix of these is not tried). */
 void contract(const int64_t *size, const int64_t *which, const double *centre, const double *slopes, const double *error,
               const double *more_centre, const double *more_slopes, const double *more_error, const uint8_t *asked,
-              double *low, double *high)
+              double *low, double *high, uint8_t *poor)
 {
     const int64_t n = size[0], boxes = size[1], count = size[2], own = size[3], more = size[4], first = size[5],
                   p = size[6];
@@ -161,8 +161,8 @@ void contract(const int64_t *size, const int64_t *which, const double *centre, c
         for (int64_t v = 0; v < n; v++) l[v] = -HUGE_VAL, h[v] = HUGE_VAL;
         {
             double y[n][own];
-            if (inverse_of_pivots(own, n, first, p, a, y))
-                bound(own, n, a, c, e, y, 4 * (own + n + 8) * UNIT, l, h);
+            poor[i] = !inverse_of_pivots(own, n, first, p, a, y);
+            if (!poor[i]) bound(own, n, a, c, e, y, 4 * (own + n + 8) * UNIT, l, h);
         }
         {
             double y[n][rows];
