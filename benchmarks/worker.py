@@ -43,7 +43,8 @@ def answer(asked: dict[str, Any]) -> dict[str, Any]:
             for m in result.minima
         ],
         "residual": max(
-            r for m in result.minima for r in (0.0, m.closure_residual, m.kkt_residual) if r == r
+            (r for m in result.minima for r in (m.closure_residual, m.kkt_residual) if r == r),
+            default=0.0,  # of a search that found nothing
         ),
         "status": getattr(result.completeness, "status", ""),
     }

@@ -23,7 +23,7 @@ SHIFTS = (0.0, -1.0)
 TOGETHER = 4_000
 """Vertices at a time."""
 LOOKS = {
-    "#e8e8e8": "other numberings",
+    "#e8e8e8": "the same vertices, numbered otherwise",
     "#c9c9c9": "two maxima on half a branch are not excluded here",
     "#a8c8e8": "one at most on each half, in double precision",
     "#1f4e8c": "proved: at most six states",
@@ -102,7 +102,8 @@ def leaves(tree: str) -> list[Leaf]:
 
 def draw_two_maxima(tree: str, slices: Sequence[int] = (30, 60)) -> Figure:
     """Draw proved boxes for two values of the first sector [deg], and all vertices where double precision sees it."""
-    figure = Figure(figsize=(8.4, 4.4), layout="constrained")
+    figure = Figure(figsize=(8.4, 4.4))
+    figure.set_layout_engine("constrained", h_pad=0.1)
     boxes = leaves(tree)
     fine = np.arange(0.25, 180, 0.5)
     two, four = (x.ravel() for x in np.meshgrid(fine, fine, indexing="ij"))
