@@ -166,26 +166,26 @@ def cut(motion: FlatMotion, stops: np.ndarray) -> FlatMotion | None:
 def _ways_cut(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], bool]:
     """As `ways`, on a nappe that stops cut: on each face those of its cone at which held stops push back."""
     stopped, found, alone = np.flatnonzero(motion.stops), list[np.ndarray](), True
-    least, shut_side = (
+    least, held_side = (
         SAME_DIRECTION * float(np.linalg.norm(force)),
         motion.stops[:, None] * motion.basis,
     )
     for size in range(len(stopped) + 1):
-        for shut in map(list, combinations(stopped.tolist(), size)):
-            face, touching = _face(motion, shut)
+        for held in map(list, combinations(stopped.tolist(), size)):
+            face, touching = _face(motion, held)
             on_face, single = ways(face, force) if face else ([], True)
             for way in (*on_face, *touching):
                 room = -(motion.stops * way)[stopped]
                 if (room < -SAME_DIRECTION).any() or way @ force <= least:
                     continue
                 y = motion.basis.T @ way
-                normals = [y, motion.form / motion.form[0] * y, *shut_side[shut]]
+                normals = [y, motion.form / motion.form[0] * y, *held_side[held]]
                 push = np.linalg.lstsq(np.array(normals).T, motion.basis.T @ force, rcond=None)[0][
                     2:
                 ]
                 if (push < -least).any() and not touching:
                     continue
-                free = ~np.isin(stopped, shut)
+                free = ~np.isin(stopped, held)
                 strict = bool((push > least).all() and (room[free] > SAME_DIRECTION).all())
                 alone = alone and single and strict and not touching
                 found.append(way)
@@ -193,11 +193,11 @@ def _ways_cut(motion: FlatMotion, force: np.ndarray) -> tuple[list[np.ndarray], 
     return found, alone
 
 
-def _face(motion: FlatMotion, shut: list[int]) -> tuple[FlatMotion | None, list[np.ndarray]]:
+def _face(motion: FlatMotion, held: list[int]) -> tuple[FlatMotion | None, list[np.ndarray]]:
     """Return the part of a nappe on which these creases do not move, or its rays where that only touches the cone."""
-    if not shut:
+    if not held:
         return replace(motion, stops=np.zeros(0)), []
-    _, values, vt = np.linalg.svd(motion.basis[shut])
+    _, values, vt = np.linalg.svd(motion.basis[held])
     free = vt[int((values > SAME_DIRECTION).sum()) :].T
     size, axes = np.linalg.eigh((free.T * motion.form) @ free)
     axes = free @ axes[:, ::-1]

@@ -92,12 +92,12 @@ def test_directions_of_most_work_are_those_of_samples_of_the_cone(case):
     assert met == set(range(len(ways)))
 
 
-def cut_case(case, shut):
+def cut_case(case, held):
     """A case with stops at the flat state: signs of the stops, what `actuate` says, the ways, velocities and form."""
     scene, torques, null, form = cone_case(case)
     stops = np.zeros(len(null))
     limits = [(-3.0, 3.0)] * len(null)
-    for crease in shut:
+    for crease in held:
         stops[abs(crease) - 1] = np.sign(crease)
         limits[abs(crease) - 1] = (-3.0, 0.0) if crease > 0 else (0.0, 3.0)
     seen = o.actuate(replace(scene, limits=limits), torques)
@@ -115,10 +115,10 @@ CUTS = [
 ]
 
 
-@pytest.mark.parametrize("case, shut", thinned(CUTS, 2))
-def test_directions_of_most_work_on_a_cone_that_stops_cut(case, shut):
+@pytest.mark.parametrize("case, held", thinned(CUTS, 2))
+def test_directions_of_most_work_on_a_cone_that_stops_cut(case, held):
     """SciPy's SLSQP from random directions ends in the ways; creases > 0 may not valley-fold, < 0 not mountain-fold."""
-    stops, seen, ways, null, form = cut_case(case, shut)
+    stops, seen, ways, null, form = cut_case(case, held)
     assert ways and all((way * stops <= 1e-9).all() for way in ways)
     assert seen.unique is (len(ways) == 1)
     g = null.T @ seen.loads[0] / np.linalg.norm(seen.loads[0])
@@ -152,10 +152,10 @@ def test_directions_of_most_work_on_a_cone_that_stops_cut(case, shut):
 
 
 @pytest.mark.parametrize("case", ["5, one side", "5, both sides"])
-@pytest.mark.parametrize("shut", [(), (1,), (-2,), (1, -3), (1, 2), (1, 2, 3), (-1, -2, -4)])
-def test_directions_of_five_creases_are_those_of_a_scan_of_their_cone(case, shut):
+@pytest.mark.parametrize("held", [(), (1,), (-2,), (1, -3), (1, 2), (1, 2, 3), (-1, -2, -4)])
+def test_directions_of_five_creases_are_those_of_a_scan_of_their_cone(case, held):
     """Each side of the cone of five creases is one circle of unit directions: all of it in 100,000 steps."""
-    stops, seen, ways, null, form = cut_case(case, shut)
+    stops, seen, ways, null, form = cut_case(case, held)
     size, axes = np.linalg.eigh(form)
     g = seen.loads[0] / np.linalg.norm(seen.loads[0])
     t = np.linspace(0, 2 * np.pi, 100_000, endpoint=False)
