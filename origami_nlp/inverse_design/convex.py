@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, balances
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
@@ -184,7 +184,7 @@ class ConvexDesign:
 
     def _hold(self, i: int, share: float, name: str) -> None:
         t = self.targets
-        kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
+        kind = SpringRows(t.free, t.kinds).kind
         touching = {contact for j, contact in self.touching if j == i}
         pieces = balances(standing(t, i), kind, touching, self.loose)
         if len(pieces) > MOST_PIECES:
@@ -202,9 +202,7 @@ class ConvexDesign:
         """Row of the energy of a state less that of the flat state over the mean stiffness."""
         t = self.targets
         i = [s.name for s in t.states].index(name)
-        model = t.model
-        kind = np.rint(model.reduce(t.kinds.astype(float))).astype(int)
-        return energy_row(model, t.placed[i].state.x, kind, self.places)
+        return SpringRows(t.model, t.kinds).energy(t.placed[i].state.x)
 
     def _energies(self) -> None:
         p, v, t = self.problem, self.places, self.targets

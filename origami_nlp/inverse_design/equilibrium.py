@@ -16,12 +16,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import DEFINITE, EQUAL, INDEPENDENT, POSITIVE, RANK, ConicProgram, svector
-from origami_nlp.problem import Contact, Problem
+from origami_nlp.problem import Contact
 
 
 @dataclass(frozen=True)
@@ -243,20 +244,33 @@ def balances(
     return [Balance(state.on(tuple(p)), kind, touching, loose) for p in state.pieces]
 
 
-def energy_row(model: Problem, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:
-    """Return the row whose product with the unknowns is the energy of x less that of phi = 0, [places.size]."""
-    out = np.zeros(places.size)
-    # sum k/2 (x - phi0)^2 less sum k/2 phi0^2 = sum k x^2 / 2 - tau x: the square of phi0 would not be linear
-    np.add.at(out, places.stiffness.start + kind, 0.5 * model.multiplicity * x**2)
-    np.add.at(out, places.torque.start + kind, -model.multiplicity * x)
-    return out
+class SpringRows:
+    """Rows over the springs, the scale and the margin: energies and slopes at states of a model, linear in these.
 
+    Parameters
+    ----------
+    model
+        Of the states.
+    kinds
+        Which kind each crease is, shape [N].
+    """
 
-def slope_row(
-    model: Problem, x: np.ndarray, step: np.ndarray, kind: np.ndarray, places: Springs
-) -> np.ndarray:
-    """Return the row whose product with the unknowns is the slope of the energy at x along a step [n]."""
-    out = np.zeros(places.size)
-    np.add.at(out, places.stiffness.start + kind, model.multiplicity * x * step)
-    np.add.at(out, places.torque.start + kind, -model.multiplicity * step)
-    return out
+    def __init__(self, model: Any, kinds: np.ndarray) -> None:
+        self.model, self.places = model, Springs.of(int(kinds.max()) + 1)
+        self.kind = np.rint(model.reduce(kinds.astype(float))).astype(int)
+
+    def _of(self, stiffness: np.ndarray, torque: np.ndarray) -> np.ndarray:
+        out = np.zeros(self.places.size)
+        np.add.at(out, self.places.stiffness.start + self.kind, stiffness)
+        np.add.at(out, self.places.torque.start + self.kind, torque)
+        return out
+
+    def energy(self, x: np.ndarray) -> np.ndarray:
+        """Return the row whose product with the unknowns is the energy of x less that of phi = 0."""
+        # sum k/2 (x - phi0)^2 less sum k/2 phi0^2 = sum k x^2 / 2 - tau x: the square of phi0 would not be linear
+        return self._of(0.5 * self.model.multiplicity * x**2, -self.model.multiplicity * x)
+
+    def slope(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return the row whose product with the unknowns is the slope of the energy at x along a step [n]."""
+        step = self.model.multiplicity * step
+        return self._of(x * step, -step)

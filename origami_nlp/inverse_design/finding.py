@@ -190,26 +190,13 @@ class _Work:
         """Make the scene of an optimum, and check it; `prove` where a proof that no minimum is missing is tried."""
         scene = scene_of(self.targets, springs_of(posed), self.name)
         self.say("minima of the scene")
-        if not isinstance(scene, Scene):
-            contact = self.targets.contact == "full"
-            listed = find_states(
-                scene,
-                seed=self.seed,
-                effort=self.effort,
-                contact=contact,
-                escape=False,
-                prove=None if prove else False,
-            )
-            return check(self.targets, self.ask, posed, scene, listed, {}, self.seed, self.say)
-        full = self.targets.full_space and self.targets.symmetric
-        minima = find_minima(
-            scene,
-            seed=self.seed,
-            effort=self.effort,
-            full=full,
-            prove=None if prove else False,
-            escape=False,
-        )
+        asked: dict[str, Any] = {"seed": self.seed, "effort": self.effort, "escape": False}
+        asked["prove"] = None if prove else False
+        if isinstance(scene, Scene):
+            full = self.targets.full_space and self.targets.symmetric
+            minima = find_minima(scene, full=full, **asked)
+        else:
+            minima = find_states(scene, contact=self.targets.contact == "full", **asked)
         ways = {} if self.passes is None else self.passes.ways
         return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)
 

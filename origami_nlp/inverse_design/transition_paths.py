@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.continuation import BoundaryCurve, evaluate, follow_boundary
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import Springs, energy_row, slope_row
+from origami_nlp.inverse_design.equilibrium import SpringRows
 from origami_nlp.inverse_design.targets import BarrierAsk, Targets
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import (
@@ -199,14 +199,12 @@ class Passes:
 
     def __init__(self, targets: Targets) -> None:
         self.targets, model = targets, targets.model
-        self.places = Springs.of(int(targets.kinds.max()) + 1)
-        self.kind = np.rint(model.reduce(targets.kinds.astype(float))).astype(int)
+        self.springs = SpringRows(model, targets.kinds)
         self.asks: dict[tuple[str, str], list[BarrierAsk]] = {}
         for ask in targets.barriers:
             pair = (ask.start, ask.end)
-            self.asks.setdefault(pair if pair[::-1] not in self.asks else pair[::-1], []).append(
-                ask
-            )
+            one = pair[::-1] if pair[::-1] in self.asks else pair
+            self.asks.setdefault(one, []).append(ask)
         at = {p.target.name: p.state.x for p in targets.placed}
         self.ways: dict[tuple[str, str], TransitionPath] = {}
         self.tops: dict[tuple[str, str], list[np.ndarray]] = {}
@@ -236,21 +234,17 @@ class Passes:
             for c in itertools.islice(itertools.product(*options), MOST_CANDIDATES)
         ]
 
-    def energy(self, x: np.ndarray) -> np.ndarray:
-        """Row of the energy of a state less that of the flat one."""
-        return energy_row(self.targets.model, x, self.kind, self.places)
-
     def slope(self, way: TransitionPath, k: int) -> np.ndarray:
         """Row of the slope of the energy along a way."""
-        model = self.targets.model
-        return slope_row(model, way.states[k], way.tangents[k] / model.root, self.kind, self.places)
+        return self.springs.slope(way.states[k], way.tangents[k] / self.targets.model.root)
 
     def curvature(self, way: TransitionPath, k: int) -> np.ndarray:
         """Row of the second derivative of the energy along a way."""
-        model = self.targets.model
-        row = slope_row(model, way.states[k], way.bends[k] / model.root, self.kind, self.places)
+        row = self.springs.slope(way.states[k], way.bends[k] / self.targets.model.root)
         # paper, eq. 3.6: t . K t + grad U . y'', linear in k and tau where the curve is given
-        np.add.at(row, self.places.stiffness.start + self.kind, way.tangents[k] ** 2)
+        np.add.at(
+            row, self.springs.places.stiffness.start + self.springs.kind, way.tangents[k] ** 2
+        )
         return row
 
     def rows(
@@ -264,11 +258,10 @@ class Passes:
             if p is not None:
                 out += self._pass(pair, way, p)
             for ask in asks:
-                start = self.energy(way.states[0 if ask.start == pair[0] else -1])
-                top = [way.states[p]] if p is not None else way.states[1:-1]
-                if p is None:
-                    top = [*top, *self.tops.get(pair, [])]
-                rises = np.array([self.energy(x) - start for x in top])
+                start = self.springs.energy(way.states[0 if ask.start == pair[0] else -1])
+                every = [*way.states[1:-1], *self.tops.get(pair, [])]
+                top = every if p is None else [way.states[p]]
+                rises = np.array([self.springs.energy(x) - start for x in top])
                 out += self._bounds(ask, rises)
                 if p is not None:
                     heights.append(rises[0])
@@ -289,24 +282,17 @@ class Passes:
 
     def _bounds(self, ask: BarrierAsk, rises: np.ndarray) -> list[ConeRows]:
         words = f"barrier from {ask.start} to {ask.end}"
-        scale = np.zeros(self.places.size)
-        scale[self.places.scale] = 1.0
-        none = np.zeros(len(rises))
+        scale = np.zeros(rises.shape[1])
+        scale[self.springs.places.scale] = 1.0
+        over = rises - ask.least * scale
         if ask.least == ask.most:
-            return [ConeRows(EQUAL, rises - ask.least * scale, none, f"{words} is {ask.least:g} J")]
+            return [ConeRows.of(EQUAL, over, f"{words} is {ask.least:g} J")]
         out = []
         if ask.least > 0.0:
-            out.append(
-                ConeRows(
-                    POSITIVE, rises - ask.least * scale, none, f"{words} at least {ask.least:g} J"
-                )
-            )
+            out.append(ConeRows.of(POSITIVE, over, f"{words} at least {ask.least:g} J"))
         if math.isfinite(ask.most):
-            out.append(
-                ConeRows(
-                    POSITIVE, ask.most * scale - rises, none, f"{words} at most {ask.most:g} J"
-                )
-            )
+            below = ask.most * scale - rises
+            out.append(ConeRows.of(POSITIVE, below, f"{words} at most {ask.most:g} J"))
         return out
 
     def _pass(self, pair: tuple[str, str], way: TransitionPath, p: int) -> list[ConeRows]:
@@ -320,13 +306,11 @@ class Passes:
         ]
         out = []
         if slopes:
-            out.append(ConeRows(POSITIVE, np.array(slopes), np.zeros(len(slopes)), words))
+            out.append(ConeRows.of(POSITIVE, slopes, words))
         if way.regular[p]:
             # a pass: level and bent down there, rising before and falling behind
             bend = -self.curvature(way, p)
-            bend[self.places.margin] -= BESIDE_PASS
-            out.append(
-                ConeRows(EQUAL, self.slope(way, p)[None], np.zeros(1), f"{words}: level there")
-            )
-            out.append(ConeRows(POSITIVE, bend[None], np.zeros(1), f"{words}: bends down there"))
+            bend[self.springs.places.margin] -= BESIDE_PASS
+            out.append(ConeRows.of(EQUAL, self.slope(way, p), f"{words}: level there"))
+            out.append(ConeRows.of(POSITIVE, bend, f"{words}: bends down there"))
         return out

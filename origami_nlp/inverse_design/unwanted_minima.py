@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.inverse_design.equilibrium import Balance, Springs, energy_row, slope_row
+from origami_nlp.inverse_design.equilibrium import Balance, SpringRows
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.transition_paths import curve_of, outward
 from origami_nlp.kkt import State, project
@@ -47,48 +47,37 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[ConeRows, ..
         The choices there are, those first that leave least room for others like it.
     """
     model = targets.model
-    places = Springs.of(int(targets.kinds.max()) + 1)
-    kind = np.rint(model.reduce(targets.kinds.astype(float))).astype(int)
+    springs = SpringRows(model, targets.kinds)
     x = model.reduce(unwanted)
     wanted = [p.state.x for p in targets.placed]
     if model.dof == 1 and (curve := curve_of(model, x)) is not None:
-        out: list[tuple[ConeRows, ...]] = []
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))
-        for side, why in ends:
-            falls = _falling(targets, side, why, wanted, kind, places)
-            if falls is not None:
-                out.append(falls)
-        return [out]
+        every = (_falling(springs, side, why, wanted) for side, why in ends)
+        return [[falls for falls in every if falls is not None]]
     whole: list[tuple[ConeRows, ...]] = []
     few: list[list[tuple[ConeRows, ...]]] = [[] for _ in FEW]
     for walk, arrives in _downhill(targets, x, wanted):
-        energies = [energy_row(model, y, kind, places) for y in walk]
+        energies = [springs.energy(y) for y in walk]
         # energies of states are linear in k and tau: "the energy falls at every step" is a set of linear rows
         rows = np.array([a - b for a, b in itertools.pairwise(energies)])
         lengths = np.linalg.norm(model.root * np.diff(walk, axis=0), axis=1)
-        rows[:, places.margin] -= FALLS * lengths
+        rows[:, springs.places.margin] -= FALLS * lengths
         if arrives:
-            whole.append((ConeRows(POSITIVE, rows, np.zeros(len(rows)), WORDS),))
+            whole.append((ConeRows.of(POSITIVE, rows, WORDS),))
         for some, count in zip(few, FEW, strict=True):
-            part = rows[:count]
-            some.append((ConeRows(POSITIVE, part, np.zeros(len(part)), WORDS),))
+            some.append((ConeRows.of(POSITIVE, rows[:count], WORDS),))
     return [whole, *few]
 
 
 def _falling(
-    targets: Targets,
-    side: np.ndarray,
-    why: str,
-    wanted: list[np.ndarray],
-    kind: np.ndarray,
-    places: Springs,
+    springs: SpringRows, side: np.ndarray, why: str, wanted: list[np.ndarray]
 ) -> tuple[ConeRows, ...] | None:
     """Rows of the energy's fall from the first of some samples to a wanted state; None where there is none ahead.
 
     It falls in proportion to the way that is left: wells and level crossings are level at their bottom.
     """
-    model = targets.model
+    model = springs.model
     goal, last, corner = side[-1], len(side) - 1, None
     for k, b in enumerate(side[1:], start=1):
         near = min(wanted, key=lambda w: float(np.abs(b - w).max()))
@@ -106,23 +95,18 @@ def _falling(
     for a, b in itertools.pairwise(side[: last + 1]):
         length = float(np.linalg.norm(model.root * (b - a)))
         if length >= SHORT:
-            row = energy_row(model, a, kind, places) - energy_row(model, b, kind, places)
-            row[places.margin] -= FALLS * min(1.0, float(np.abs(b - goal).max())) * length
+            row = springs.energy(a) - springs.energy(b)
+            row[springs.places.margin] -= FALLS * min(1.0, float(np.abs(b - goal).max())) * length
             rows.append(row)
-    out = [ConeRows(POSITIVE, np.array(rows), np.zeros(len(rows)), WORDS)] if rows else []
+    out = [ConeRows.of(POSITIVE, rows, WORDS)] if rows else []
     if corner is not None:
         back = side[last] if np.abs(side[last] - corner).max() > SETTLED else side[last - 1]
-        out += _across(targets, corner, back - corner, wanted, kind, places)
+        out += _across(springs, corner, back - corner, wanted)
     return tuple(out) or None
 
 
 def _across(
-    targets: Targets,
-    corner: np.ndarray,
-    back: np.ndarray,
-    wanted: list[np.ndarray],
-    kind: np.ndarray,
-    places: Springs,
+    springs: SpringRows, corner: np.ndarray, back: np.ndarray, wanted: list[np.ndarray]
 ) -> list[ConeRows]:
     """Rows at a state where two curves cross, for energy that is to fall to it along one arm, `back` from it.
 
@@ -130,26 +114,23 @@ def _across(
     curve it falls along that one and is level along this one: a slope towards one arm leaves a minimum in it,
     and none rises towards both.
     """
-    model = targets.model
+    model = springs.model
     step = back / float(np.linalg.norm(model.root * back))
-    tangents = _crossing(model, corner, kind)
+    tangents = _crossing(model, corner, springs.kind)
     along = [abs(float(np.sum(model.root**2 * v * step))) for v in tangents]
     ahead: list[float] = []
     if tangents:
         own = int(np.argmax(along))
-        step = (
-            math.copysign(1.0, float(np.sum(model.root**2 * tangents[own] * step))) * tangents[own]
-        )
+        forward = float(np.sum(model.root**2 * tangents[own] * step))
+        step = math.copysign(1.0, forward) * tangents[own]
         other = tangents[1 - own]
         for w in wanted:
             for arm in outward(curve_of(model, w), w):
                 way = arm[-1] - corner if len(arm) > 1 else np.zeros_like(corner)
                 size = float(np.linalg.norm(model.root * way))
                 if not SETTLED < size <= 2 * SAMPLED * math.sqrt(len(way)):
-                    way, size = (
-                        arm[-2] - corner,
-                        float(np.linalg.norm(model.root * (arm[-2] - corner))),
-                    )
+                    way = arm[-2] - corner
+                    size = float(np.linalg.norm(model.root * way))
                 if not SETTLED < size <= 4 * SAMPLED * math.sqrt(len(way)):
                     continue
                 cosines = [float(np.sum(model.root**2 * v * way)) / size for v in (step, other)]
@@ -158,15 +139,15 @@ def _across(
                 # 0: wanted beyond the crossing on the same curve
                 elif cosines[0] < 0:
                     ahead.append(0.0)
-    slope = slope_row(model, corner, step, kind, places)
+    slope = springs.slope(corner, step)
     if not ahead or 0.0 in ahead:
-        slope[places.margin] -= FALLS
-        return [ConeRows(POSITIVE, slope[None], np.zeros(1), WORDS)]
-    out = [ConeRows(EQUAL, slope[None], np.zeros(1), f"{WORDS}: level across")]
+        slope[springs.places.margin] -= FALLS
+        return [ConeRows.of(POSITIVE, slope, WORDS)]
+    out = [ConeRows.of(EQUAL, slope, f"{WORDS}: level across")]
     if len(set(ahead)) == 1:
-        fall = -ahead[0] * slope_row(model, corner, other, kind, places)
-        fall[places.margin] -= FALLS
-        out.append(ConeRows(POSITIVE, fall[None], np.zeros(1), WORDS))
+        fall = -ahead[0] * springs.slope(corner, other)
+        fall[springs.places.margin] -= FALLS
+        out.append(ConeRows.of(POSITIVE, fall, WORDS))
     return out
 
 

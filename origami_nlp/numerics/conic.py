@@ -59,6 +59,12 @@ class ConeRows:
     b: np.ndarray
     words: str | tuple[str, ...]
 
+    @classmethod
+    def of(cls, cone: str, a: Any, words: str | tuple[str, ...], b: Any = 0.0) -> ConeRows:
+        """Return rows of numbers: a is one row [V] or several, b one number or one for each."""
+        a = np.atleast_2d(np.asarray(a, float))
+        return cls(cone, a, np.broadcast_to(np.asarray(b, float), len(a)), words)
+
 
 @dataclass(frozen=True)
 class ConicSolution:

@@ -20,6 +20,8 @@ from origami_nlp.proof import (
     why_no_strip,
     write_certificate,
 )
+from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_strips import StripCheck
 from origami_nlp.proof.law_torques import LawPieces
 from origami_nlp.proof.strip_certificate import CertifiedStop
 from tests.computed_once import prove_mesh, prove_strip
@@ -96,7 +98,7 @@ def test_minima_of_two_hundred_strips():
 
 
 def test_a_linear_law_is_a_spring():
-    pattern = strip(2, 4, 2)
+    pattern = strip(2, 3, 2)
     laws = [linear(k, r) for k, r in zip(pattern.stiffness, pattern.rest, strict=True)]
     plain, law = prove_strip(pattern), prove_strip(pattern.with_laws(laws))
     assert law.boxes == plain.boxes and len(law.minima) == len(plain.minima)
@@ -140,9 +142,13 @@ def test_omissions_are_refused():
     some = 0
     for seed in (0, 2):
         said = certified(seed, 1 + seed // 2)
+        check = StripCheck(said, lambda done, total: None)
+        check.run()
         for k in range(len(said.minima)):
-            less = (*said.minima[:k], *said.minima[k + 1 :])
-            assert "not listed" in check_proof(replace(said, minima=less)).refused
+            # of another list, once the boxes are known to hold
+            check.said = replace(said, minima=(*said.minima[:k], *said.minima[k + 1 :]))
+            with pytest.raises(Refused, match="not listed"):
+                check._lists()
         some += sum(bool(m.stops) for m in said.minima)
     assert some
 
