@@ -13,6 +13,8 @@ from tests.computed_once import thinned
 
 LATE = 1.0
 """Seconds by which a limit of wall time may be passed; of those that the process had, as other processes run."""
+LIMIT = 1.5
+"""Seconds that a search is given."""
 LONG, WIDE = "miura:48x48", "waterbomb:20x20"
 """Of 2,304 and 2,400 facets."""
 SEARCHES = {
@@ -40,13 +42,13 @@ def test_limits_of_wall_time_are_kept_on_large_sheets(warm, search, sheet):
     pattern = as_pattern(sheet)
     begin, worked = time.perf_counter(), time.process_time()
     try:
-        found = SEARCHES[search](pattern, 3.0)
+        found = SEARCHES[search](pattern, LIMIT)
     except OptionError as error:  # no stable state to load is known
         assert search == "load" and ("time was over" in str(error) or "stable state" in str(error))
         found = None
     wall, worked = time.perf_counter() - begin, time.process_time() - worked
     # beside other processes a second of work takes longer
-    assert wall < 3.0 + LATE * max(1.0, wall / worked)
+    assert wall < LIMIT + LATE * max(1.0, wall / worked)
     if found is not None:
         assert OUT_OF_TIME in str(found)
 
