@@ -13,9 +13,11 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import FOLLOWS, LISTED, Pass, PassKind
+from origami_nlp.chart import Landscape
 from origami_nlp.display import (
     Content,
     Details,
+    Poser,
     Report,
     Section,
     Table,
@@ -25,9 +27,9 @@ from origami_nlp.display import (
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, points_on
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
 HEADS = (
@@ -338,7 +340,6 @@ class Barriers(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.barriers.interactive import add_passes  # charts are slow to import
         from origami_nlp.chart import landscape
         from origami_nlp.minima import CELLS
 
@@ -386,3 +387,36 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
             ends = (f"{first} - {second}", f"{one:.6g}, {two:.6g}")
             rows.append((name, *ends, energy, kind, angles, said))
     return Table(LONG_HEADS, rows)
+
+
+def add_passes(
+    content: Content, origami: Scene | Pattern, passes: Sequence[Pass], chart: Landscape | None
+) -> Content:
+    """Add the paths over the passes to the minima, the lowest pass first.
+
+    Parameters
+    ----------
+    content
+        Of `MinimaResult.view_content`.
+    origami
+        What is folded.
+    passes
+        Of `find_barriers`.
+    chart
+        The energy over the coordinates of a scene; None of a pattern.
+
+    Returns
+    -------
+    Content
+        With a track for each pair of minima that a path joins.
+    """
+    poser, tracks = Poser(origami), []
+    joined = [p for p in passes if math.isfinite(p.energy) and len(p.path) > 1]
+    for p in sorted(joined, key=lambda p: p.energy):
+        title = f"{p.from_state} → {p.to_state} over the pass at {p.energy:.6g} J ({p.pass_kind})"
+        start, end = p.from_state - 1, p.to_state - 1
+        tracks.append(poser.track(title, p.path, p.path_energy, start=start, end=end))
+    none = "No curve joins two minima." if chart is None else "No admissible path joins two minima."
+    note = content.note if content.tracks or tracks else none
+    places = [] if chart is None else points_on(content, chart, tracks)
+    return replace(content.with_tracks(tracks, places), note=note)

@@ -155,11 +155,8 @@ class BifurcationSet(Report):
                 row: dict[str, object] = {"curve": curve.id, "type": curve.type}
                 row["contact"] = curve.contact
                 for k, (parameter, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
-                    row |= {
-                        f"parameter_{k}": parameter.name,
-                        f"t_{k}": t,
-                        f"unit_{k}": parameter.unit,
-                    }
+                    row |= {f"parameter_{k}": parameter.name, f"t_{k}": t}
+                    row[f"unit_{k}"] = parameter.unit
                 yield row | angle_columns(p.fold_angles)
 
     def report_sections(self) -> Iterator[Section]:
@@ -173,12 +170,8 @@ class BifurcationSet(Report):
                 (str(c.id), c.type, c.contact or "-", *ends, str(len(c.points)), ", ".join(c.ends))
             )
         heads = ("curve", "type", "contact", "from", "to", "points", "ends")
-        yield Table(
-            heads,
-            rows,
-            f"{len(self.curves)} curves of events over {a.name} and {b.name}",
-            "rlLllrL",
-        )
+        title = f"{len(self.curves)} curves of events over {a.name} and {b.name}"
+        yield Table(heads, rows, title, "rlLllrL")
         for line in self.lines:
             along, other = (a, b) if line.parameter == a.name else (b, a)
             counts = ", ".join(
@@ -316,16 +309,9 @@ def _events_on(
         if not known:
             points, ends = follow_event(tracer, first, until)
             known = len(curves) + 1
-            contact = tracer.contact
-            words = (
-                ""
-                if contact is None
-                else first.frame.problem.words(contact, first.frame.state).text
-            )
-            found = tuple(
-                _point(plane, p) for p in points if max(p.kkt, abs(p.event)) <= STATIONARY
-            )
-            curves.append(EventCurve(known, FLAT if flat else node.type, words, found, ends))
+            good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
+            found, kind = tuple(_point(plane, p) for p in good), FLAT if flat else node.type
+            curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
         met.append((t, known))
     return tuple(sorted(met))
 
@@ -360,7 +346,7 @@ def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[Bifurcation
     high = min(s + AROUND * plane.size[axis], float(end))
     near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
     family = family_of(family_of(plane.scene, other).scene_of(point.t[1 - axis]), near)
-    web = BifurcationDiagram(family.line, near.s_of(near.low), near.s_of(near.high))
+    web = BifurcationDiagram(family.line, *near.ends)
     web.add(Model(family.scene(point.t[axis])).reduce(np.array(point.fold_angles)), s)
     return web, other.s_of(point.t[1 - axis])
 
@@ -386,21 +372,24 @@ def _systems(
         yield rest, contact
 
 
+def _contact(tracer: Tracer, at: EventPoint) -> str:
+    """Return the contact of an event in words; "" where it has none."""
+    contact = tracer.contact
+    return "" if contact is None else at.frame.problem.words(contact, at.frame.state).text
+
+
 def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
     """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
     plane = tracer.plane
-    words = tracer.contact and first.frame.problem.words(tracer.contact, first.frame.state).text
-    if (words or "").split(" (")[0] != curve.contact.split(" (")[0]:
+    if _contact(tracer, first).split(" (")[0] != curve.contact.split(" (")[0]:
         return False  # rays that lie on each other close with either of their openings
     u = first.point[axis]
     # a change of sign: the curve passes the value u between two of its points
     at = [plane.parameters[axis].s_of(p.t[axis]) - u for p in curve.points]
     angles = first.frame.problem.expand(first.frame.state)
+    room = plane.size[axis] * NEAR_SINGULAR_TOL
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
-        if (
-            min(da, db) > plane.size[axis] * NEAR_SINGULAR_TOL
-            or max(da, db) < -plane.size[axis] * NEAR_SINGULAR_TOL
-        ):
+        if min(da, db) > room or max(da, db) < -room:
             continue
         share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
         there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share

@@ -114,14 +114,10 @@ def joined(
             same.append((which, e))
     groups.sort(key=lambda group: group[0][1].t)
     ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
-    events = [
-        replace(
-            g[0][1],
-            id=k,
-            branches=tuple(sorted({b + shifts[which] for which, e in g for b in e.branches})),
-        )
-        for k, g in enumerate(groups, start=1)
-    ]
+    events = []
+    for k, g in enumerate(groups, start=1):
+        own = sorted({b + shifts[which] for which, e in g for b in e.branches})
+        events.append(replace(g[0][1], id=k, branches=tuple(own)))
     branches = []
     for which, (several, _) in enumerate(diagrams):
         for b in several:
@@ -243,13 +239,9 @@ def point_of(
         spread = _spread(frame.seen, dependent) if dependent else {}
         for contact, value in held:
             # moment at each single contact, in the scene's units
-            unit = p.scale / p.weight(contact)
+            unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
             low, high = spread.get(contact, (value, value))
-            forces.append(
-                Multiplier(
-                    p.words(contact, frame.state).text, value * unit, (low * unit, high * unit)
-                )
-            )
+            forces.append(Multiplier(words, value * unit, (low * unit, high * unit)))
     eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
     return PathPoint(
         parameter.t_of(frame.s),

@@ -94,7 +94,7 @@ class Family:
             If scenes along it are not posed alike, or their numbers jump.
         """
         parameter = self.parameter
-        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
+        low, high = parameter.ends
         where = np.linspace(low, high, self.samples)
         scenes = [self.sampled(parameter.t_of(float(s))) for s in where]
         names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
@@ -303,10 +303,9 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
     made = replace(scene, symmetry="none", mirror=None, winding=None)
     for k, parameter in enumerate(parameters, start=1):
         # no rational relation between parameters
-        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
-        made = family_of(made, parameter).scene_of(
-            parameter.t_of(low + math.exp(-k) * (high - low))
-        )
+        low, high = parameter.ends
+        t = parameter.t_of(low + math.exp(-k) * (high - low))
+        made = family_of(made, parameter).scene_of(t)
     return with_symmetry_of(scene, replace(made, symmetry="auto"))
 
 
@@ -351,13 +350,8 @@ def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
 
 def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
     """Return the creases, or facets, that a symmetry of the scene makes of one."""
-    n = scene.degree
-    return sorted(
-        {
-            ((s - entry - facet) if mirrored else entry + s) % n
-            for s, mirrored in scene.group.elements
-        }
-    )
+    moved = ((s - entry - facet) if mirrored else entry + s for s, mirrored in scene.group.elements)
+    return sorted({place % scene.degree for place in moved})
 
 
 def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float], Scene]:

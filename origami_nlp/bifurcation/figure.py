@@ -167,7 +167,7 @@ def _event_value(atlas: Atlas, event: int, value: Callable[[PathPoint], float]) 
 def _counts(atlas: Atlas, axes: Any) -> None:
     """Write the number of minima above, interval by interval."""
     parameter = atlas.parameter
-    low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
+    low, high = parameter.ends
     axes.annotate(
         "minima:", (0, 1.02), xycoords="axes fraction", xytext=(-48, 2), textcoords="offset points"
     )
@@ -238,7 +238,7 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
                 if curve.contact
                 else f"{curve.id}  {name}",
             )
-        low, high = (up.s_of(t) for t in (up.low, up.high))
+        low, high = up.ends
         for line in (line for line in boundaries.lines if line.parameter == up.name):
             for i in line.intervals:
                 a, b = (up.s_of(t) for t in i.t)

@@ -132,23 +132,11 @@ def follow(
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     check_callback("progress", progress)
-    given = {
-        "full": full,
-        "morse": morse,
-        "prove": prove,
-        "max_starts": max_starts,
-        "starts": starts,
-    }
+    given = {"full": full, "morse": morse, "prove": prove}
+    given |= {"max_starts": max_starts, "starts": starts}
     asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
-    asked |= {
-        "options": options,
-        "checks": checks,
-        "through_folds": through_folds,
-        "effort": effort,
-        "seed": seed,
-        "until": until,
-        "progress": progress,
-    }
+    asked |= {"options": options, "checks": checks, "through_folds": through_folds}
+    asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
     what = as_origami(origami)
     if not isinstance(what, Scene):
         refuse("pattern", _OF_A_SCENE, **given)
@@ -186,11 +174,7 @@ def follow_family(
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
     check_whole("checks", checks, 1, MOST_CHECKS)
-    for name, flag in (
-        ("through_folds", through_folds),
-        ("full", full),
-        ("morse", morse),
-    ):
+    for name, flag in {"through_folds": through_folds, "full": full, "morse": morse}.items():
         check_flag(name, flag)
     check_prove("prove", prove)
     check_type("options", STEPS if options is None else options, ContinuationOptions)
@@ -227,17 +211,9 @@ class _Survey:
     ) -> None:
         self._say = progress or (lambda _: None)
         self._begin = time.perf_counter()
-        self.family, self.parameter, self._morse, self._search = (
-            family,
-            family.parameter,
-            morse,
-            search,
-        )
+        self.family, self.parameter = family, family.parameter
+        self._morse, self._search = morse, search
         self._full = full and family.symmetric
-        low, high = (
-            self.parameter.s_of(self.parameter.low),
-            self.parameter.s_of(self.parameter.high),
-        )
         self._scene = family.scene(self.parameter.low)
         self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
         self._touching: Touching = {}
@@ -246,8 +222,7 @@ class _Survey:
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
         self.web = BifurcationDiagram(
             family.line,
-            low,
-            high,
+            *self.parameter.ends,
             steps=steps or family.steps,
             through_folds=through_folds,
             functions=functions,

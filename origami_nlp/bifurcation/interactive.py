@@ -66,16 +66,8 @@ def view_branches(
         at.append((len(at), parameter.drawn(e.t), energy))
     tracks = [track for b in branches for track in _tracks(parameter, poser, b)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
-    none = np.empty(0)
-    panel = Panel(
-        f"Energy over {parameter.name}",
-        (parameter.axis, "energy [J]"),
-        none,
-        none,
-        None,
-        (),
-        tuple(at),
-    )
+    none, axes = np.empty(0), (parameter.axis, "energy [J]")
+    panel = Panel(f"Energy over {parameter.name}", axes, none, none, None, (), tuple(at))
     steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
     return view_paths(poser.name, poser.body, stations, tracks, points, panel, reported, steps)
 

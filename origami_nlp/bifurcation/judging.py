@@ -90,7 +90,7 @@ def breaking_eigenvalue(
 
 
 def states_at(
-    problem: Any,
+    model: Any,
     value: float,
     s: float,
     web: BifurcationDiagram,
@@ -98,7 +98,6 @@ def states_at(
     branch_of_arc: dict[int, int],
 ) -> tuple[StateAt, ...]:
     """Return the states of all branches at one value t = value of the parameter, where s is followed."""
-    model = problem
     out: list[tuple[np.ndarray, StateAt]] = []
     for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
         if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):

@@ -76,6 +76,11 @@ class ParameterRange:
         """Return the number that is followed: t, or its logarithm."""
         return math.log(t) if self.log else t
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The coordinate at both ends of the range."""
+        return self.s_of(self.low), self.s_of(self.high)
+
     def t_of(self, s: float) -> float:
         """Return the parameter, exact at both ends of the range."""
         if s == self.s_of(self.low):

@@ -146,7 +146,7 @@ class PatternFamily(Family):
             If patterns along it have not the same facets and creases, or their springs jump.
         """
         parameter = self.parameter
-        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
+        low, high = parameter.ends
         where = np.linspace(low, high, self.samples)
         made: list[Any] = [self.sampled(parameter.t_of(float(s))) for s in where]
         first = made[0]

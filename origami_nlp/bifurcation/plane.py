@@ -50,15 +50,12 @@ class Plane:
     @cached_property
     def corner(self) -> np.ndarray:
         """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
-        return np.array([parameter.s_of(parameter.low) for parameter in self.parameters])
+        return np.array([parameter.ends[0] for parameter in self.parameters])
 
     @cached_property
     def size(self) -> np.ndarray:
         """Lengths of both ranges, [2]."""
-        return (
-            np.array([parameter.s_of(parameter.high) for parameter in self.parameters])
-            - self.corner
-        )
+        return np.array([parameter.ends[1] for parameter in self.parameters]) - self.corner
 
     def values(self, point: np.ndarray) -> tuple[float, float]:
         """Return both parameters in their units at a point [2] of the plane of s."""

@@ -92,14 +92,8 @@ def find_regions(
             at = np.unravel_index(int(depth.argmax()), depth.shape)
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
-            result = find_minima(
-                plane.family(u).scene(t),
-                full=False,
-                prove=False,
-                escape=False,
-                effort=effort,
-                seed=seed,
-            )
+            quick = {"full": False, "prove": False, "escape": False}
+            result = find_minima(plane.family(u).scene(t), effort=effort, seed=seed, **quick)
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))

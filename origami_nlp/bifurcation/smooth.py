@@ -43,7 +43,7 @@ def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange])
     from scipy.interpolate import CubicSpline
 
     s = np.array([[o.s_of(t) for o, t in zip(parameters, p.t, strict=True)] for p in curve.points])
-    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in parameters])
+    size = np.array([np.ptp(o.ends) for o in parameters])
     apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
     s = s[np.append(True, apart > ROUNDED)]
     if len(s) < 3:

@@ -33,5 +33,8 @@ from .energy_map import (
     landscape as landscape,
 )
 from .grid import allowed as allowed, chart_limits as chart_limits, distance_from as distance_from
-from .outline import Outline as Outline, outline_of as outline_of
-from .region import admissible_region as admissible_region
+from .outline import (
+    Outline as Outline,
+    admissible_region as admissible_region,
+    outline_of as outline_of,
+)

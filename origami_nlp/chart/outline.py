@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.chart.boundary_lines import Boundary, trace_boundary
+from origami_nlp.chart.boundary_lines import CORNER, Boundary, trace_boundary
 from origami_nlp.chart.chart import Chart, chart_of
 from origami_nlp.chart.grid import allowed, chart_limits, faces_of, last_allowed
-from origami_nlp.chart.region import admissible_region
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Scene
 
@@ -182,3 +181,38 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
             ends = ends[1:] + ends[:1]  # sides 3 and 0 meet at the corner to cut off, and 1 and 2
         pairs += [ends[i : i + 2] for i in range(0, len(ends), 2)]
     return list(shapely.linestrings(a[np.array(pairs, dtype=int).reshape(-1, 2)]))
+
+
+SLIVER = 1e-10
+"""Faces with less area [rad^2] are rounding between two lines that touch."""
+
+
+def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPolygon:
+    """Return the admissible part of one branch of the chart as polygons in its coordinates [rad].
+
+    The boundary lines cut the chart into faces; a face belongs to the region if a point inside it is admissible.
+    Thin sets (1-handles) bound no face.  Between the points of a line, which lie on the boundary to rounding, the
+    polygon is straight.
+    """
+    import shapely
+
+    chart = chart_of(scene)
+    assert chart is not None
+    corners: list[np.ndarray] = []
+
+    def corner(p: np.ndarray) -> np.ndarray:
+        for known in corners:
+            if np.abs(known - p).max() <= CORNER:
+                return known
+        corners.append(p)
+        return p
+
+    pieces: list[Any] = []
+    for line in boundary.lines:
+        if line.branch != branch or line.thin or line.hidden:
+            continue
+        points = line.points.copy()
+        # ends of lines are known to `CORNER` only: those of one corner are made one point, or faces would not close
+        points[0], points[-1] = corner(points[0]), corner(points[-1])
+        pieces.append(shapely.LineString(points))
+    return faces_of(chart, branch, pieces, SLIVER)

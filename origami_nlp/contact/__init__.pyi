@@ -1,6 +1,5 @@
 from .figure import draw_contacts as draw_contacts
-from .pinned import find_contacts as find_contacts
-from .report import ContactReport as ContactReport
+from .report import ContactReport as ContactReport, find_contacts as find_contacts
 from .segments import (
     SLOPE as SLOPE,
     STIFFNESS as STIFFNESS,

@@ -25,7 +25,6 @@ from .drawing import (
 )
 from .flags import Flags as Flags, FlagText as FlagText
 from .folded_pattern import pattern_view as pattern_view
-from .folded_vertex import rotation_onto as rotation_onto
 from .html import inline_image as inline_image
 from .interactive import (
     InteractivePage as InteractivePage,
@@ -36,7 +35,7 @@ from .interactive import (
 from .labels import label_marks as label_marks
 from .pattern_drawing import draw_pattern_state as draw_pattern_state
 from .pose import Pose as Pose, pose_state as pose_state
-from .posing import Poser as Poser, join_states as join_states
+from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
 from .result import (
     Result as Result,
     angle_columns as angle_columns,

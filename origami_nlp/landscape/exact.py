@@ -7,7 +7,7 @@ are and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,6 @@ from origami_nlp.chart import (
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
 from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
-from origami_nlp.landscape.interactive import add_boundary
 from origami_nlp.minima import MinimaResult
 
 if TYPE_CHECKING:
@@ -330,3 +329,36 @@ def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
     for k, part in enumerate(exact.metastable):
         arrays[f"metastable_{k}_points"] = part.points
     return arrays
+
+
+def add_boundary(
+    content: Content, boundary: Boundary, stretches: Sequence[Sequence[Line]]
+) -> Content:
+    """Put contact boundaries, 1-handles and metastable stretches on the map of a scene.
+
+    Parameters
+    ----------
+    content
+        Of `MinimaResult.view_content`: a panel for each branch of the chart.
+    boundary
+        Of the scene.
+    stretches
+        Metastable ones, for each branch.
+
+    Returns
+    -------
+    Content
+        With these lines instead of the grid's.
+    """
+    panels = [
+        replace(panel, lines=(*_lines(boundary, k), *stretches[k]))
+        for k, panel in enumerate(content.panels)
+    ]
+    return replace(content, panels=tuple(panels))
+
+
+def _lines(boundary: Boundary, branch: int) -> Iterator[Line]:
+    for line in boundary.lines:
+        if line.branch == branch and not line.hidden:
+            look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
+            yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)

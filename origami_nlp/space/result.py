@@ -9,7 +9,7 @@ isolated states; surfaces can touch in single points (pinch points), the flat st
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -17,10 +17,9 @@ import numpy as np
 
 from origami_nlp.display import Report, Section, angle_columns
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import SETTLED, groups
-from origami_nlp.pattern import Scene
+from origami_nlp.numerics import OUTSIDE, SETTLED, groups
+from origami_nlp.pattern import Scene, format_angle
 from origami_nlp.space.mesh import several
-from origami_nlp.space.words import angle_words
 
 EXTENDED = 1e-3
 """Handles that span less [rad] are points of a picture."""
@@ -322,3 +321,23 @@ def _picture_joins(
 def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
     return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
+
+
+def angle_words(values: Iterable[float]) -> str:
+    """Write fold angles for people: multiples of pi as such, others with four decimals.
+
+    Parameters
+    ----------
+    values
+        Fold angles [rad].
+
+    Returns
+    -------
+    str
+        Such as ``"(pi/2, 0.1234)"``.
+    """
+    texts = []
+    for v in values:
+        text = format_angle(v) if abs(v) > OUTSIDE else "0"
+        texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
+    return "(" + ", ".join(texts) + ")"

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from origami_nlp.drawings import READERS, Drawing, drawing_kind, read_drawing
-from origami_nlp.drawings.planar import planar
+from origami_nlp.drawings.sheet import planar
 from origami_nlp.errors import DrawingError
 from origami_nlp.pattern import read_fold
 from tests.fold_files import OTHERS

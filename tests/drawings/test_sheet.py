@@ -14,8 +14,7 @@ from hypothesis import given, settings, strategies as st
 import origami_nlp as o
 from origami_nlp.drawings import DrawingOptions, Lines
 from origami_nlp.drawings.noding import node
-from origami_nlp.drawings.planar import planar
-from origami_nlp.drawings.sheet import RUNGS, make_drawing
+from origami_nlp.drawings.sheet import RUNGS, make_drawing, planar
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
 
 

@@ -10,7 +10,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import SweepError
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
-from origami_nlp.sweep.along import follow_chain
+from origami_nlp.sweep.run import follow_chain
 
 BASE = """
 [scene.vertex]
