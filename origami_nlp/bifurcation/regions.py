@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -92,7 +93,7 @@ def find_regions(
             at = np.unravel_index(int(depth.argmax()), depth.shape)
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
-            quick = {"full": False, "prove": False, "escape": False}
+            quick: dict[str, Any] = {"full": False, "prove": False, "escape": False}
             result = find_minima(plane.family(u).scene(t), effort=effort, seed=seed, **quick)
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
