@@ -249,13 +249,7 @@ class Actuation(Report):
             yield self.verdict
         else:
             rows = [
-                [
-                    str(k),
-                    _kind(b),
-                    f"{b.work:.4g}",
-                    _reached(b),
-                    self._how(k, b),
-                ]
+                [str(k), _kind(b), f"{b.work:.4g}", _reached(b), self._how(k, b)]
                 for k, b in self._shown()
             ]
             last = "torques of these signs" if self.signs else "fewest creases, torques"

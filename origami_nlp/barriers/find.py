@@ -35,12 +35,7 @@ from origami_nlp.barriers.signs import pattern_barriers
 from origami_nlp.barriers.traced import vertex_barriers
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.minima import (
-    MinimaResult,
-    find_minima,
-    judge_in_full_space,
-    with_merge_tree,
-)
+from origami_nlp.minima import MinimaResult, find_minima, judge_in_full_space, with_merge_tree
 from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.pattern_states import find_states
@@ -167,9 +162,7 @@ def _spacing(scene: Scene) -> float:
     return min(SPACING, max(SPACINGS[0], finest / PER_WELL))
 
 
-def _in_words(
-    progress: Callable[[str], object] | None,
-) -> Callable[[int, int, str], object] | None:
+def _in_words(progress: Callable[[str], object] | None) -> Callable[[int, int, str], object] | None:
     """Return what a search calls, in words."""
     if progress is None:
         return None

@@ -59,9 +59,7 @@ SECONDS = 60.0
 
 
 def pattern_barriers(
-    result: MinimaResult,
-    until: float = math.inf,
-    progress: Callable[[str], object] | None = None,
+    result: MinimaResult, until: float = math.inf, progress: Callable[[str], object] | None = None
 ) -> Barriers:
     """Return the barriers of a pattern, on traced curves and through states with a vertex flat.
 
@@ -177,10 +175,7 @@ def _ways(
 
 
 def _in_time(
-    problem: PatternProblem,
-    part: str,
-    say: Callable[[str], object],
-    work: Callable[[], object],
+    problem: PatternProblem, part: str, say: Callable[[str], object], work: Callable[[], object]
 ) -> list[str]:
     """Do a part of the work for `SECONDS` at most; its name if the time ended it."""
     say(part)

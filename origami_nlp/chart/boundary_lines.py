@@ -34,10 +34,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, Stratum, lower_dimensional_at
 from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, NEAR_CONTACT, NEAR_SINGULAR_TOL, SETTLED
 from origami_nlp.pattern import Relabelling, Scene, symmetries
-from origami_nlp.problem import (
-    Contact,
-    Model,
-)
+from origami_nlp.problem import Contact, Model
 
 CORNER = math.sqrt(CONTACT_TOL)
 """Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `CONTACT_TOL`."""

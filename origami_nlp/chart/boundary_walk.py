@@ -27,13 +27,7 @@ from origami_nlp.numerics import NEAR_CONTACT, SETTLED
 from origami_nlp.problem import Contact, Problem
 
 STEPS = ContinuationOptions(
-    first=1e-2,
-    longest=0.04,
-    shortest=1e-10,
-    turn=0.06,
-    sharpest=0.18,
-    together=12,
-    most=3000,
+    first=1e-2, longest=0.04, shortest=1e-10, turn=0.06, sharpest=0.18, together=12, most=3000
 )
 """Wider turns than where an energy is looked at; so many points that any boundary of a chart is done."""
 

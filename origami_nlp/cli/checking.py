@@ -28,8 +28,7 @@ def check(
     out: Output,
     files: Files,
     frame: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Frame that is checked, from 0 (default: all)."),
+        int | None, typer.Option(metavar="N", help="Frame that is checked, from 0 (default: all).")
     ] = None,
     flat_frame: Annotated[
         int | None,
@@ -93,10 +92,7 @@ def check(
 @answers("json", "fold", "markdown")
 def layers(
     scene: Source,
-    most: Annotated[
-        int,
-        typer.Option(metavar="N", help="Orders that are listed in files."),
-    ] = 100,
+    most: Annotated[int, typer.Option(metavar="N", help="Orders that are listed in files.")] = 100,
 ) -> Any:
     """Count the layer orders of PATTERN's folded state, by components; -o FILE.fold lists them as frames.
 

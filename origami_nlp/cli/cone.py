@@ -56,10 +56,7 @@ def foldings(
 
 @writes("json")
 def branch(
-    out: Output,
-    flaps: o.Flaps,
-    elevation: o.Elevation,
-    end: o.EndRule = "contract",
+    out: Output, flaps: o.Flaps, elevation: o.Elevation, end: o.EndRule = "contract"
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
     from origami_nlp.paper import cone as cones

@@ -66,8 +66,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def origami_nlp(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
     """Take the options of the program itself."""

@@ -113,12 +113,7 @@ def minima(
 
 def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import (
-        why_no_mesh,
-        why_no_quad_mesh,
-        why_no_strip,
-        why_no_strip_contact,
-    )
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip, why_no_strip_contact
 
     reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
     if all(reasons):
@@ -137,12 +132,7 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
     from origami_nlp.problem import Model
-    from origami_nlp.proof import (
-        ProofOptions,
-        certificate_of,
-        prove,
-        write_certificate,
-    )
+    from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
 
     found = result.completeness
     if found is None or not found.boxes:
@@ -239,11 +229,7 @@ def landscape(
     from origami_nlp.chart import chart_of, landscape as coordinates
     from origami_nlp.critical import find_critical_points
     from origami_nlp.display import InteractivePage
-    from origami_nlp.landscape import (
-        draw_landscape,
-        find_landscape,
-        landscape_to_dict,
-    )
+    from origami_nlp.landscape import draw_landscape, find_landscape, landscape_to_dict
     from origami_nlp.space import find_space
 
     stated = scene.read()

@@ -43,8 +43,7 @@ def design(
         ),
     ] = None,
     fewest: Annotated[
-        bool,
-        typer.Option("--fewest", help="With --library: as few laws with wells as possible."),
+        bool, typer.Option("--fewest", help="With --library: as few laws with wells as possible.")
     ] = False,
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
@@ -124,15 +123,13 @@ def example(
         typer.Option(metavar="ANGLE", help='Rest angle of mountains [rad], e.g. "-pi/2".'),
     ] = None,
     valley: Annotated[
-        str | None,
-        typer.Option(metavar="ANGLE", help='Rest angle of valleys [rad], e.g. "pi/2".'),
+        str | None, typer.Option(metavar="ANGLE", help='Rest angle of valleys [rad], e.g. "pi/2".')
     ] = None,
     symmetry: Annotated[
         str | None, typer.Option(metavar="GROUP", help="none, auto, C<n> or D<n>.")
     ] = None,
     contact: Annotated[
-        str | None,
-        typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none."),
+        str | None, typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none.")
     ] = None,
     cell: o.Cell = None,
     rolled: o.Rolled = None,

@@ -148,8 +148,7 @@ def boundary(
     ],
     parameter: o.ParameterRange,
     lines: Annotated[
-        int,
-        typer.Option(metavar="N", help="Values of the second at which the first is followed."),
+        int, typer.Option(metavar="N", help="Values of the second at which the first is followed.")
     ] = 3,
     **search: Any,
 ) -> Any:

@@ -125,9 +125,7 @@ ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or
 Family = Annotated[
     str,
     typer.Argument(
-        metavar="FAMILY",
-        autocompletion=lambda: ["degree6", "degree8"],
-        help="degree6 or degree8.",
+        metavar="FAMILY", autocompletion=lambda: ["degree6", "degree8"], help="degree6 or degree8."
     ),
 ]
 
@@ -187,9 +185,7 @@ Seconds = Annotated[
 Verbose = Annotated[
     bool,
     typer.Option(
-        "--verbose",
-        "-v",
-        help="Print certificates, residuals and the account of the search too.",
+        "--verbose", "-v", help="Print certificates, residuals and the account of the search too."
     ),
 ]
 Noise = Annotated[
@@ -218,8 +214,7 @@ ProveChecks = Annotated[
     ),
 ]
 CertificateFile = Annotated[
-    str | None,
-    typer.Option(metavar="FILE", help="Write the proof, for check-proof."),
+    str | None, typer.Option(metavar="FILE", help="Write the proof, for check-proof.")
 ]
 Effort = Annotated[
     str,
@@ -240,9 +235,7 @@ _WORKERS = _checked(check_whole, "workers", 1)
 Workers = Annotated[
     int | None,
     typer.Option(
-        metavar="N",
-        **_WORKERS,
-        help="Processes; the result is the same with any number.",
+        metavar="N", **_WORKERS, help="Processes; the result is the same with any number."
     ),
 ]
 WorkersWanted = Annotated[
@@ -403,8 +396,7 @@ Flaps = Annotated[str, typer.Option(metavar="FLAPS", help=FLAPS)]
 FlapsWanted = Annotated[str | None, typer.Option("--flaps", metavar="FLAPS", help=FLAPS)]
 Elevation = Annotated[str, typer.Option(metavar="ANGLE", help=ELEVATION)]
 Elevations = Annotated[
-    list[str] | None,
-    typer.Option("--elevation", metavar="ANGLE", help=ELEVATION),
+    list[str] | None, typer.Option("--elevation", metavar="ANGLE", help=ELEVATION)
 ]
 RestElevation = Annotated[
     str,

@@ -19,10 +19,7 @@ if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
 
 
-def demo(
-    folder: Annotated[Path, o.OutFolder] = Path("origami_demo"),
-    seed: o.Seed = 0,
-) -> None:
+def demo(folder: Annotated[Path, o.OutFolder] = Path("origami_demo"), seed: o.Seed = 0) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
@@ -51,11 +48,7 @@ def demo(
 
 
 @writes("json", "markdown")
-def panels(
-    out: Output,
-    full: o.FullOrNot = None,
-    seed: o.Seed = 0,
-) -> None:
+def panels(out: Output, full: o.FullOrNot = None, seed: o.Seed = 0) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.minima import table

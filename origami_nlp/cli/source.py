@@ -26,11 +26,7 @@ FOLD_OPTIONS = {
     "contact": o.FoldContact,
 }
 """What of a FOLD file is meant; every command that takes a scene has them."""
-SPRINGS = {
-    "stiffness": o.FoldStiffness,
-    "rest_angle": o.FoldRestAngle,
-    "rest_from": o.FoldRestFrom,
-}
+SPRINGS = {"stiffness": o.FoldStiffness, "rest_angle": o.FoldRestAngle, "rest_from": o.FoldRestFrom}
 """Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
 CELLS = {"cell": o.Cell, "rolled": o.Rolled}
 PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "diagonal": o.Diagonal, **CELLS}

@@ -370,12 +370,7 @@ def barriers(
     where the signs of that vertex differ; with three or more degrees of freedom along descents, as upper bounds.  With
     --full the barriers of a vertex (two degrees of freedom) without the symmetry are bounded as well.
     """
-    from origami_nlp.barriers import (
-        barriers_table,
-        check_dof,
-        draw_barriers,
-        find_barriers,
-    )
+    from origami_nlp.barriers import barriers_table, check_dof, draw_barriers, find_barriers
     from origami_nlp.pattern import Scene, examples
 
     given = scene.name
@@ -420,19 +415,13 @@ def critical(
         ),
     ] = True,
     verbose: Annotated[
-        bool,
-        typer.Option("--verbose", "-v", help="Print points that are not essential as well."),
+        bool, typer.Option("--verbose", "-v", help="Print points that are not essential as well.")
     ] = False,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
     from rich.text import Text
 
-    from origami_nlp.critical import (
-        PANEL_HEADS,
-        compare_minima,
-        find_critical_points,
-        panel_row,
-    )
+    from origami_nlp.critical import PANEL_HEADS, compare_minima, find_critical_points, panel_row
     from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.pattern import examples
     from origami_nlp.space import find_space

@@ -151,11 +151,7 @@ def _firm(model: Problem) -> float:
 
 
 def _edge_points(
-    model: Problem,
-    strata: StratifiedSet,
-    vertices: np.ndarray,
-    doubts: list[str],
-    all_links: bool,
+    model: Problem, strata: StratifiedSet, vertices: np.ndarray, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points along the edges, handles included."""
     out: list[CriticalPoint] = []

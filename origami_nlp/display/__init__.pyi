@@ -36,11 +36,7 @@ from .labels import label_marks as label_marks
 from .pattern_drawing import draw_pattern_state as draw_pattern_state
 from .pose import Pose as Pose, pose_state as pose_state
 from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
-from .result import (
-    Result as Result,
-    angle_columns as angle_columns,
-    read_data as read_data,
-)
+from .result import Result as Result, angle_columns as angle_columns, read_data as read_data
 from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,

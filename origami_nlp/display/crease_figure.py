@@ -32,10 +32,7 @@ MOST_NUMBERS = 150
 
 
 def draw_pattern(
-    frame: Frame,
-    *,
-    highlight: Sequence[int] = (),
-    axes: Axes | None = None,
+    frame: Frame, *, highlight: Sequence[int] = (), axes: Axes | None = None
 ) -> Figure:
     """Draw a crease pattern with the numbers of its interior vertices, which `--vertex` takes.
 

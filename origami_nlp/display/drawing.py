@@ -97,9 +97,7 @@ def draw_pose(
     """
     right, top = corner + side
     axes.imshow(
-        _paint(pose, phi, corner, side),
-        extent=(corner[0], right, corner[1], top),
-        origin="lower",
+        _paint(pose, phi, corner, side), extent=(corner[0], right, corner[1], top), origin="lower"
     )
     hidden = _hidden_ends(pose)
     for number, (x, y) in enumerate(labels, start=1):

@@ -15,15 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.drawing import (
-    BORDER,
-    FLAT,
-    LIGHT,
-    LOWER,
-    MOUNTAIN,
-    UPPER,
-    VALLEY,
-)
+from origami_nlp.display.drawing import BORDER, FLAT, LIGHT, LOWER, MOUNTAIN, UPPER, VALLEY
 from origami_nlp.display.folded_pattern import pattern_view
 from origami_nlp.display.style import PUSHES
 from origami_nlp.display.touches import TINT, contact_places, mark_touches, touching_facets

@@ -14,14 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, require
 from origami_nlp.errors import OptionError
-from origami_nlp.io import (
-    check_schema,
-    from_plain,
-    read_json,
-    to_plain,
-    write_json,
-    write_whole,
-)
+from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json, write_whole
 from origami_nlp.plugins import export, has_exporter
 
 if TYPE_CHECKING:

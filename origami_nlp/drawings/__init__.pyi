@@ -6,8 +6,4 @@ from .reading import (
     read_drawing as read_drawing,
 )
 from .sheet import Drawing as Drawing
-from .writing import (
-    STYLES as STYLES,
-    WriteOptions as WriteOptions,
-    write_drawing as write_drawing,
-)
+from .writing import STYLES as STYLES, WriteOptions as WriteOptions, write_drawing as write_drawing

@@ -43,9 +43,7 @@ class CrossedPairs:
 
 
 def find_crossings(
-    rays: np.ndarray,
-    pairs: Sequence[tuple[int, int]] | np.ndarray,
-    real: np.ndarray | None = None,
+    rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray, real: np.ndarray | None = None
 ) -> CrossedPairs:
     """Return which pairs of facets cross at many states, how deep, and by which row each is undone.
 

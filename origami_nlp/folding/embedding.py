@@ -216,9 +216,6 @@ def check_admissible(
         )
     if len(elements) > 1 and not problem.with_symmetry(elements, n).solvable():
         return Embedding(
-            False,
-            "touching facets have a layer order, but none with the symmetry",
-            residual,
-            True,
+            False, "touching facets have a layer order, but none with the symmetry", residual, True
         )
     return Embedding(True, "", residual, True)

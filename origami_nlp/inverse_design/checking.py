@@ -152,11 +152,7 @@ def _barriers(
     if dof > 2:
         return tuple(
             HeldBarrier(
-                b.start,
-                b.end,
-                math.nan,
-                (),
-                f"barriers of {dof} degrees of freedom are not known",
+                b.start, b.end, math.nan, (), f"barriers of {dof} degrees of freedom are not known"
             )
             for b in targets.barriers
         )

@@ -184,10 +184,7 @@ class Balance:
         """
         own = problem.more(self.free)
         r = len(self.stratum.contacts)
-        moments, forces = (
-            slice(own.start, own.start + r),
-            slice(own.start + r, own.stop),
-        )
+        moments, forces = (slice(own.start, own.start + r), slice(own.start + r, own.stop))
         balance = self.gradient(places, problem.size)
         balance[:, moments] -= self.stratum.slopes.T
         # along the kernel of J alone: multipliers of closure need not be among the unknowns

@@ -12,11 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_type
 from origami_nlp.display import Report, Section, Table, Words
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.library import (
-    LibraryProgram,
-    fewest_wells,
-    wells_library,
-)
+from origami_nlp.inverse_design.library import LibraryProgram, fewest_wells, wells_library
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult, find_minima

@@ -108,11 +108,7 @@ def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
 
 
 def from_plain(
-    kind: type[T],
-    data: Any,
-    what: str = "",
-    error: type[OrigamiError] = OptionError,
-    at: str = "",
+    kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError, at: str = ""
 ) -> T:
     """Read a dataclass or named tuple back from what `to_plain` wrote.
 

@@ -57,11 +57,7 @@ class Factor:
     """
 
     def __init__(
-        self,
-        matrix: Matrix,
-        jacobian: Matrix,
-        across: Matrix | None = None,
-        weight: float = WEIGHT,
+        self, matrix: Matrix, jacobian: Matrix, across: Matrix | None = None, weight: float = WEIGHT
     ) -> None:
         m = jacobian.shape[0]
         symmetric = across is None

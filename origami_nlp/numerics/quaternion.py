@@ -54,8 +54,4 @@ def dot(u: Scalars, v: Scalars) -> Any:
 
 def cross(u: Scalars, v: Scalars) -> tuple[Any, Any, Any]:
     """Return u x v."""
-    return (
-        u[1] * v[2] - u[2] * v[1],
-        u[2] * v[0] - u[0] * v[2],
-        u[0] * v[1] - u[1] * v[0],
-    )
+    return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])

@@ -75,11 +75,7 @@ def walls_of(chain: HalfChain) -> list[Wall]:
 
 
 def find_events(
-    make: Callable[[float], Scene],
-    low: float,
-    high: float,
-    seed: int = 0,
-    starts: int = STARTS,
+    make: Callable[[float], Scene], low: float, high: float, seed: int = 0, starts: int = STARTS
 ) -> list[Event]:
     """Find sector angles in [low, high] at which walls become dependent at a state that does not cross itself.
 

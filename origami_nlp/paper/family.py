@@ -10,14 +10,7 @@ from origami_nlp.paper.events import Event
 from origami_nlp.pattern import format_angle
 from origami_nlp.space import angle_words
 
-TOPOLOGY = (
-    "components",
-    "holes",
-    "euler_characteristic",
-    "pinch_points",
-    "handle_ends",
-    "handles",
-)
+TOPOLOGY = ("components", "holes", "euler_characteristic", "pinch_points", "handle_ends", "handles")
 """Names of the numbers in `Signature.topology`."""
 
 

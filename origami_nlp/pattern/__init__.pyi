@@ -126,9 +126,6 @@ from .scene_file import (
     vertex_from_dict as vertex_from_dict,
 )
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
-from .sheet_data import (
-    pattern_from_dict as pattern_from_dict,
-    pattern_to_dict as pattern_to_dict,
-)
+from .sheet_data import pattern_from_dict as pattern_from_dict, pattern_to_dict as pattern_to_dict
 from .symmetry import windings_of as windings_of
 from .vertex import Vertex as Vertex

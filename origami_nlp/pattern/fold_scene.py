@@ -321,11 +321,7 @@ def _unused(
 
 
 def _by_letters(
-    frame: Frame,
-    v: FoldVertex,
-    rest_angle: float = math.pi,
-    rest_from: str | None = None,
-    **_: Any,
+    frame: Frame, v: FoldVertex, rest_angle: float = math.pi, rest_from: str | None = None, **_: Any
 ) -> bool:
     """Return whether M and V alone say that every crease of a vertex rests fully folded."""
     silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))

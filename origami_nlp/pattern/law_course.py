@@ -147,19 +147,11 @@ def _course(
         made, rate = _formula(base, kind, numbers, [] if parts else [key], number, ends)
     if (factor, by) == (1.0, 0.0):
         return made, rate
-    return (
-        lambda t: made(t).times(factor).shifted(by),
-        lambda t, x: factor * rate(t, x - by),
-    )
+    return (lambda t: made(t).times(factor).shifted(by), lambda t, x: factor * rate(t, x - by))
 
 
 def _formula(
-    law: HingeLaw,
-    kind: str,
-    numbers: Any,
-    keys: list[str],
-    number: str,
-    ends: tuple[float, float],
+    law: HingeLaw, kind: str, numbers: Any, keys: list[str], number: str, ends: tuple[float, float]
 ) -> tuple[Callable[[float], HingeLaw], Callable[[float, np.ndarray], np.ndarray]]:
     """Return a law of a type, and the derivative of its torque, over one of its numbers."""
     from scipy.interpolate import CubicHermiteSpline

@@ -23,14 +23,7 @@ from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
-    "creases": (
-        "stiffness",
-        "rest_angles",
-        "rest_angles_deg",
-        "preload",
-        *LIMIT_KEYS,
-        "law",
-    ),
+    "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload", *LIMIT_KEYS, "law"),
     "model": (
         "symmetry",
         "contact",

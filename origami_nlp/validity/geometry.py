@@ -55,13 +55,7 @@ def check_sheet(f: Findings) -> Pattern | None:
     if frame.faces:
         off = f.lengths() / f.size
         bad = [
-            f.fault(
-                PLANES,
-                o.text,
-                vertices=o.vertices,
-                faces=o.faces,
-                size=o.size,
-            )
+            f.fault(PLANES, o.text, vertices=o.vertices, faces=o.faces, size=o.size)
             for o in face_oddities(frame, frame.faces)
         ]
         known = {face for one in bad for face in one.faces}

@@ -9,14 +9,7 @@ import numpy as np
 
 from origami_nlp.folding import MOST_NODES, TRANSITIVE, Rule
 from origami_nlp.numerics import INSIDE
-from origami_nlp.pattern_problem import (
-    Layers,
-    PatternProblem,
-    Stack,
-    Unclear,
-    conflict,
-    pose_stack,
-)
+from origami_nlp.pattern_problem import Layers, PatternProblem, Stack, Unclear, conflict, pose_stack
 from origami_nlp.validity.closing import face_words
 from origami_nlp.validity.counting import UNCLEAR
 from origami_nlp.validity.faults import MILLI, Findings

@@ -7,11 +7,7 @@ from .classes import (
 )
 from .drawing import draw_branch as draw_branch, draw_foldings as draw_foldings
 from .energy import SideEnergy as SideEnergy, class_energy as class_energy
-from .flaps import (
-    class_of as class_of,
-    parse_flaps as parse_flaps,
-    write_flaps as write_flaps,
-)
+from .flaps import class_of as class_of, parse_flaps as parse_flaps, write_flaps as write_flaps
 from .map import CountMap as CountMap, count_map as count_map
 from .minima import ConeCount as ConeCount, ConeMinima as ConeMinima, count as count
 from .necklaces import (

@@ -88,10 +88,7 @@ def assignment_classes(degree: int) -> AssignmentClasses:
             start = _row_start(n, n - a)
             multiplicity += multiplicity[start : start + runs]
     return AssignmentClasses(
-        degree,
-        _frozen([*valleys, n]),
-        _frozen([*changes, 0]),
-        (*multiplicity, 1),
+        degree, _frozen([*valleys, n]), _frozen([*changes, 0]), (*multiplicity, 1)
     )
 
 

@@ -67,10 +67,7 @@ def draw_foldings(degree: int, elevation: float) -> Figure:
     return _sheet(states, note)
 
 
-def draw_branch(
-    branch: ConeBranch,
-    elevations: Sequence[float],
-) -> Figure:
+def draw_branch(branch: ConeBranch, elevations: Sequence[float]) -> Figure:
     """Draw states of one branch.
 
     Parameters
@@ -98,10 +95,7 @@ def _short(angle: float) -> str:
     return label_text(text) if len(text) <= 9 else f"{angle:.4f}".replace("-", "−")
 
 
-def _sheet(
-    states: Sequence[tuple[ConeBranch, float, str]],
-    note: str,
-) -> Figure:
+def _sheet(states: Sequence[tuple[ConeBranch, float, str]], note: str) -> Figure:
     """Draw states in rows below each other, with what the colours mean."""
     # of three or four columns those that fill the last row better
     columns = min(len(states), max((4, 3), key=lambda c: -(-len(states) % c)))

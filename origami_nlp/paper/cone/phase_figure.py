@@ -309,10 +309,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
         title = end_words(counts.cone.end)
         of = diagram.bounding("at end")
         draw_map(grid[-2], x, y, counts.at_end, counts.branches, title=title, boundaries=of)
-    window = (
-        (float(x[0]), float(x[-1])),
-        (float(y[0]), float(y[-1])),
-    )
+    window = ((float(x[0]), float(x[-1])), (float(y[0]), float(y[-1])))
     if panels > 1:
         window = (grid[0].get_xlim(), grid[0].get_ylim())
     draw_boundaries(grid[-1], diagram.boundaries, *window)
