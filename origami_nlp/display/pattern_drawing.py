@@ -157,36 +157,29 @@ def _lines(
 ) -> tuple[list[np.ndarray], list[tuple[Any, float, bool]], list[list[int]]]:
     """Return borders and creases [2, 3], each with its colour, its width, whether it is dashed, and its polygons."""
     crease = {tuple(e): k for k, e in enumerate(pattern.ends.tolist())}
-    number = dict.fromkeys(range(len(pattern.polygons)), 0)
-    count: dict[tuple[int, int], int] = {}
-    for p in pattern.polygons:
-        for i, v in enumerate(p):
-            s = (min(p[i - 1], v), max(p[i - 1], v))
-            count[s] = count.get(s, 0) + 1
-    lines, looks, done = [], [], set()
-    scale = min(1.0, 12 / math.sqrt(max(len(number), 1)))
     owners: dict[tuple[int, int], list[int]] = {}
-    for k, p in enumerate(pattern.polygons):
+    ends: dict[tuple[int, int], np.ndarray] = {}
+    for k, (p, x) in enumerate(zip(pattern.polygons, corners, strict=True)):
         for i, v in enumerate(p):
-            owners.setdefault((min(p[i - 1], v), max(p[i - 1], v)), []).append(k)
-    shown = []
-    for p, x in zip(pattern.polygons, corners, strict=True):
-        for i, v in enumerate(p):
-            s = (min(p[i - 1], v), max(p[i - 1], v))
-            if s in done or (s not in crease and count[s] > 1):
-                continue
-            done.add(s)
-            lines.append(np.array([x[i - 1], x[i]]))
-            shown.append(owners[s])
-            if s not in crease:
-                looks.append((BORDER, 1.3 * scale, False))
-                continue
-            angle = float(phi[crease[s]])
-            if abs(angle) <= MOVES:
-                looks.append((FLAT, 0.8 * scale, False))
-                continue
-            width = (1.2 + 1.4 * abs(angle) / math.pi) * scale
-            looks.append((MOUNTAIN if angle < 0 else VALLEY, width, angle > 0))
+            side = (min(p[i - 1], v), max(p[i - 1], v))
+            owners.setdefault(side, []).append(k)
+            ends.setdefault(side, np.array([x[i - 1], x[i]]))
+    lines, looks, shown = [], [], []
+    scale = min(1.0, 12 / math.sqrt(max(len(pattern.polygons), 1)))
+    for s, own in owners.items():
+        if s not in crease and len(own) > 1:
+            continue
+        lines.append(ends[s])
+        shown.append(own)
+        if s not in crease:
+            looks.append((BORDER, 1.3 * scale, False))
+            continue
+        angle = float(phi[crease[s]])
+        if abs(angle) <= MOVES:
+            looks.append((FLAT, 0.8 * scale, False))
+            continue
+        width = (1.2 + 1.4 * abs(angle) / math.pi) * scale
+        looks.append((MOUNTAIN if angle < 0 else VALLEY, width, angle > 0))
     return lines, looks, shown
 
 

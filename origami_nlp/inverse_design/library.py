@@ -33,7 +33,6 @@ from origami_nlp.pattern import HingeLaw, linear, read_law, well
 
 LARGEST = 1_000_000
 """Bytes of a file."""
-MOST_LAWS = 200
 USED = 1e-9
 """Of the weight that would make all of the mean stiffness: less of a law is none of it."""
 LEAST_SHARE = 1e-3

@@ -150,12 +150,6 @@ class Normal:
         # J' (J J' + eps)^-1 c
         return self.jacobian.T @ self._solve(c)
 
-    def whole_step(self, c: np.ndarray) -> np.ndarray:
-        """Return the shortest d with J d = c, [n], by singular vectors."""
-        u, values, vt = self._decomposed
-        d: np.ndarray = vt.T @ ((u.T @ c) / values)
-        return d
-
     def multipliers(self, g: np.ndarray) -> np.ndarray:
         """Return the Lagrange multipliers lam [m] of smallest norm that bring J' lam closest to g [n]."""
         lam = np.zeros(self.jacobian.shape[0])

@@ -26,8 +26,6 @@ from origami_nlp.pattern.loops import Loop
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
-MOST_RINGS = 3
-"""Of copies round a cell, within which every corner of it has facets all around."""
 SMALL = 12
 """Polygons of a cell up to which two rings of copies are looked at; one of larger cells."""
 Copy = tuple[int, int]

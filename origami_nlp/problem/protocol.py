@@ -20,7 +20,7 @@ class Problem(Protocol):
     """Shapes and units are those of `Model`, where each of these is described.
 
     What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.  Where closure is
-    `redundant` its rows depend on each other as a rule, and curves of equilibria need what `Redundant` has.
+    `redundant` its rows depend on each other as a rule.
     """
 
     multiplicity: np.ndarray
@@ -137,13 +137,3 @@ class Sparse(Problem, Protocol):
     def multipliers(  # noqa: D102
         self, x: np.ndarray, held: Iterable[int] = ()
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
-
-
-class Redundant(Problem, Protocol):
-    """What curves of equilibria need besides where rows of closure depend on each other; sparse where large."""
-
-    def rows(self, x: np.ndarray) -> Local: ...  # noqa: D102
-    def kernel(self, x: np.ndarray, held: Iterable[int] = ()) -> np.ndarray: ...  # noqa: D102
-    def curvature(  # noqa: D102
-        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]
-    ) -> Any: ...
