@@ -22,7 +22,7 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure 
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        actuation/release.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
+        actuation/branches.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/find.SPACINGS barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
@@ -66,7 +66,7 @@ BESIDE_THE_TABLE = {
         pattern/law_course.IMAGINARY pattern/law_course.TINY
     """,
     "what is shown, or said in words": """
-        bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
+        bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
         inverse_design/library_design.FOUND inverse_design/library.USED
@@ -76,7 +76,7 @@ BESIDE_THE_TABLE = {
         drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
     """,
     "lengths in files [mm]": """
-        drawings/laser.GRID drawings/laser_files.HAIRLINE drawings/writing.MILLIMETRES
+        drawings/laser.GRID drawings/writing.HAIRLINE drawings/writing.MILLIMETRES
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
