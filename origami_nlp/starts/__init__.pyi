@@ -53,6 +53,7 @@ from .options import (
     SearchOptions as SearchOptions,
     options_of as options_of,
 )
+from .projected import BATCH as BATCH, Projected as Projected, states_on_limits as states_on_limits
 from .rounds import (
     CORNER as CORNER,
     DRAWN as DRAWN,
@@ -62,13 +63,10 @@ from .rounds import (
 )
 from .signed import MOST_SIGNED as MOST_SIGNED, Signed as Signed
 from .singular import (
-    BATCH as BATCH,
     FlatFoldings as FlatFoldings,
-    Projected as Projected,
     RestState as RestState,
     RigidStates as RigidStates,
     flat_foldings as flat_foldings,
-    states_on_limits as states_on_limits,
 )
 from .strata import (
     Corners as Corners,
