@@ -16,6 +16,7 @@ every point of every traced edge; each sign change of dU/ds along an edge must b
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -281,30 +282,9 @@ def _contact_names(state: State) -> tuple[str, ...]:
     return tuple(dict.fromkeys(state.problem.name(row) for row in _descriptions(state)))
 
 
-def _point(
-    state: State,
-    index: int | None,
-    contribution: int,
-    part: Part,
-    kind: Kind,
-    contacts: tuple[str, ...],
-    multipliers: tuple[float, ...],
-    residual: float,
-    how: str,
-) -> CriticalPoint:
-    """Pack a point in the scene's units."""
-    return CriticalPoint(
-        tuple((state.fold_angles + 0.0).tolist()),
-        state.energy,
-        index,
-        contribution,
-        part,
-        kind,
-        contacts,
-        multipliers,
-        residual,
-        how,
-    )
+def _point(state: State, *what: Any) -> CriticalPoint:
+    """State a point; what: the fields of a `CriticalPoint` behind its energy."""
+    return CriticalPoint(tuple((state.fold_angles + 0.0).tolist()), state.energy, *what)
 
 
 def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:

@@ -57,33 +57,19 @@ class SweepReport:
 def run_scene(sweep: Sweep, index: int) -> Outcome:
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
     s = sweep.search
+    quick: dict[str, Any] = {"seed": s["seed"], "escape": False, "prove": False}
 
     def states_of_pattern(pattern: Pattern) -> tuple[Rows, int, None]:
         from origami_nlp.pattern_states import find_states
 
-        found = find_states(
-            pattern,
-            starts=s["starts"],
-            seed=s["seed"],
-            contact=s["contact"],
-            escape=False,
-            prove=False,
-        )
+        found = find_states(pattern, starts=s["starts"], contact=s["contact"], **quick)
         return tuple(row_of(m, m.dof, None) for m in found.minima), found.search.starts, None
 
     def states(scene: Scene) -> tuple[Rows, int, float]:
         from origami_nlp.minima import find_minima
 
-        result = find_minima(
-            scene,
-            seed=s["seed"],
-            effort=s["effort"],
-            max_starts=s["max_starts"],
-            fewest_starts=s["starts"],
-            full=s["full"],
-            prove=False,
-            escape=False,
-        )
+        more = {key: s[key] for key in ("effort", "max_starts", "full")}
+        result = find_minima(scene, fewest_starts=s["starts"], **more, **quick)
         rows = tuple(
             row_of(m, m.local_dimension, m.full_space.verdict if m.full_space else None)
             for m in result.minima
