@@ -165,11 +165,7 @@ def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
 
 
 def _along(
-    line: ParameterLine,
-    point: np.ndarray,
-    hold: Hold,
-    piece: tuple[Contact, ...],
-    tally: Tally,
+    line: ParameterLine, point: np.ndarray, hold: Hold, piece: tuple[Contact, ...], tally: Tally
 ) -> Iterator[OneSidedBranch]:
     """Yield the directions in which the states that hold these contacts are equilibria."""
     curve = EquilibriumCurve(line, hold, tally)

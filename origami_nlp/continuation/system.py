@@ -18,12 +18,7 @@ import scipy as sp
 
 from origami_nlp.continuation.line import ParameterLine
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import (
-    CURVED,
-    DEPENDENT,
-    SETTLED,
-    null_space,
-)
+from origami_nlp.numerics import CURVED, DEPENDENT, SETTLED, null_space
 from origami_nlp.problem import Contact, Local, Problem
 
 ASLANT = 10.0

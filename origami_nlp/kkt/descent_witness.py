@@ -55,9 +55,7 @@ class DescentWitness:
 
 
 def follow_descent(
-    state: State,
-    branch: BranchJudgement,
-    open_along: Callable[[np.ndarray], bool] = lambda d: True,
+    state: State, branch: BranchJudgement, open_along: Callable[[np.ndarray], bool] = lambda d: True
 ) -> DescentWitness | None:
     """Step along the directions of descent of a piece that were found, and where pieces are too large along others.
 
@@ -201,11 +199,7 @@ def follow_lines(state: State) -> DescentWitness | None:
 
 
 def _follow(
-    state: State,
-    directions: np.ndarray,
-    still: np.ndarray,
-    held: tuple[Contact, ...],
-    step: float,
+    state: State, directions: np.ndarray, still: np.ndarray, held: tuple[Contact, ...], step: float
 ) -> DescentWitness | None:
     """Follow unit directions [k, n], with contacts held and fold angles `still` [k, n], to a lower state."""
     model, x = state.problem, state.x

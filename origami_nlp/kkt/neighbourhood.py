@@ -57,10 +57,7 @@ class NeighbourhoodSample:
 
 
 def sample_neighbourhood(
-    at: State,
-    rows: tuple[Contact, ...],
-    seed: int = 0,
-    radii: tuple[float, ...] = RADII,
+    at: State, rows: tuple[Contact, ...], seed: int = 0, radii: tuple[float, ...] = RADII
 ) -> NeighbourhoodSample:
     """Look for admissible states at small distances from x, on every stratum of its closed
     contacts.
@@ -120,9 +117,7 @@ def _neighbours(
     strata = list(dict.fromkeys(strata))[:MOST_STRATA]
     # two creases on one line can turn together as one hinge, all others still
     for (v, w), signs, radius in itertools.product(
-        _on_one_line(state.local.closure_jacobian),
-        itertools.product((1.0, -1.0), repeat=2),
-        radii,
+        _on_one_line(state.local.closure_jacobian), itertools.product((1.0, -1.0), repeat=2), radii
     ):
         y = x.copy()
         y[[v, w]] += radius * np.array(signs)

@@ -11,13 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.bifurcation import (
-    PathBranch,
-    PathPoint,
-    draw_ranges,
-    event_look,
-    kinds_legend,
-)
+from origami_nlp.bifurcation import PathBranch, PathPoint, draw_ranges, event_look, kinds_legend
 from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath

@@ -334,12 +334,7 @@ class Descents:
         return s, balance(s, p.at, rows, p.torque), released, opens
 
     def _advance(
-        self,
-        s: Samples,
-        d: np.ndarray,
-        down: np.ndarray,
-        reach: np.ndarray,
-        escaped: np.ndarray,
+        self, s: Samples, d: np.ndarray, down: np.ndarray, reach: np.ndarray, escaped: np.ndarray
     ) -> tuple[Samples, np.ndarray, np.ndarray]:
         """Try a step; returns the samples (where it failed, as they were), whether it was taken, the next reach."""
         dx = d / self.closing.root(s)

@@ -20,11 +20,7 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.kkt import (
-    Classification,
-    State,
-    passing_moment,
-)
+from origami_nlp.kkt import Classification, State, passing_moment
 from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Found, Job, Progress

@@ -10,16 +10,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
-from origami_nlp.display import (
-    Content,
-    Keyframe,
-    Line,
-    Mark,
-    Panel,
-    Poser,
-    Section,
-    Trajectory,
-)
+from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Section, Trajectory
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState

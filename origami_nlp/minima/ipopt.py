@@ -204,12 +204,7 @@ def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         most = np.full(3 * len(pairs), 1.5)
         low, high = np.concatenate([low, -most]), np.concatenate([high, most])
     out = problem.solver(
-        x0=x0,
-        p=model.parameters.vector,
-        lbx=low,
-        ubx=high,
-        lbg=problem.lower,
-        ubg=problem.upper,
+        x0=x0, p=model.parameters.vector, lbx=low, ubx=high, lbg=problem.lower, ubg=problem.upper
     )
     stats = problem.solver.stats()
     x = np.asarray(out["x"]).ravel()

@@ -294,11 +294,7 @@ class Job:
             self.progress(r.starts, len(r.minima), r.seen_once)
 
     def report(
-        self,
-        others: list[JudgedState],
-        outcomes: dict[str, int],
-        seconds: float,
-        effort: str,
+        self, others: list[JudgedState], outcomes: dict[str, int], seconds: float, effort: str
     ) -> SearchReport:
         """Describe what was done."""
         r = self.record

@@ -17,15 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.numerics import (
-    ANSWERED,
-    CLOSURE_TOL,
-    CONTACT_TOL,
-    INSIDE,
-    LOADED,
-    OUTSIDE,
-    Matrix,
-)
+from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, CONTACT_TOL, INSIDE, LOADED, OUTSIDE, Matrix
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.borders import choices, without_passing
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry, gaps_and_rows

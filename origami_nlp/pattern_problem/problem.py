@@ -22,13 +22,7 @@ from origami_nlp.pattern_problem.contacts import PatternContacts
 from origami_nlp.pattern_problem.layers import Layers, order_layers
 from origami_nlp.pattern_problem.meeting_features import touches_at
 from origami_nlp.pattern_problem.work import Work, Worked
-from origami_nlp.problem import (
-    Contact,
-    Energies,
-    LoopClosure,
-    Parameters,
-    openings,
-)
+from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, openings
 
 
 class PatternProblem(PatternContacts, Energies):

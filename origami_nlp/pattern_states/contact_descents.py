@@ -33,10 +33,7 @@ SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 
 
 def contact_descent(
-    problem: PatternProblem,
-    phi: np.ndarray,
-    keep: bool = False,
-    known: np.ndarray | None = None,
+    problem: PatternProblem, phi: np.ndarray, keep: bool = False, known: np.ndarray | None = None
 ) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
@@ -169,9 +166,7 @@ def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -
 
 
 def contact_descent_off(
-    problem: PatternProblem,
-    path: Sequence[np.ndarray],
-    known: np.ndarray | None = None,
+    problem: PatternProblem, path: Sequence[np.ndarray], known: np.ndarray | None = None
 ) -> Descended | None:
     """Go down where a descent that let facets cross would have had to stop.
 

@@ -170,10 +170,7 @@ def follow_curve(
     if not found:
         none = np.zeros((1, problem.size))
         return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
-    ends = (
-        _end(problem, found.start, found.frames[0]),
-        _end(problem, found.end, found.frames[-1]),
-    )
+    ends = (_end(problem, found.start, found.frames[0]), _end(problem, found.end, found.frames[-1]))
     bends = np.array([s.bend for s in found.frames])
     turned = found.signs[:, None] * np.array([s.tangent for s in found.frames])
     return _curve(problem, found.states, ends, turned, bends)

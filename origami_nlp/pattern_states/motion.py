@@ -276,10 +276,7 @@ def _until_touch(
 
 
 def _end(
-    problem: PatternProblem,
-    curve: ClosureCurve,
-    phi: np.ndarray,
-    touching: tuple[int, int] | None,
+    problem: PatternProblem, curve: ClosureCurve, phi: np.ndarray, touching: tuple[int, int] | None
 ) -> str:
     if touching is not None:
         return f"facets {touching[0] + 1} and {touching[1] + 1} touch"

@@ -22,14 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.kkt import State, newton
-from origami_nlp.minima import (
-    GROWTH,
-    TRIALS,
-    JudgedState,
-    Survival,
-    count_survivals,
-    drawn_errors,
-)
+from origami_nlp.minima import GROWTH, TRIALS, JudgedState, Survival, count_survivals, drawn_errors
 from origami_nlp.numerics import CARRIES, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import MOST_DENSE, CanonicalLabelling, PatternProblem

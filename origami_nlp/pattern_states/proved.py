@@ -117,10 +117,7 @@ def prove_list(
 
 
 def hold_against(
-    proof: SheetProof,
-    problem: PatternProblem,
-    known: Sequence[JudgedState],
-    contact: bool,
+    proof: SheetProof, problem: PatternProblem, known: Sequence[JudgedState], contact: bool
 ) -> tuple[Completeness, list[JudgedState]]:
     """Compare minima that are known with those that are proved; what is missing is judged.
 

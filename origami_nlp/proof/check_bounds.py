@@ -16,15 +16,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from origami_nlp.proof.check_domains import BallChain
-from origami_nlp.proof.check_forms import (
-    AROUND,
-    Box,
-    Form,
-    Terms,
-    linear,
-    nonzero,
-    parts,
-)
+from origami_nlp.proof.check_forms import AROUND, Box, Form, Terms, linear, nonzero, parts
 
 BLUNT = 1e-9
 """Share of its largest slope that a row's error is taken to be at least, for suggestions."""

@@ -357,8 +357,4 @@ class VertexChain(BallChain):
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> Balls:
     """Vector product."""
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -119,10 +119,7 @@ def rows(sheet: VertexChain, box: Box, r0: Any) -> list[Form]:
         w, zeta, across, up = (
             add(scaled(w, even), scaled(times(s, along), square), -1),
             add(scaled(zeta, even), times(s, out)),
-            add(
-                scaled(across, even),
-                times(s, add(scaled(w, x), scaled(lifted, y), -1)),
-            ),
+            add(scaled(across, even), times(s, add(scaled(w, x), scaled(lifted, y), -1))),
             add(scaled(up, even), times(s, add(scaled(w, y), scaled(lifted, x)))),
         )
     found = [across, up, zeta]

@@ -172,7 +172,4 @@ def _ball(value: Fraction) -> Any:
 
 def _outside(x: Any) -> tuple[float, float]:
     """Doubles that enclose a ball."""
-    return (
-        math.nextafter(float(x.lower()), -math.inf),
-        math.nextafter(float(x.upper()), math.inf),
-    )
+    return (math.nextafter(float(x.lower()), -math.inf), math.nextafter(float(x.upper()), math.inf))

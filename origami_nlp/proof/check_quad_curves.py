@@ -110,10 +110,7 @@ def one_curve(links: Sequence[VertexLink], drive: int, zs: dict[int, Any]) -> Cl
         kinds.append(tuple((classes[c], *k) for c, k in zip(creases, seen, strict=True)))
     order = sorted(classes)
     return ClassCurve(
-        tuple(few),
-        drive,
-        tuple(classes[c] for c in order),
-        tuple(turns[c] for c in order),
+        tuple(few), drive, tuple(classes[c] for c in order), tuple(turns[c] for c in order)
     )
 
 

@@ -30,11 +30,7 @@ from origami_nlp.proof.certificate import (
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_domains import VertexChain
 from origami_nlp.proof.check_flat import falls, isolated
-from origami_nlp.proof.check_forms import (
-    AROUND,
-    Box,
-    nonzero,
-)
+from origami_nlp.proof.check_forms import AROUND, Box, nonzero
 from origami_nlp.proof.check_points import CheckedStratum, Located, Refused
 from origami_nlp.proof.check_wedges import SymmetricPiece, piece_of
 from origami_nlp.proof.check_whole import check_identity, closing_numbers

@@ -18,16 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.problem import Model
-from origami_nlp.proof.affine import (
-    TRIGONOMETRIC,
-    UNIT,
-    Affine,
-    Turn,
-    constant,
-    dot,
-    mixed,
-    turned,
-)
+from origami_nlp.proof.affine import TRIGONOMETRIC, UNIT, Affine, Turn, constant, dot, mixed, turned
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.chains import SECTORS, taken
 from origami_nlp.proof.law_torques import torques_of

@@ -37,10 +37,7 @@ def _jumps(
     breaks: tuple[float, ...], coefficients: tuple[tuple[float, ...], ...]
 ) -> tuple[float, np.ndarray]:
     """Sum of |jumps| of the torque, rounded up, and |jumps| of the slope at the inner breaks, rounded up."""
-    x, rows = (
-        [Fraction(b) for b in breaks],
-        [[Fraction(v) for v in row] for row in coefficients],
-    )
+    x, rows = ([Fraction(b) for b in breaks], [[Fraction(v) for v in row] for row in coefficients])
     total, slopes = Fraction(0), []
     for i in range(len(rows) - 1):
         (a, b, c, d), h = rows[i], x[i + 1] - x[i]
@@ -277,11 +274,7 @@ class LawTorques:
         """Enclose torques over boxes [n, K]: centre, slope in the own xi, error, [3, n, K]."""
         k, rest = self.k[:, None], self.rest[:, None]
         out = np.array(
-            [
-                k * (middle - rest),
-                k * half,
-                16 * UNIT * k * (np.abs(middle) + np.abs(rest) + half),
-            ]
+            [k * (middle - rest), k * half, 16 * UNIT * k * (np.abs(middle) + np.abs(rest) + half)]
         )
         for v, law in enumerate(self.pieces):
             if law is not None:

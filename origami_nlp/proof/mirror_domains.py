@@ -296,9 +296,7 @@ def all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarr
 
 
 def sums_of_torques(
-    piece: Sprung,
-    terms: list[list[tuple[int, Affine, float]]],
-    angles: Angles,
+    piece: Sprung, terms: list[list[tuple[int, Affine, float]]], angles: Angles
 ) -> Affine:
     """Enclose sums of sign G_i t, [M, K], the stiffness over its largest."""
     n, boxes = angles.middle.shape

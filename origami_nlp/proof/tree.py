@@ -108,10 +108,7 @@ class Recorder:
         return child
 
     def tree(
-        self,
-        size: int,
-        minors: tuple[tuple[int, ...], ...],
-        twins: tuple[tuple[int, ...], ...],
+        self, size: int, minors: tuple[tuple[int, ...], ...], twins: tuple[tuple[int, ...], ...]
     ) -> Tree:
         """Return all nodes in preorder.
 
