@@ -226,15 +226,17 @@ class ConvexDesign:
         i = [s.name for s in t.states].index(name)
         x = t.placed[i].state.x
         u = p.more(len(x))
-        for j in range(len(x)):
+        for j, kind in enumerate(
+            SpringRows(t.model, t.kinds).kind
+        ):  # creases may share their springs
             a = np.zeros((3, p.size))
-            k, tau, w = v.stiffness.start + j, v.torque.start + j, u.start + j
+            k, tau, w = v.stiffness.start + kind, v.torque.start + kind, u.start + j
             # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
             a[0, [k, w]] = 1.0, 1.0
             a[1, [k, w]] = 1.0, -1.0
             a[2, [k, tau]] = 2 * x[j], -2.0
-            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {j + 1}")
-        row = _row(p.size, (v.scale, 2 * most), (u, -self.count))
+            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {kind + 1}")
+        row = _row(p.size, (v.scale, 2 * most), (u, -t.model.multiplicity))
         p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
 
     @cached_property

@@ -80,6 +80,18 @@ fold_angles = %s
     assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)
 
 
+@pytest.mark.parametrize("equal", [(1, 2, 3, 4), (2, 1, 3, 4), (1, 2, 3, 2)])
+def test_a_bound_of_the_energy_is_kept_where_creases_share_springs(equal):
+    scene = o.Scene(QUAD, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2), symmetry="none")
+    states = wanted(o.find_minima(scene, prove=False, escape=False).minima)[:1]
+    asked = Targets(scene_pattern(scene), states, equal=equal)
+    free, bound = o.design(asked), o.design(replace(asked, highest={"state 1": 1e-4}))
+    assert free.states[0].energy > 2e-4
+    assert bound.verified and bound.states[0].energy == pytest.approx(1e-4, rel=1e-6)
+    for kind in set(equal):
+        assert np.ptp(bound.scene.stiffness[np.array(equal) == kind]) < 1e-9
+
+
 def test_what_is_for_vertices_alone_is_named():
     pattern, states = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4)), wanted([])
     state = (Target("flat", (0.0,) * 4),)
