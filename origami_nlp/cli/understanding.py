@@ -249,9 +249,7 @@ def load(
     unload: Annotated[
         bool, typer.Option("--unload", help="Take the load back to 0 afterwards.")
     ] = False,
-    confirm: Annotated[
-        bool, typer.Option(help="Search for the minima on both sides of each snap.")
-    ] = True,
+    confirm: Annotated[bool, typer.Option(help="Confirm each snap by a search beside it.")] = True,
     starts: o.Starts = None,
     yields: YieldAt = None,
     **search: Any,

@@ -58,7 +58,6 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, RANK, ROUNDED, SETTLED
 STEPS = ContinuationOptions(first=1e-2, longest=0.15)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 
-
 Functions = Callable[[Equilibrium], float]
 
 
@@ -256,11 +255,12 @@ class BifurcationDiagram:
     ) -> list[LocatedEvent]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
         # order of events: by the length along the tangent at a, the same for all of them
-        length = float(a.tangent @ (self.root * (b.x - a.x)))
-        found = []
+        root, found = self.root, []
+        length = float(a.tangent @ (root * (b.x - a.x)))
         for node in self.nodes:
-            h = float(a.tangent @ (self.root * (node.point - a.x)))
-            if node.type == START and 0 < h < length:
+            h = float(a.tangent @ (root * (node.point - a.x)))
+            reach = 2 * h + SETTLED  # more than `beside` moves
+            if node.type == START and 0 < h < length and _near(root, node.point, a.x, reach):
                 frame = curve.beside(a, h)
                 if frame is not None and _near(self.root, frame.x, node.point):
                     found.append(LocatedEvent(START, replace(frame, x=node.point), None, 0.0, True))

@@ -224,8 +224,13 @@ class EquilibriumCurve:
         found = system.direction(along)
         return None if found is None else Equilibrium(x, found[0], system)
 
-    def beside(self, frame: Equilibrium, h: float) -> Equilibrium | None:
-        """Return the point of the curve whose step from `frame` has length h along its tangent."""
+    def beside(
+        self, frame: Equilibrium, h: float, near: Equilibrium | None = None
+    ) -> Equilibrium | None:
+        """Return the point of the curve whose step from `frame` has length h along its tangent, by Newton.
+
+        near: a point known near by.
+        """
         if h == 0.0:
             return frame
 
@@ -233,7 +238,9 @@ class EquilibriumCurve:
             # pseudo-arclength (Keller): t . (y - y0) = h, a plane across the tangent
             return frame.tangent, h - float(frame.tangent @ (self.root * (point - frame.x)))
 
-        ahead = frame.x + h * frame.tangent / self.root
+        near = near or frame
+        left = h - float(frame.tangent @ (self.root * (near.x - frame.x)))
+        ahead = near.x + left / float(frame.tangent @ near.tangent) * near.tangent / self.root
         found = self.solve(ahead, plane)
         if (
             found is None

@@ -25,7 +25,7 @@ import numpy as np
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.flat import AT_FLAT, crossing, flat_passage
 from origami_nlp.continuation.one_sided_branches import is_equilibrium, judged
-from origami_nlp.numerics import CONTACT_TOL, NEARLY, SETTLED, STATIONARY, bracketed_roots
+from origami_nlp.numerics import CONTACT_TOL, EPS, NEARLY, SETTLED, STATIONARY, bracketed_roots
 from origami_nlp.problem import Contact
 
 BISECTIONS = 24
@@ -79,14 +79,20 @@ def root_between(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value
 ) -> Equilibrium | None:
     """Return the point between a and b at which a function changes sign, by regula falsi in the arclength."""
-    known: dict[float, Equilibrium | None] = {}
+    length = step_length(a, b, curve.root)
+    rounding = EPS * max(1.0, abs(value(a)), abs(value(b)))
+    known: dict[float, Equilibrium | None] = {0.0: a, length: b}
+    last = [a]
 
     def at(h: np.ndarray) -> np.ndarray:
-        frame = known.setdefault(float(h[0]), curve.beside(a, float(h[0])))
-        return np.array([np.nan if frame is None else value(frame)])
+        frame = known.get(float(h[0]))
+        if float(h[0]) not in known:
+            frame = known[float(h[0])] = curve.beside(a, float(h[0]), last[0])
+            last[0] = a if curve.short else frame or last[0]
+        v = np.nan if frame is None else value(frame)
+        return np.array([0.0 if abs(v) <= rounding else v])
 
-    h = float(bracketed_roots(at, [0.0], [step_length(a, b, curve.root)])[0])
-    return known.get(h)
+    return known.get(float(bracketed_roots(at, [0.0], [length])[0]))
 
 
 def _towards(

@@ -114,7 +114,7 @@ def line_between(a: Problem, b: Problem, length: float, weight: float = 0.3) -> 
     return ParameterLine(a, p, direction, weight=weight)
 
 
-def load_line(problem: Problem, load: np.ndarray, weight: float = 0.3) -> ParameterLine:
+def load_line(problem: Problem, load: np.ndarray, weight: float = 0.05) -> ParameterLine:
     """Return the line along which the load `load` [n] is multiplied by s, over `scale`, and added to what is there."""
     p = problem.parameters
     none = np.zeros_like(p.rest)

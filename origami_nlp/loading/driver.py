@@ -22,7 +22,7 @@ from origami_nlp.numerics import SETTLED, first_largest
 from origami_nlp.pattern import Scene, dead_loads, most_torque
 from origami_nlp.problem import Model, Parameters
 
-STEPS = ContinuationOptions(longest=0.2)
+STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 """Of vertices: such that curves look smooth, by how far they turn; where they hardly do longer steps meet the same."""
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
@@ -32,7 +32,7 @@ CUT = "seconds: the time was over before the search for the state at load 0 was 
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
 SIDE = 0.01
-"""Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
+"""Torque over `Model.scale`, or factor over that of the snap, between a snap and the loads beside it."""
 
 
 @dataclass(eq=False)
@@ -77,7 +77,6 @@ class VertexDriver:
     crease: int | None
     images: tuple[int, ...] = ()
     ALSO = ("name", "unit", "coordinate", "creases")
-    lazy = False
     WAY = ""
     arm = 1.0
 
@@ -263,12 +262,27 @@ class VertexDriver:
         return why
 
     def beside(self, t: float) -> float:
-        """Return the distance between a snap at t and the searches beside it."""
+        """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
         return SIDE * (Model(self.scene).scale if self.crease else abs(t))
 
     def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]
+
+    def led_to(self, t: float, states: Sequence[np.ndarray]) -> list[np.ndarray] | None:
+        """Return the minima at t, once each, to which states [N] descend; None where one comes to none."""
+        model, found = Model(self.scene_at(t)), list[np.ndarray]()
+        for phi in states:
+            try:
+                end = follow(model, model.reduce(phi), curved=True)
+            except ValueError:  # of another winding
+                return None
+            if end.what.verdict != "minimum":
+                return None
+            phi = model.expand(end.end)
+            if all(np.abs(phi - other).max() > SETTLED for other in found):
+                found.append(phi)
+        return found
 
 
 def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
@@ -278,6 +292,8 @@ def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
     return (shift - i if mirrored else shift + i) % n
 
 
-def kept_by(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
-    """Return the symmetries that a state of all fold angles keeps."""
-    return tuple(e for e in elements if np.abs(phi[image_of(len(phi), e)] - phi).max() <= SETTLED)
+def kept_by(
+    elements: Sequence[tuple[int, bool]], phi: np.ndarray, near: float = SETTLED
+) -> tuple[tuple[int, bool], ...]:
+    """Return the symmetries that a state of all fold angles keeps, known as `near` [rad]."""
+    return tuple(e for e in elements if np.abs(phi[image_of(len(phi), e)] - phi).max() <= near)

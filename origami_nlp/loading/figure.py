@@ -182,6 +182,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
             zorder=4,
         )  # fmt: skip
         axes.plot(a, snap.t, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
+        axes.plot(b, snap.t, ".", ms=5, color=SNAP, zorder=4)  # arrows alone do not widen the axes
     named: dict[tuple[float, float], list[str]] = {}
     for event in path.events:
         if event.id not in shown:

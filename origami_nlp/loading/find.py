@@ -68,9 +68,9 @@ def load_path(
     state
         Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
     unload
-        Whether the load then falls back to 0; of a pattern also from where it snapped.
+        Whether the load then falls back to 0, also from where it snapped.
     confirm
-        Whether both sides of each snap are confirmed by searches; of patterns under torques only.
+        Whether each snap is confirmed by a search (`ConfirmedSnap`); of patterns under torques only.
     full
         Whether states may break the symmetry; of scenes, where None is True.  Where a symmetric state loses stability
         without its symmetry the path goes on along what branches off there, or snaps.
@@ -78,7 +78,7 @@ def load_path(
         Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
         (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
         Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed);
-        snaps are not confirmed by searches.
+        snaps are not confirmed.
     effort, seed, max_starts
         Of the searches, see `find_minima`.
     starts

@@ -27,13 +27,16 @@ from origami_nlp.continuation import (
     EquilibriumCurve,
     ParameterLine,
     SpecialPoint,
+    find_one_sided_branches,
     is_equilibrium,
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
+from origami_nlp.loading.confirming import confirm
 from origami_nlp.loading.driver import (
     BRANCHES,
     IDENTITY,
+    OFF_BRANCH,
     LoadSearch,
     VertexDriver,
     image_of,
@@ -99,7 +102,6 @@ class FollowedLoad:
         self.driver, self.low, self.high = driver, low, high
         self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._given, self.home = (full, steps, until), home
-        self.lazy = driver.lazy or home is not None or hinges is not None
         self._full = driver.full_line() if full else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
         functions = [("breaks-symmetry", self.across)] if self._full else []
@@ -107,7 +109,7 @@ class FollowedLoad:
         self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
         self.web = BifurcationDiagram(
             line, low, high, steps=driver.steps(steps), functions=functions + yields,
-            stops=[type for type, _ in yields], lazy=self.lazy, until=until,
+            stops=[type for type, _ in yields], lazy=True, until=until,
         )  # fmt: skip
         self.ways: list[Run] = [] if home is None else home.ways
         self.falls: list[Fall] = [] if home is None else home.falls
@@ -189,13 +191,12 @@ class FollowedLoad:
 
     def between(self, *ends: float) -> None:
         """Follow in the range of load that these and 0 span."""
-        if self.driver.lazy:
-            self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
+        self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
 
     def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
-        """Follow what comes of the minimum x at s: all of it, or what leads in one direction of the load at first."""
+        """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
         if position(self.web, x, s) is None and given(self.web, x, s) is None:
-            self.web.add(x, s, "minimum", toward if self.lazy else 0.0, follow)
+            self.web.add(x, s, "minimum", toward, follow)
 
     def go(
         self,
@@ -257,9 +258,9 @@ class FollowedLoad:
             self.ways.append(Run(self, replace(way, why="snap"), toward, len(self.falls), begun))
             if not self.web.low <= s <= self.web.high:
                 return None
-            into.begin(x, s, toward, follow=not (once and into.lazy))
+            into.begin(x, s, toward, follow=not once)
             if once:
-                return (into, x, s) if self.driver.lazy else None
+                return into, x, s
             if into is not self:
                 return into.go(x, s, end, once=once)
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
@@ -326,24 +327,26 @@ class FollowedLoad:
 
     def path(self, state: int, search: LoadSearch | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes."""
+        again = [restabilises(of.web, number, self._stable_end) for of, number, *_ in self.falls]
         diagrams = []
         for job in self.jobs:
             web = job.web
-            parts = {k: parts_of(arc, not job.lazy) for k, arc in enumerate(web.arcs)}
+            ends = job.home is None and isinstance(job.driver, VertexDriver)
+            parts = {k: parts_of(arc, ends) for k, arc in enumerate(web.arcs)}
             diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
         legs = tuple(way.job.leg(way) for way in self.ways)
-        passed = {p.fold_angles for leg in legs for p in leg.points}
+        met = {p.fold_angles for leg in legs for p in leg.points}
         branches, events = joined(
             diagrams,
             self._one,
-            lambda e: (e.fold_angles not in passed, *(-coarse(np.array(e.fold_angles))).tolist()),
+            lambda e: (e.fold_angles not in met, *(-coarse(np.array(e.fold_angles))).tolist()),
         )
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":
                     words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
                     self.alarms.append(f"{words}: {r.certificate}")
-        snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
+        snaps = tuple(self._snap(k, events, search, s) for k, s in enumerate(again))
         tallies = [job.web.tally for job in self.jobs]
         return LoadPath(
             self.driver, state, self.low, self.high, legs, snaps, tuple(branches), tuple(events),
@@ -388,7 +391,13 @@ class FollowedLoad:
         angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
-    def _snap(self, k: int, events: Sequence[PathEvent], search: LoadSearch | None) -> Snap:
+    def _snap(
+        self,
+        k: int,
+        events: Sequence[PathEvent],
+        search: LoadSearch | None,
+        again: float | None = None,
+    ) -> Snap:
         job, number, into, landed, s, what = self.falls[k]
         web, found = job.web, job.web.nodes[number]
         problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
@@ -397,7 +406,6 @@ class FollowedLoad:
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
         )
-        again = restabilises(web, number, self._stable_end)
         if into is job:
             released = -float(problem.energy_change(before, after))
         else:  # one of the two spaces has all fold angles
@@ -417,14 +425,24 @@ class FollowedLoad:
         )
 
     def _stable_end(self, of: ParameterLine, node: SpecialPoint) -> float | None:
-        """Return the load at which stable states of the scene's own symmetry end at a node of another space."""
-        if self._full is None or of is self.web.line:
+        """Return the load at which stable states of more symmetry end at a node of a space of less."""
+        if self._full is None:
             return None
         at = of.problem.expand(node.point[:-1])
-        for k, other in enumerate(self.web.nodes):
-            apart = np.abs(self.web.line.problem.expand(other.point[:-1]) - at).max()
+        into = self.keeping(kept_by(self.elements, at, NEAR_SINGULAR_TOL))
+        web, point = into.web, np.append(into.reduced(at), node.s)
+        if web.line is of:
+            return None
+        for half in find_one_sided_branches(web.line, point, web.tally):
+            curve = EquilibriumCurve(web.line, half.frame.hold, web.tally)
+            aside = curve.beside(half.frame, OFF_BRANCH)
+            if aside is not None and not aside.index and into.across(aside) > 0:
+                into.begin(aside.state, aside.s, 0.0)
+                break
+        for k, other in enumerate(web.nodes):
+            apart = np.abs(other.point - point).max()
             if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
-                stable = any(not a.index and k in (a.start, a.end) for a in self.web.arcs)
+                stable = any(not a.index and k in (a.start, a.end) for a in web.arcs)
                 return other.s if stable else None
         return None
 
@@ -445,35 +463,12 @@ class FollowedLoad:
         return landed if same is None or not is_equilibrium(same) else same.state
 
     def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
-        """Search on both sides of a snap for the states that the path has there."""
+        """Confirm a snap by searches, as far as time allows."""
         job, _, into, landed, s, _ = self.falls[k]
         _, way, toward, *_ = next(w for w in self.ways if w.snap == k + 1)
-        at = job.web.nodes[way.node].s
         both = set(job.elements) & set(into.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
-        side = toward * wider.driver.beside(at)
-        loads = (at - side, at + side)
-        onward = walk(into.web, landed, s, toward, loads[1])
-        after = None if onward is None else into.nearest(onward, loads[1])
-        known = job.nearest(way, loads[0]), after
-        minima, found = [], []
-        for t, state in zip(loads, known, strict=True):
-            states = wider.driver.states_at(t, search)
-            if states is None:
-                return None
-            if search.cut:
-                self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
-                return None
-            minima.append(len(states))
-            apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []
-            found.append(min(apart, default=math.inf) <= SETTLED)
-        return ConfirmedSnap(loads, (minima[0], minima[1]), (found[0], found[1]))
-
-    def nearest(self, way: StableSegment, t: float) -> np.ndarray | None:
-        """All fold angles of the stable state at load t that a way passes; None where none is near."""
-        near = min(way.frames, key=lambda f: abs(f.s - t), default=None)
-        states = [f for _, f in self.web.states_at(t) if not f.index]
-        if near is None or not states:
-            return None
-        best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
-        return np.asarray(best.problem.expand(best.state))
+        found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
+        if search.cut:
+            self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+        return found

@@ -48,7 +48,6 @@ class PatternDriver:
 
     work: Work
     ALSO = ("name", "unit", "coordinate")
-    lazy = True
     WAY = (
         "crossing of facets is checked at the states of the path and of descents, not between them"
     )
@@ -183,7 +182,7 @@ class PatternDriver:
         return end.phi, classified(loaded, end.phi)
 
     def beside(self, t: float) -> float:
-        """Return the distance between a snap at t and the searches beside it."""
+        """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
         return SIDE * float(self.pattern.stiffness.mean())
 
     def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray] | None:
@@ -191,6 +190,10 @@ class PatternDriver:
         if not isinstance(self.work, Torque):
             return None
         return [m.phi for m in self._states(self.work.loaded(t), search)]
+
+    def led_to(self, t: float, states: Sequence[np.ndarray]) -> list[np.ndarray] | None:
+        """Return None: of patterns what is beyond a snap is searched for."""
+        return None
 
 
 def _descended(loaded: PatternProblem, phi: np.ndarray, touching: bool) -> Descended:

@@ -15,14 +15,15 @@ COLLAPSE = "collapses"
 
 @dataclass(frozen=True)
 class ConfirmedSnap:
-    """Searches on both sides of a snap, which know nothing of the path.
+    """A search before a snap, which knows nothing of the path, and where its minima lead beyond.
 
     Attributes
     ----------
     t
-        Loads of the searches, before and after the snap.
+        Loads before the snap, where the search is, and after it.
     minima
-        How many minima each found.
+        How many minima it found before, and to how many after those lead that are not the state of the path. Where the
+        state after the snap is none of these, or of patterns: how many a second search found there.
     found
         Whether the state before the snap, and the one after it, is among them.
     """
@@ -56,7 +57,7 @@ class Snap(ShortRepr):
         Load at which the unstable states that begin here become stable again; None where they do not, or were not
         followed so far.
     confirmed
-        Searches on both sides; None where they were not asked for.
+        By a search; None where it was not asked for.
     """
 
     event: int

@@ -377,9 +377,9 @@ class LoadPath(Report, Viewable):
 
 
 def _searches(number: int, c: ConfirmedSnap, unit: str) -> str:
-    """Say whether searches beside a snap found the states before and after it."""
+    """Say whether the states before and after a snap are among those that a search knows beside it."""
     words = ["is among them" if f else "is NOT among them" for f in c.found]
     return (
-        f"searches beside snap {number}: {c.minima[0]} minima at {c.t[0]:.6g} {unit}, the state before it {words[0]}; "
-        f"{c.minima[1]} at {c.t[1]:.6g} {unit}, the one after {words[1]}"
+        f"search beside snap {number}: {c.minima[0]} minima at {c.t[0]:.6g} {unit}, the state before it {words[0]}; "
+        f"{c.minima[1]} known at {c.t[1]:.6g} {unit}, the one after {words[1]}"
     )
