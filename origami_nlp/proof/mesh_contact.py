@@ -12,14 +12,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem, order_layers
+from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.ball_vectors import part
-from origami_nlp.proof.balls import Ball, Jet
+from origami_nlp.proof.balls import Ball, Jet, exact
 from origami_nlp.proof.flat_sheets import SheetMinimum
 from origami_nlp.proof.mesh_curves import QUARTER, CurveEnergy, fold
 from origami_nlp.proof.mesh_states import Curve, FoldingMesh, as_folding_mesh
@@ -65,8 +66,6 @@ def why_no_mesh_contact(pattern: Pattern) -> str:
     mesh, why = as_folding_mesh(pattern)
     if mesh is None:
         return why
-    if any(None in c.multipliers.values() for c in mesh.crossings):
-        return "opposite creases are in one line: facets lie on each other along whole curves"
     first, *rest = ({*c.creases} for c in mesh.crossings)
     together, left = first, rest
     while near := [c for c in left if c & together]:
@@ -74,20 +73,31 @@ def why_no_mesh_contact(pattern: Pattern) -> str:
         left = [c for c in left if c not in near]
     if left or len(together) < mesh.creases:
         return "vertices do not hang together, or a crease is none of theirs"
-    if 2 ** (mesh.creases - len(mesh.crossings)) > MOST_FOLDED:
+    if not mesh.in_line and 2 ** (mesh.creases - len(mesh.crossings)) > MOST_FOLDED:
         return f"it can be folded flat in more than {MOST_FOLDED} ways"
     return why_no_strip_contact(pattern)
 
 
 class FoldingCurve:
-    """A curve of a mesh that folds flat, as `strip_energy` asks for it: tan(x/2) = sign kappa tan theta."""
+    """A curve of a mesh that folds flat, as `strip_energy` asks for it: tan(x/2) = sign kappa tan theta.
 
-    def __init__(self, mesh: FoldingMesh, curve: Curve, pattern: Pattern) -> None:
+    Other creases are still: at 0, or +-1 times 180 degrees.
+    """
+
+    def __init__(
+        self,
+        mesh: FoldingMesh,
+        curve: Curve,
+        pattern: Pattern,
+        still: Sequence[int | None] = (),
+    ) -> None:
         self.across: list[int] = []
         self.beside: list[tuple[int, int]] = []
         self.rows = [(mesh.multiplier(m.key), m.sign, m.creases) for m in curve]
         self.even = CurveEnergy(mesh, curve, pattern.stiffness, pattern.rest).even
-        self.turns = {c: m.sign * s for m in curve for c, s in m.creases}
+        self.still = {c: s for c, s in enumerate(still) if s is not None}
+        self.turns = dict.fromkeys(self.still, 0)
+        self.turns |= {c: m.sign * s for m in curve for c, s in m.creases}
 
     def states(self, signs: np.ndarray, theta: Ball, at: FoldStates | None = None) -> FoldingStates:
         """Return its states over boxes of theta."""
@@ -117,6 +127,12 @@ class FoldingStates:
             for c, s in creases:
                 own = (x, rate, bend) if s * sign > 0 else (-x, -rate, -bend)
                 self.angles[c], self.slopes[c] = own[0], Jet(*own[1:])
+        zero = exact(np.zeros_like(theta.centre))
+        for c, side in curve.still.items():
+            self.angles[c] = (exact(side * math.pi) + zero).widened(
+                np.asarray(4 * UNIT * abs(side))
+            )
+            self.slopes[c] = Jet(zero, zero)
         self.outside = np.zeros(theta.centre.shape, bool)
         beyond = np.abs(theta.centre) + theta.radius >= math.nextafter(QUARTER, 0.0)
         self.ends = np.where(beyond, np.sign(theta.centre), 0.0)
@@ -145,8 +161,10 @@ class FoldingEnergy(StripEnergy):
 class FoldingContact(StripContact):
     """Which facets of a mesh that folds flat cross: of the sheet that is meant, near the stated one."""
 
-    def __init__(self, pattern: Pattern, deviation: float) -> None:
-        super().__init__(pattern)
+    def __init__(
+        self, pattern: Pattern, deviation: float, pairs: list[tuple[int, int]] | None = None
+    ) -> None:
+        super().__init__(pattern, pairs)
         size = float(np.ptp(pattern.corners, axis=0).max())
         self._room = 16 * len(pattern.polygons) * size * deviation
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.mesh_contact import MeshContact, why_no_mesh_contact
-from origami_nlp.proof.mesh_curves import CurveEnergy, CurveMinima, fold
+from origami_nlp.proof.mesh_curves import QUARTER, CurveEnergy, CurveMinima, fold
+from origami_nlp.proof.mesh_stacks import MeshStacks, Still
 from origami_nlp.proof.mesh_states import (
     MOST_MODES,
     Crossing,
@@ -34,10 +36,13 @@ from origami_nlp.proof.mesh_states import (
     why_no_mesh,
 )
 from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval, stated_sheet
+from origami_nlp.proof.strip_contact import APART, CROSSING, UNKNOWN
 
 FLAT, HALF_TURN = 0, 1
 Place = int | tuple[Curve, int]
 """Where a crease is: 0; 1 or -1, at +-180 degrees; or on a curve, at its minimum of some number."""
+BESIDE = 2.0**-40
+"""How far from the flat state, or the end of a curve, what is beside it is looked at [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +72,7 @@ class MeshProof(SheetProof):
             f"{self.isolated} products are of flat and flat-folded states alone)"
         )
 
-    meant = "of the sheet whose vertices fold flat and whose equal sectors are equal exactly"
+    meant = "of the sheet whose vertices fold flat and whose equal sectors and lengths are equal exactly"
 
 
 def prove_mesh(
@@ -128,7 +133,7 @@ def prove_mesh(
         minima=tuple(search.minima),
         maxima=search.maxima,
         undecided=tuple(search.open),
-        deviation=mesh.deviation + 4 * UNIT,
+        deviation=max(mesh.deviation, search.stacks.deviation if search.stacks else 0.0) + 4 * UNIT,
         moved=mesh.moved,
         boxes=search.boxes,
         seconds=time.process_time() - started,
@@ -191,6 +196,7 @@ class _Enumeration:
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self.minima: list[SheetMinimum] = []
         self.boxes = self.maxima = 0
+        self.stacks: MeshStacks | None = None
         self._local: dict[tuple[tuple[VertexMode, ...], ...], list[StateProduct] | None] = {}
 
     def run(self, contact: bool) -> None:
@@ -203,7 +209,10 @@ class _Enumeration:
                     self._leave(None, "whether a loop of vertices moves is not certain")
                 else:
                     self.products.add(product)
-        if contact:
+        if contact and self.mesh.in_line:
+            self.stacks = MeshStacks(self.mesh, self.pattern, self.most, self.until)
+            self._look_for_touches(self.stacks)
+        elif contact:
             curves = [c for product in sorted(self.products, key=_order) for c in product.curves]
             held = MeshContact(self.mesh, self.pattern, curves, self.most, self.until)
             self.minima, self.maxima, self.boxes = held.minima, held.maxima, held.boxes
@@ -239,30 +248,64 @@ class _Enumeration:
 
     def _candidates(self, product: StateProduct) -> Iterator[tuple[Place, ...]]:
         """Yield states of a product that are minima along its curves, or at +-180 degrees in any way."""
-        ways: list[list[dict[int, Place]]] = [
+
+        def inside(curve: Curve) -> list[Place]:
+            found = enumerate(self.curve(curve).inside)
+            return [FLAT if low == 0 == high else (curve, k) for k, (low, high) in found]
+
+        for at in self._parts(product, inside):
+            yield tuple(at[c] for c in range(self.mesh.creases))
+
+    @staticmethod
+    def _parts(
+        product: StateProduct, inside: Callable[[Curve], Sequence[Any]]
+    ) -> Iterator[dict[int, Any]]:
+        """Yield where creases are in a product: each of its curves inside, or at +-180 degrees in any way."""
+        ways: list[list[dict[int, Any]]] = [
             [{c: side * sign for c, sign in row} for side in (1, -1)] for row in product.folded
         ]
         for curve in product.curves:
-            own: list[dict[int, Place]] = []
-            for number, (low, high) in enumerate(self.curve(curve).inside):
-                flat = low == 0 == high
-                own.append(
-                    {c: FLAT if flat else (curve, number) for m in curve for c, _ in m.creases}
-                )
+            own = [{c: place for m in curve for c, _ in m.creases} for place in inside(curve)]
             for sides in itertools.product((1, -1), repeat=len(curve)):
-                own.append(
-                    {
-                        c: side * s
-                        for m, side in zip(curve, sides, strict=True)
-                        for c, s in m.creases
-                    }
-                )
+                both = zip(curve, sides, strict=True)
+                own.append({c: side * s for m, side in both for c, s in m.creases})
             ways.append(own)
         for parts in itertools.product(*ways):
-            at: dict[int, Place] = dict.fromkeys(product.flat, FLAT)
+            at: dict[int, Any] = dict.fromkeys(product.flat, FLAT)
             for part in parts:
                 at |= part
-            yield tuple(at[c] for c in range(self.mesh.creases))
+            yield at
+
+    def _look_for_touches(self, stacks: MeshStacks) -> None:
+        """Leave open where facets that meet while curves move may hold a state: elsewhere all cross, or none press."""
+        for product in sorted(self.products, key=_order):
+            for at in self._parts(product, lambda curve: (None, FLAT)):
+                moving = [c for c in product.curves if at[c[0].creases[0][0]] is None]
+                still = tuple(at[c] for c in range(self.mesh.creases))
+                if self._late():
+                    return
+                if len(moving) == 1:
+                    found = stacks.along(still, moving[0])
+                    # one that is free on one side of its flat state may be held there
+                    mixed = len({status for *_, status in found}) > 1
+                    for low, high, status in found:
+                        if status == UNKNOWN or mixed:
+                            self._leave(
+                                (moving[0], low, high), "whether facets cross along a curve"
+                            )
+                elif len(moving) == 2:
+                    for sides in itertools.product((1, -1), repeat=2):
+                        both = list(zip(moving, sides, strict=True))
+                        if stacks.together(still, both, self._rest(moving)) == UNKNOWN:
+                            self._leave(None, "facets that meet where two rows fold by themselves")
+                elif moving:
+                    self._leave(None, "facets where more than two rows fold by themselves")
+        self.boxes += stacks.boxes
+
+    def _rest(self, curves: Sequence[Curve]) -> bool:
+        """Return whether the energy along each curve is least once, and there each fold is below 90 degrees."""
+        inside = [self.curve(c).inside for c in curves]
+        return all(len(x) == 1 and abs(t) < 0.25 * math.pi for x in inside for y in x for t in y)
 
     def _judge(self, places: tuple[Place, ...]) -> None:
         """Add a state to the minima if it is one along all curves through it."""
@@ -283,36 +326,68 @@ class _Enumeration:
             return  # it is left open for all
         certain = True
         for curve in {c for product in products for c in product.curves}:
-            slope = self._way_down(curve, places)
-            if slope is None:
-                certain = False
-            elif slope < 0:
-                return
-        if certain:
+            ways = self._ways_down(curve, places)
+            certain &= ways is not None
+            for side in ways or ():
+                facets = self._facets(places, (curve, side))
+                if facets == APART:
+                    return
+                # where two curves move, others of their states may be free
+                one = all(len(p.curves) == 1 for p in products if curve in p.curves)
+                certain &= facets == CROSSING and one
+        facets = self._facets(places)
+        if facets == CROSSING:
+            return
+        if certain and facets == APART:
             self.minima.append(SheetMinimum(0.5 * (low + high), float(0.5 * (high - low).max())))
         else:
             self.open.append((low, high, "whether the energy falls from a state along a curve"))
 
-    def _way_down(self, curve: Curve, places: tuple[Place, ...]) -> int | None:
-        """Return -1 where the energy falls from a state along a curve, 1 where not, None where that is not certain."""
+    def _ways_down(self, curve: Curve, places: tuple[Place, ...]) -> list[int] | None:
+        """Return the sides of a curve into which the energy falls from a state, None where that is not certain."""
         sides = set()
         for member in curve:
             for c, sign in member.creases:
                 place = places[c]
                 if isinstance(place, tuple):
-                    return 1  # its minimum
+                    return []  # its minimum
                 sides.add(place * sign * member.sign)
         known = self.curve(curve)
         if sides == {FLAT}:
             slope, bend = known.flat
             if slope:
-                return -1
-            return bend if slope == 0 and bend else None
+                return [-slope]
+            return {-1: [-1, 1], 1: []}.get(bend) if slope == 0 else None
         if len(sides) > 1:
-            return 1  # another end than those of the curve
+            return []  # another end than those of the curve
         (side,) = sides
         slope = known.ends[side > 0]
-        return -side * slope or None
+        return ([side] if side * slope > 0 else []) if slope else None
+
+    def _facets(self, places: tuple[Place, ...], way: tuple[Curve, int] | None = None) -> int:
+        """Return what facets do at a state, or beside it along a way: on a side of a curve that leaves there."""
+        if self.stacks is None:
+            return APART
+        moving = {p[0]: self.curve(p[0]).inside[p[1]] for p in places if isinstance(p, tuple)}
+        at = [None if isinstance(p, tuple) else p for p in places]
+        if way:
+            curve, side = way
+            first = curve[0].creases[0][0]
+            ends = (QUARTER - BESIDE, QUARTER) if at[first] else (0.0, BESIDE)
+            moving[curve] = min(side * x for x in ends), max(side * x for x in ends)
+            for m in curve:
+                for c, _ in m.creases:
+                    at[c] = None
+        still: Still = tuple(at)
+        if not moving:
+            return self.stacks.ordered(still, math.pi * np.array(at, float))
+        if len(moving) == 1:
+            ((curve, theta),) = moving.items()
+            return self.stacks.near(still, curve, *theta)
+        if len(moving) > 2:
+            return UNKNOWN
+        both = [(c, 1 if x[1] > 0 else -1) for c, x in moving.items()]
+        return self.stacks.together(still, both, self._rest(list(moving)))
 
     def _angles(self, places: tuple[Place, ...]) -> tuple[np.ndarray, np.ndarray]:
         low, high = np.zeros(len(places)), np.zeros(len(places))
