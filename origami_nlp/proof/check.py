@@ -182,11 +182,12 @@ def _check_sheet(
 ) -> Check:
     import flint
 
+    from origami_nlp.proof.check_lists import BITS
     from origami_nlp.proof.check_mesh import MeshCheck
-    from origami_nlp.proof.check_mesh_contact import MeshContactCheck
     from origami_nlp.proof.check_points import Refused
     from origami_nlp.proof.check_quads import QuadCheck
-    from origami_nlp.proof.check_strips import BITS, StripCheck
+    from origami_nlp.proof.check_stacks import StackCheck
+    from origami_nlp.proof.check_strips import StripCheck
 
     check: StripCheck | MeshCheck | QuadCheck
     if isinstance(said, StripCertificate):
@@ -206,12 +207,13 @@ def _check_sheet(
             "quaternions",
         ]
     else:
-        check = (MeshContactCheck if said.contact else MeshCheck)(said, progress)
+        check = (StackCheck if said.contact else MeshCheck)(said, progress)
         about = [
             "facets round a vertex that closes with q = +1 do not cross, being convex"
         ] * said.contact
         about += [
-            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
+            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)"
+            + ", and so are lengths, to 1e-12 of its size" * said.contact,
             "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
             "proportional, or creases in one line are at +-180 degrees, or those across are 0",
         ]

@@ -1,11 +1,12 @@
-"""Can a sheet whose creases are all folded by +-180 degrees be stacked?  Decided facet on facet, for a check.
+"""Can a sheet whose creases are folded by +-180 degrees or not at all be stacked?  Decided facet on facet, for a check.
 
 Of two facets that overlap one is above, and (Demaine and O'Rourke, Geometric Folding Algorithms, 11.4)
 
 - a crease says by its sign which of its two facets is above;
-- where a crease lies inside another facet, that one is above both facets of the crease, or below both;
+- where a crease, folded or not, lies inside another facet, that one is above both facets of the crease, or below both;
 - two creases on one line, with facets on one side of it, do not interleave: both facets of one are between those of the
-  other, or none is;
+  other, or none is; where one is not folded, no facet of it is between those of the other, and where neither is, those
+  of one are both above those of the other;
 - of three facets that overlap in one place, the order is transitive.
 """
 
@@ -19,7 +20,7 @@ from origami_nlp.proof.check_strip_sheet import FlatDisk
 
 DEEP = 1e-7
 """Overlap, over the size of the sheet, from which facets lie on each other."""
-GRAZING = 1e-10
+GRAZING = 1e-12
 """Overlap, over the size of the sheet, up to which they do not; between the two nothing is decided."""
 SEARCHED = 20_000
 """Orders that are tried of one state, at most."""
@@ -31,7 +32,7 @@ class LayersUnclear(Exception):
 
 
 class FlatLayers:
-    """A sheet with all creases folded by +-180 degrees: what lies on what does not hang on their signs.
+    """A sheet with all creases folded by +-180 degrees, but for those at 0: what lies on what hangs on no sign.
 
     Raises
     ------
@@ -39,12 +40,16 @@ class FlatLayers:
         If facets all but overlap.
     """
 
-    def __init__(self, disk: FlatDisk) -> None:
+    def __init__(self, disk: FlatDisk, flat: frozenset[int] = frozenset()) -> None:
+        self.flat = flat
         points = [complex(*map(float, p)) for p in disk.points]
         self.size = max(abs(p - points[0]) for p in points)
         # images z -> u z + v, or u conj(z) + v of facets that are turned over
         at: dict[int, tuple[complex, complex, bool]] = {0: (1, 0, False)}
         for g, f, c, _ in disk.walk():
+            if c in flat:
+                at[g] = at[f]
+                continue
             a, b = (self._image(at[f], points[i]) for i in disk.said.creases[c])
             u, v, over = at[f]
             turn = (b - a) / (b - a).conjugate()
@@ -79,15 +84,30 @@ class FlatLayers:
             """Return the number of a pair, and the sign with which it says that g is above f."""
             return (of[f, g], 1) if (f, g) in of else (of[g, f], -1)
 
-        self.first = [order(f, g) for f, g, _ in self.creases]
+        folded = [c not in self.flat for c in range(len(self.creases))]
+        self.first = [
+            order(f, g) if fold else None
+            for (f, g, _), fold in zip(self.creases, folded, strict=True)
+        ]
         self.rules: list[tuple[tuple[int, ...], Callable[[Sequence[int]], bool]]] = []
+
+        def alike(one: tuple[int, int], two: tuple[int, int]) -> None:
+            (i, s), (j, t) = one, two
+            self.rules.append(((i, j), lambda x: s * x[0] == t * x[1]))
+
         for f, g, ends in self.creases:
             for h in set(many) - {f, g}:
                 if self._within(ends, self.rings[h]):
-                    (i, s), (j, t) = order(f, h), order(g, h)
-                    self.rules.append(((i, j), lambda x, s=s, t=t: s * x[0] == t * x[1]))  # type: ignore[misc]
-        for (f, g, one), (h, k, two) in itertools.combinations(self.creases, 2):
+                    alike(order(f, h), order(g, h))
+        for c, d in itertools.combinations(range(len(self.creases)), 2):
+            if folded[d] and not folded[c]:
+                c, d = d, c
+            (f, g, one), (h, k, two) = self.creases[c], self.creases[d]
             if len({f, g, h, k}) < 4 or not self._along(one, two):
+                continue
+            if not folded[d]:
+                h, k = (h, k) if self._side(one, f) == self._side(one, h) else (k, h)
+                alike(order(f, h), order(g, h if folded[c] else k))
                 continue
             if self._side(one, f) != self._side(one, h):
                 continue
@@ -213,7 +233,10 @@ class FlatLayers:
                     value[j] = 0
             return False
 
-        for (i, s), (f, _, _), sign in zip(self.first, self.creases, signs, strict=True):
+        for first, (f, _, _), sign in zip(self.first, self.creases, signs, strict=True):
+            if first is None:
+                continue
+            i, s = first
             # a valley lifts the other facet to the side of this one's normal
             if not put(i, s * sign * (-1 if self.over[f] else 1), []):
                 return False

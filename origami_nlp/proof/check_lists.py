@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
-from flint import arb
+from flint import arb, ctx
 
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval
 
+BITS = 128
+"""Of balls."""
+TERMS = 3
+"""Of power series: to second derivatives, whatever FLINT is set to keep."""
 STATED = 1e-11
 """Beyond its radius, by how much a fold angle may be listed off [rad]."""
 WIDEST = 1e-6
 """Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
+
+
+@contextmanager
+def precision() -> Iterator[None]:
+    """Compute with balls of so many bits and series of so many terms."""
+    before = ctx.prec, ctx.cap
+    ctx.prec, ctx.cap = BITS, TERMS
+    try:
+        yield
+    finally:
+        ctx.prec, ctx.cap = before
 
 
 def refuse_wide(minima: Sequence[CertifiedState]) -> None:

@@ -20,12 +20,11 @@ from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import STATED, ListCheck, refuse_wide
+from origami_nlp.proof.check_lists import STATED, ListCheck, precision, refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
-from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 EXACT = 1e-12
@@ -70,6 +69,7 @@ class MeshCheck(ListCheck):
         self.counts = {"sets": 0, "curves": 0}
         self._zeros: dict[RowGroup, list[tuple[int, Any]]] = {}
 
+    @precision()
     def run(self) -> None:
         """Decide every claim.
 
@@ -78,18 +78,13 @@ class MeshCheck(ListCheck):
         Refused
             With the first that is wrong.
         """
-        before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = BITS, TERMS
-        try:
-            self._sheet()
-            found = []
-            total = 3 ** len(self.rows)
-            for done, kinds in enumerate(itertools.product(range(3), repeat=len(self.rows))):
-                found += list(self._set(kinds))
-                self.progress(done + 1, total)
-            self.hold(found)
-        finally:
-            ctx.prec, ctx.cap = before
+        self._sheet()
+        found = []
+        total = 3 ** len(self.rows)
+        for done, kinds in enumerate(itertools.product(range(3), repeat=len(self.rows))):
+            found += list(self._set(kinds))
+            self.progress(done + 1, total)
+        self.hold(found)
 
     def _sheet(self) -> None:
         self.disk = FlatDisk(self.said)
@@ -161,8 +156,8 @@ class MeshCheck(ListCheck):
             found[i] += power
         return found
 
-    def _set(self, kinds: Sequence[int]) -> Iterator[list[Any]]:
-        """Yield the minima in which rows are 0, at +-180 degrees, or neither, as these kinds say."""
+    def _signed(self, kinds: Sequence[int]) -> Iterator[tuple[dict[int, int], list[RowGroup]]]:
+        """Yield signs along rows and which rows move together, where these are 0, at +-180 degrees, or neither."""
         ways: list[list[int]] = []
         for crossing in self.crossings:
             one, two = (kinds[r] for r in crossing.rows)
@@ -177,10 +172,14 @@ class MeshCheck(ListCheck):
             along = self._along(signs, {r for r, k in enumerate(kinds) if k != ZERO})
             if along is None:
                 continue
-            self.counts["sets"] += 1
             moving = self._moving({r for r, k in enumerate(kinds) if k == FREE}, signs, along)
-            if moving is None:
-                continue
+            if moving is not None:
+                yield along, moving
+
+    def _set(self, kinds: Sequence[int]) -> Iterator[list[Any]]:
+        """Yield the minima in which rows are 0, at +-180 degrees, or neither, as these kinds say."""
+        for along, moving in self._signed(kinds):
+            self.counts["sets"] += 1
             at: list[list[dict[int, Any]]] = [
                 [
                     {c: s * arb.pi() * along[c] for c in range(len(self.row)) if self.row[c] == r}
@@ -197,7 +196,7 @@ class MeshCheck(ListCheck):
                 for part in parts:
                     for c, value in part.items():
                         folds[c] = value
-                if self._stays(kinds, folds):
+                if self._stays(kinds, folds, moving):
                     self._closes(folds)
                     yield folds
 
@@ -357,24 +356,33 @@ class MeshCheck(ListCheck):
             found[c] = sign * fold
         return found
 
-    def _stays(self, kinds: Sequence[int], folds: Sequence[Any]) -> bool:
+    def _stays(
+        self, kinds: Sequence[int], folds: Sequence[Any], moving: Sequence[RowGroup] = ()
+    ) -> bool:
         """Return whether the energy grows as rows that are 0, or at +-180 degrees, begin to move."""
+        for slope, _, _ in self._all_leaving(kinds, folds):
+            if slope < 0:
+                return False
+            if not slope:
+                self.open.append("whether the energy falls from a state along a curve")
+                return False
+        return True
+
+    def _all_leaving(
+        self, kinds: Sequence[int], folds: Sequence[Any]
+    ) -> Iterator[tuple[int, RowGroup, tuple[int, ...]]]:
         for kind in (ZERO, TURNED):
             rows = [r for r, k in enumerate(kinds) if k == kind]
             for many in range(1, len(rows) + 1):
                 for some in itertools.combinations(rows, many):
-                    for slope in self._leaving(set(some), kind, kinds, folds):
-                        if slope < 0:
-                            return False
-                        if not slope:
-                            self.open.append("whether the energy falls from a state along a curve")
-                            return False
-        return True
+                    yield from self._leaving(set(some), kind, kinds, folds)
 
     def _leaving(
         self, some: set[int], kind: int, kinds: Sequence[int], folds: Sequence[Any]
-    ) -> Iterator[int]:
-        """Yield the sign of the slope of the energy, for each way in which these rows move all at once."""
+    ) -> Iterator[tuple[int, RowGroup, tuple[int, ...]]]:
+        """Yield, for each way in which these rows move all at once, the sign of the slope of the energy, the rows as
+        they move, and to which sides of T.
+        """
         signs = [_sign(f) for f in folds]
         ways = []
         for c in self.crossings:
@@ -402,12 +410,17 @@ class MeshCheck(ListCheck):
             (group,) = groups
             if kind == ZERO:
                 slope, bend = self._chart(group, 0, arb(0))
-                yield _sign(bend) if self._even(group) else -abs(_sign(slope))
+                even = self._even(group)
+                yield (
+                    _sign(bend) if even else -abs(_sign(slope)),
+                    group,
+                    (1, -1) if even else (-_sign(slope),),
+                )
                 continue
             sides = {signs[c] * sign for c, _, sign, _ in group.creases}
             if len(sides) == 1:
                 (side,) = sides
-                yield side * _sign(self._chart(group, side, arb(0))[0])
+                yield side * _sign(self._chart(group, side, arb(0))[0]), group, (side,)
 
     def _closes(self, folds: Sequence[Any]) -> None:
         """Refuse a state of the statement round a vertex of which facets do not come back."""

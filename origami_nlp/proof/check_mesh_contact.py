@@ -15,13 +15,13 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from flint import arb, arb_series, ctx
+from flint import arb, arb_series
 
 from origami_nlp.proof.check_layers import FlatLayers, LayersUnclear
+from origami_nlp.proof.check_lists import precision
 from origami_nlp.proof.check_mesh import ZERO, MeshCheck, RowGroup, _sign
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_contact import CheckedContact
-from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.strip_certificate import CertifiedTouch
 
@@ -80,9 +80,12 @@ class MeshContactCheck(MeshCheck):
         super().__init__(said, progress)
         self.counts = {"curves": 0, "intervals": 0, "folded flat": 0}
         self._found: list[list[Any]] = []
+        # creases that do not move along a curve: 0, or +-1 at +-180 degrees
+        self._still: tuple[int | None, ...] = (None,) * len(said.creases)
         # of states that are folded flat: whether the energy falls where a curve leaves one, None where facets cross
         self._ways: dict[tuple[int, ...], list[bool | None]] = {}
 
+    @precision()
     def run(self) -> None:
         """Decide every claim.
 
@@ -91,28 +94,25 @@ class MeshContactCheck(MeshCheck):
         Refused
             With the first that is wrong.
         """
-        before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = BITS, TERMS
-        try:
-            self._sheet()
-            self._connected()
-            self.contact = CheckedContact(self.disk, arb(0, 4 * self.said.deviation))
-            curves = list(self._curves())
-            for done, group in enumerate(curves):
-                self._along_curve(group)
-                self.progress(done + 1, len(curves))
-            flat = [arb(0)] * len(self.row)
-            if self._stays([ZERO] * len(self.rows), flat):
-                self._found.append(flat)
-            self._folded()
-            self.hold(self._found)
-        finally:
-            ctx.prec, ctx.cap = before
+        self._sheet()
+        self._decide()
+        self.hold(self._found)
+
+    def _decide(self) -> None:
+        """Find all minima."""
+        self._connected()
+        self.contact = CheckedContact(self.disk, arb(0, 4 * self.said.deviation))
+        curves = list(self._curves())
+        for done, group in enumerate(curves):
+            self._along_curve(group)
+            self.progress(done + 1, len(curves))
+        flat = [arb(0)] * len(self.row)
+        if self._stays([ZERO] * len(self.rows), flat):
+            self._found.append(flat)
+        self._folded()
 
     def _connected(self) -> None:
         """Refuse a mesh in which not all creases move together."""
-        if any(any(c.straight) for c in self.crossings):
-            raise Refused("opposite creases are in one line: contact there is not decided")
         together = {*self.crossings[0].creases}
         for _ in self.crossings:
             for c in self.crossings:
@@ -136,11 +136,11 @@ class MeshContactCheck(MeshCheck):
 
         def folds(t: Any) -> list[Any]:
             x = arb_series([t, 1], 2)
-            found = []
-            for _, _, sign, powers in group.creases:
+            found = [arb_series([(s or 0) * arb.pi()], 2) for s in self._still]
+            for c, _, sign, powers in group.creases:
                 m = self._value(powers)
                 fold = side * arb.pi() - 2 * (x / m).atan() if side else 2 * (m * x).atan()
-                found.append(sign * fold)
+                found[c] = sign * fold
             return found
 
         return folds
@@ -204,7 +204,7 @@ class MeshContactCheck(MeshCheck):
     ) -> list[ContactStretch]:
         """Return intervals of a chart with what is known of facets, in order."""
         folds = self._folds(group, side)
-        turns = [sign for _, _, sign, _ in group.creases]
+        turns = {c: sign for c, _, sign, _ in group.creases}
         front, looked = [(low, high)], 0
         out: list[ContactStretch] = []
         while front:
@@ -215,7 +215,7 @@ class MeshContactCheck(MeshCheck):
             end = bool(side) and a * b == 0
             if end:
                 # on which side of the plane a facet beside it is does not hang on how far it is folded
-                ball.folds = [arb(side * t) for t in turns]
+                ball.folds = [arb(side * turns.get(c, 0)) for c in range(len(self.row))]
                 self._blow_up(ball, 1 if a == 0 else -1)
             kind, slope, touches = self._kind(group, side, ball, a, b, end)
             if kind == UNKNOWN and b - a > NARROWEST and looked < LOOKED:

@@ -25,9 +25,9 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import ListCheck, refuse_wide
+from origami_nlp.proof.check_lists import ListCheck, precision, refuse_wide
 from origami_nlp.proof.check_mesh import EXACT
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_quad_curves import (
@@ -45,7 +45,6 @@ from origami_nlp.proof.check_quad_curves import (
     sign_of,
 )
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
-from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 LOOP_TOL = 1e-9
@@ -69,6 +68,7 @@ class QuadCheck(ListCheck):
         self.counts = {"choices": 0, "curves": 0, "rigid states": 0, "intervals": 0}
         self._found: list[list[Any]] = []
 
+    @precision()
     def run(self) -> None:
         """Decide every claim.
 
@@ -77,16 +77,11 @@ class QuadCheck(ListCheck):
         Refused
             With the first that is wrong.
         """
-        before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = BITS, TERMS
-        try:
-            self._sheet()
-            self._choose((), [(0.0, QUARTER)])
-            if not self.counts["curves"] or not any(self.said.rest):
-                self._found.append([arb(0)] * len(self.said.creases))
-            self.hold(self._found)
-        finally:
-            ctx.prec, ctx.cap = before
+        self._sheet()
+        self._choose((), [(0.0, QUARTER)])
+        if not self.counts["curves"] or not any(self.said.rest):
+            self._found.append([arb(0)] * len(self.said.creases))
+        self.hold(self._found)
 
     def _sheet(self) -> None:
         said = self.said

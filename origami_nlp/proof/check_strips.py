@@ -14,9 +14,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from flint import arb, ctx
+from flint import arb
 
-from origami_nlp.proof.check_lists import refuse_wide
+from origami_nlp.proof.check_lists import precision, refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_contact import CheckedContact
@@ -28,10 +28,6 @@ from origami_nlp.proof.strip_certificate import (
     TouchingBox,
 )
 
-BITS = 128
-"""Of balls."""
-TERMS = 3
-"""Of power series: to second derivatives, whatever FLINT is set to keep."""
 CUTS = 12
 """How often a box is halved at most, where a claim is not clear at once."""
 STATED = 1e-12
@@ -76,6 +72,7 @@ class StripCheck:
         self.open: list[str] = []
         self.counts: Counter[str] = Counter()
 
+    @precision()
     def run(self) -> None:
         """Check every claim.
 
@@ -84,14 +81,6 @@ class StripCheck:
         Refused
             At the first one that is not confirmed.
         """
-        before = ctx.prec, ctx.cap
-        ctx.prec, ctx.cap = BITS, TERMS
-        try:
-            self._run()
-        finally:
-            ctx.prec, ctx.cap = before
-
-    def _run(self) -> None:
         said = self.said
         if any(not k >= 0 for k in said.stiffness):
             raise Refused("a stiffness is negative")
