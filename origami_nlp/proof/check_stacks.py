@@ -1,14 +1,15 @@
 """The check of a proof with contact of a mesh with creases in one line: facets that lie on each other along curves.
 
 The statement is that of `check_mesh`; each closed state is in one set, in which rows are 0, at +-180 degrees, or move.
-In a set creases that do not move join facets to parts that move as one.  With the others at 0 all facets are in one plane, and if
-those of different parts do not overlap there, layers have an order all over the set exactly if they have one there
-(`check_layers`): about the line of a crease that moves, paper goes on from part to part as if it were flat.  Then
+In a set creases that do not move join facets to parts that move as one.  With the others at 0 all facets are in one
+plane, and if those of different parts do not overlap there, layers have an order all over the set exactly if they have
+one there (`check_layers`): about the line of a crease that moves, paper goes on from part to part as if it were flat.
+Then
 
 - two parts on both sides of the line of all creases that move are in two half planes: they do not cross;
-- three parts in a row between parallel lines: if the outer ones are no wider than the middle one, and share no less where
-  they are nearer to it, no contact holds a state as long as the energy falls from all folds of 90 to 180 degrees (the
-  triangle of the two lines and the place where they cross has angles below 90 degrees at these; as both grow by
+- three parts in a row between parallel lines: if the outer ones are no wider than the middle one, and share no less
+  where they are nearer to it, no contact holds a state as long as the energy falls from all folds of 90 to 180 degrees
+  (the triangle of the two lines and the place where they cross has angles below 90 degrees at these; as both grow by
   their sines, both its sides grow);
 - else intervals of T decide (`check_mesh_contact`), of facets that lie on each other all over one for all.
 
@@ -219,12 +220,14 @@ class StackCheck(MeshContactCheck):
         """Return whether no contact holds a state in which these two groups move, each a row by itself."""
         for group in groups:
             k = [Fraction(self.said.stiffness[c]) for c, *_ in group.creases]
-            load = sum(
+            torques = (
                 x * s * Fraction(self.said.rest[c])
                 for x, (c, _, s, _) in zip(k, group.creases, strict=True)
             )
+            load = sum(torques, Fraction(0))
             alone = not any(powers for *_, powers in group.creases)
-            if not (alone and sum(k) and abs(load / sum(k)) < Fraction(0.5 * math.pi - MARGIN)):
+            total = sum(k, Fraction(0))
+            if not (alone and total and abs(load / total) < Fraction(0.5 * math.pi - MARGIN)):
                 return False
         pairs = itertools.combinations(self._distinct(still), 2)
         if any(pair in self._flat(still).pairs for pair in pairs):
@@ -302,9 +305,7 @@ def _section(hull: list[Point], height: float) -> tuple[float, float]:
 
 
 def _nearer_shares_more(below: list[Point], above: list[Point], room: float) -> bool:
-    """Return whether two convex polygons over the real axis that have paper in common, of sections s and t above it, have
-    so at all lower sections.
-    """
+    """Return whether two convex polygons over the real axis share paper at lower sections if they do at higher ones."""
     tables = [
         [_section(hull, h) for h in sorted({z.imag for z in hull})] for hull in (below, above)
     ]

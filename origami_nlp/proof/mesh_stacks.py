@@ -36,7 +36,7 @@ Still = tuple[int | None, ...]
 """Of each crease: 0, or +-1 where it is at +-180 degrees; None where it moves."""
 SAMPLE = 0.6
 """Theta where the order of layers is asked [rad]."""
-MOST_BOXES = 4_000
+MOST_BOXES = 1_000
 """Of a curve."""
 
 
