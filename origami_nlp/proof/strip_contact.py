@@ -317,10 +317,8 @@ def _determinant_normal(y: Ball, n: int) -> Ball:
 def _axes(x: np.ndarray, y: np.ndarray) -> Iterator[np.ndarray]:
     """Yield normals of planes that may separate two plane polygons, [3, C, K] each."""
     (n, e), (m, f) = (_normal_andsides_of_plane(z) for z in (x, y))
-    yield n[:, None]
-    yield m[:, None]
-    yield np.cross(n[:, None], e, axis=0)
-    yield np.cross(m[:, None], f, axis=0)
+    yield from (n[:, None], m[:, None])
+    yield from (np.cross(n[:, None], e, axis=0), np.cross(m[:, None], f, axis=0))
     yield np.cross(e[:, :, None], f[:, None], axis=0).reshape(3, -1, x.shape[2])
 
 
