@@ -33,8 +33,8 @@ from origami_nlp.proof.check_strip_contact import CheckedContact
 
 Still: TypeAlias = tuple[int | None, ...]
 """Of each crease: 0, or +-1 at +-180 degrees; None where it moves."""
-MARGIN = 1e-9
-"""By how much folds are below 90 degrees where the energy is least, at the least [rad]."""
+QUARTER = math.nextafter(0.5 * math.pi, 0.0)
+"""Not above pi/2: folds are below it where the energy is least [rad]."""
 
 
 class StackCheck(MeshContactCheck):
@@ -227,7 +227,7 @@ class StackCheck(MeshContactCheck):
             load = sum(torques, Fraction(0))
             alone = not any(powers for *_, powers in group.creases)
             total = sum(k, Fraction(0))
-            if not (alone and total and abs(load / total) < Fraction(0.5 * math.pi - MARGIN)):
+            if not (alone and total and abs(load / total) < Fraction(QUARTER)):
                 return False
         pairs = itertools.combinations(self._distinct(still), 2)
         if any(pair in self._flat(still).pairs for pair in pairs):
