@@ -41,7 +41,7 @@ from origami_nlp.proof.strip_contact import APART, CROSSING, UNKNOWN
 FLAT, HALF_TURN = 0, 1
 Place = int | tuple[Curve, int]
 """Where a crease is: 0; 1 or -1, at +-180 degrees; or on a curve, at its minimum of some number."""
-BESIDE = 2.0**-40
+NEIGHBOURHOOD = 2.0**-40
 """How far from the flat state, or the end of a curve, what is beside it is looked at [rad]."""
 
 
@@ -373,7 +373,7 @@ class _Enumeration:
         if way:
             curve, side = way
             first = curve[0].creases[0][0]
-            ends = (QUARTER - BESIDE, QUARTER) if at[first] else (0.0, BESIDE)
+            ends = (QUARTER - NEIGHBOURHOOD, QUARTER) if at[first] else (0.0, NEIGHBOURHOOD)
             moving[curve] = min(side * x for x in ends), max(side * x for x in ends)
             for m in curve:
                 for c, _ in m.creases:
