@@ -26,7 +26,6 @@ from origami_nlp.numerics import (
     CARRIES,
     CLOSURE_TOL,
     DECREASE,
-    DEPENDENT,
     EPS,
     INDEPENDENT,
     LEVEL,
@@ -37,7 +36,6 @@ from origami_nlp.numerics import (
     nearest,
     nonnegative_least_squares,
     null_space,
-    shortest_solution,
 )
 from origami_nlp.problem import Contact, Problem
 
@@ -338,14 +336,14 @@ def _ways_down(
     pending, asked, seen = [way(state.contacts.base)], 1, set[int]()
     while pending and asked < MOST_WAYS:
         rows, d, held = pending.pop()
-        still = _length(d, curved) < ROUNDED
-        passed = [] if still else choices.passed(choices.open(rows), d)
+        still, before = _length(d, curved) < ROUNDED, choices.said(rows)
+        passed = [] if still else choices.passed(choices.open(before), d)
         if not passed:
             yield rows, d, held
             continue
         options = []
         for option in choices.branches[passed[0]]:
-            said = choices.said((*rows, *option))
+            said = before | choices.said(option)
             if said not in seen:
                 seen.add(said)
                 options.append(way((*rows, *option)))
@@ -400,7 +398,7 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
         forces = np.zeros(len(gaps))
         forces[closed] = nonnegative_least_squares(rows[closed].T, cost)
         rest = state.gradient - slopes.T @ forces
-        multipliers = shortest_solution(state.jacobian.T, rest, DEPENDENT)
+        multipliers = state.balancing(rest)
         h = piece.hessian_with(np.append(multipliers, forces))
         keeps &= forces > CARRIES
         free = null_space(rows[keeps])

@@ -43,7 +43,7 @@ def judge_by_splitting(
             good.append(b)
             continue
         choices = choices or Choices(state)
-        free = choices.open(rows)
+        free = choices.open(choices.said(rows))
         # a set that ignores a choice holds more states: where its way down closes every option, the choice forbids it
         passed = [
             k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
@@ -115,9 +115,8 @@ class Choices:
                 del kept[said]
         return tuple(kept.values())
 
-    def open(self, rows: tuple[Contact, ...]) -> list[int]:
-        """Return the choices of which no option holds with these contacts."""
-        held = self.said(rows)
+    def open(self, held: int) -> list[int]:
+        """Return the choices of which no option holds with contacts of these half-spaces, see `said`."""
         return [
             k for k, options in enumerate(self._said) if not any(_holds(held, o) for o in options)
         ]

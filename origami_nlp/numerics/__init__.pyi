@@ -1,5 +1,5 @@
 from . import quaternion as quaternion
-from .compiling import SWITCH as SWITCH, compiled as compiled
+from .compiling import SWITCH as SWITCH, address as address, compiled as compiled
 from .conic import (
     BALL as BALL,
     DEFINITE as DEFINITE,
@@ -23,6 +23,7 @@ from .factors import (
 )
 from .groups import groups as groups, pairs_within as pairs_within
 from .linear import (
+    SMALL as SMALL,
     extremes as extremes,
     nearest as nearest,
     nearest_in_cone as nearest_in_cone,

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from origami_nlp.numerics.compiled_linear import nonnegative_in_c
 from origami_nlp.numerics.tolerances import (
     CONTACT_TOL,
     CURVED,
@@ -36,6 +37,8 @@ def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     The columns of B that carry a positive entry of the answer are independent.  A linear program would only
     balance the springs to a solver's tolerance, which hides whether a state is stationary.
     """
+    if (made := nonnegative_in_c(b, c)) is not None:
+        return made
     r = b.shape[1]
     largest, size = float(np.abs(b).max(initial=0.0)), float(np.abs(c).max(initial=0.0))
     mu = np.zeros(r)

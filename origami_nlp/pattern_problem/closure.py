@@ -351,6 +351,8 @@ class Closure:
         self, phi: np.ndarray, multipliers: np.ndarray, at: list[_Turned] | None = None
     ) -> Matrix:
         """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
+        if at is None and self.pattern.creases <= MOST_DENSE and self.compiled.usable:
+            return self.compiled.hessian(phi, multipliers)
         data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
             bent = self._bent(s)

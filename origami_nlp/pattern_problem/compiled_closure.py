@@ -10,6 +10,7 @@ import numpy as np
 import scipy as sp
 
 from origami_nlp import numerics
+from origami_nlp.numerics import address
 
 FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
@@ -106,12 +107,13 @@ class CompiledClosure:
         self._given = ctypes.addressof(self._loops), ctypes.addressof(self._place)
         self._ends = np.zeros(2)
         if not library.project.argtypes:
-            address, whole = ctypes.c_void_p, ctypes.c_int64
-            library.project.argtypes = [address] * 3 + [whole] + [address] * 3
-            library.project.restype = None
-            library.follow.argtypes = [address] * 6
+            pointer, whole = ctypes.c_void_p, ctypes.c_int64
+            library.project.argtypes = [pointer] * 3 + [whole] + [pointer] * 3
+            library.project.restype = library.bend.restype = None
+            library.bend.argtypes = [pointer] * 5
+            library.follow.argtypes = [pointer] * 6
             library.follow.restype = whole
-            library.equations.argtypes = [address] * 5
+            library.equations.argtypes = [pointer] * 5
             library.equations.restype = ctypes.c_double
 
     def __reduce__(self) -> Any:
@@ -141,8 +143,8 @@ class CompiledClosure:
         loops, place = self._given
         begin = None if near is None else np.ascontiguousarray(near, np.float64)
         self._library.project(
-            *(loops, phi.ctypes.data, stays.ctypes.data, steps),
-            *(None if begin is None else begin.ctypes.data, place, self._ends.ctypes.data),
+            *(loops, address(phi), address(stays), steps),
+            *(None if begin is None else address(begin), place, address(self._ends)),
         )
         residual, least = self._ends.tolist()
         return phi, residual, least > 0
@@ -153,10 +155,16 @@ class CompiledClosure:
         m = self._loops.m
         values, jacobian = np.empty(m), np.zeros((m, len(phi)))
         loops, place = self._given
-        least = self._library.equations(
-            loops, phi.ctypes.data, place, values.ctypes.data, jacobian.ctypes.data
-        )
+        at = address(phi), place, address(values), address(jacobian)
+        least = self._library.equations(loops, *at)
         return values, jacobian, least > 0
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
+        """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
+        phi, multipliers = (np.ascontiguousarray(x, np.float64) for x in (phi, multipliers))
+        (loops, place), h = self._given, np.zeros((len(phi), len(phi)))
+        self._library.bend(loops, address(phi), place, address(multipliers), address(h))
+        return h
 
     def follow(
         self, phi: np.ndarray, along: np.ndarray

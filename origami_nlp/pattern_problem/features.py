@@ -11,10 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross
+from origami_nlp.pattern_problem.compiled_facets import FacingInC
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 
@@ -144,6 +146,8 @@ class Features:
         pairs = crossings.candidates(planes.x, margin=0.5 * reach * crossings.size)
         if not len(pairs):
             return []
+        if self._compiled is not None:
+            return [*self._faced(planes, pairs, reach)]
         valid, ids = self.rings_of_pieces.valid[pairs], crossings.pieces[pairs]
         same = ids[:, 0, :, None] == ids[:, 1, None]
         same &= valid[:, 0, :, None] & valid[:, 1, None]
@@ -158,6 +162,46 @@ class Features:
         apart = pairs[shared == 0]
         found += self._sides(planes, apart[:, 0], apart[:, 1], reach)
         return found
+
+    @cached_property
+    def _compiled(self) -> FacingInC | None:
+        return FacingInC(self.rings_of_pieces) if self.crossings.poses.compiled else None
+
+    @cached_property
+    def _shared(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of any two pieces how many corners they share, and the places of the first as one number, [P, P]."""
+        ids, valid = self.crossings.pieces, self.rings_of_pieces.valid
+        many, first = np.zeros((2, len(ids), len(ids)), int)
+        for k, ring in enumerate(ids):
+            same = (ring[:, None] == ids[:, None]) & valid[k][:, None] & valid[:, None]
+            same = same.reshape(len(ids), -1)
+            many[k], first[k] = same.sum(axis=1), same.argmax(axis=1)
+        return many, first
+
+    def _faced(
+        self, planes: Planes, pairs: np.ndarray, reach: float
+    ) -> Iterator[tuple[ContactPair, float, float]]:
+        """Go through what `_corners` and `_sides` find, by compiled functions."""
+        rings, crossings, (many, first) = self.rings_of_pieces, self.crossings, self._shared
+        ids, facet, size, shared = crossings.pieces, crossings.facet, crossings.size, many[*pairs.T]
+        find: Any = self._compiled
+        apart, joined = (pairs[shared == k] for k in (0, 1))
+        both = np.vstack([apart, apart[:, ::-1], joined, joined[:, ::-1]])
+        common = first[*both.T]
+        common[: 2 * len(apart)] = -1
+        which, place, found = find(planes, both, common, reach, size)
+        (a, b), i = both[which].T, place[:, 0]
+        corners = np.column_stack([ids[a, i], rings.triangle[b]]).tolist()
+        facets = np.column_stack([facet[b], facet[a]]).tolist()
+        for pair, four, (sign, *far) in zip(facets, corners, found.tolist(), strict=True):
+            yield ContactPair("vertex-face", tuple(pair), tuple(four), sign), *far  # type: ignore[misc]
+        which, place, found = find(planes, apart, None, reach, size)
+        (a, b), (i, j) = apart[which].T, place.T
+        ends = ids[a, i], ids[a, rings.after[a, i]], ids[b, j], ids[b, rings.after[b, j]]
+        facets = np.column_stack([facet[a], facet[b]]).tolist()
+        corners = np.column_stack(ends).tolist()
+        for pair, four, (sign, *far) in zip(facets, corners, found.tolist(), strict=True):
+            yield ContactPair("edge-edge", tuple(pair), tuple(four), sign), *far  # type: ignore[misc]
 
     def _corners(
         self,

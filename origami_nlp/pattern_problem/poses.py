@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import scipy as sp
 
+from origami_nlp.numerics import address
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import GapsInC, library
 
@@ -149,7 +150,7 @@ class Poses:
         if self.compiled is None:
             return False
         angles = np.ascontiguousarray(self.copied(phi) - self.pattern.reference, np.float64)
-        at = (x.ctypes.data for x in (*self._walks, angles, turn, shift))
+        at = map(address, (*self._walks, angles, turn, shift))
         self.compiled.place(len(self._crossed), *at)
         turn.flags.writeable = shift.flags.writeable = False
         return True

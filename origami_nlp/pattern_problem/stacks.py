@@ -337,15 +337,15 @@ class Stack:
         keep &= (begin <= b.left[edge]) & (b.left[edge] < begin + self._own)
         edge, piece = edge[keep], piece[keep]
         side = cross(self.normal[piece], along[edge])
+        low, high, where = self._reach(piece, b.start[edge], along[edge], side)
+        low, high = np.maximum(low, 0.0), np.minimum(high, length[edge])
+        long = np.flatnonzero(high - low > 10 * self.near)
         seen = set()
-        for e, p, d in zip(edge.tolist(), piece.tolist(), side, strict=True):
+        for k, e, p in zip(long.tolist(), edge[long].tolist(), piece[long].tolist(), strict=True):
             self._check()
-            reach = self._reach(p, b.start[e], along[e], d)
-            if reach is None or min(reach[1], length[e]) - max(reach[0], 0.0) <= 10 * self.near:
-                continue
-            one = self._over(e, along[e])
-            if reach[2] == 0:
-                at = np.linspace(max(reach[0], 0.0), min(reach[1], length[e]), 3)[:, None]
+            one, d = self._over(e, along[e]), side[k]
+            if where[k] == 0:
+                at = np.linspace(low[k], high[k], 3)[:, None]
                 if not self._goes_round(one, p, b.start[e] + at * along[e]):
                     yield one, ((p, d), (p, -d))
                 continue
@@ -399,20 +399,22 @@ class Stack:
         return (i, cross(self.normal[i], along)), (j, -cross(self.normal[j], along))
 
     def _reach(
-        self, p: int, origin: np.ndarray, along: np.ndarray, d: np.ndarray
-    ) -> tuple[float, float, int] | None:
-        """Return from where to where a line runs through a piece (0), or along its border (side on which it lies)."""
-        x = self.x[p] - origin
-        t, h = x @ along, x @ d
+        self, piece: np.ndarray, origin: np.ndarray, along: np.ndarray, d: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return from where to where lines run through pieces (0), or along a border (side on which they lie), [K]."""
+        x = self.x[piece] - origin[:, None]
+        t, h = np.einsum("kqi,ki->kq", x, along), np.einsum("kqi,ki->kq", x, d)
         # heights over the line within the piece's plane: of both signs where the line runs through it
         h = np.where(np.abs(h) <= self.near, 0.0, h)
-        on = t[h == 0.0].tolist()
-        if h.max() > 0 > h.min():
-            t2, h2 = np.roll(t, -1), np.roll(h, -1)
-            cut = h * h2 < 0
-            on += (t[cut] + (t2[cut] - t[cut]) * h[cut] / (h[cut] - h2[cut])).tolist()
-            return min(on), max(on), 0
-        return (min(on), max(on), 1 if h.max() > 0 else -1) if on else None
+        t2, h2 = np.roll(t, -1, axis=1), np.roll(h, -1, axis=1)
+        cut = h * h2 < 0
+        at = np.where(cut, t + (t2 - t) * h / np.where(cut, h - h2, 1.0), t)
+        on = cut | (h == 0.0)
+        # of the corners that are on the line and the sides that it cuts
+        low = np.where(on, at, np.inf).min(axis=1, initial=np.inf)
+        high = np.where(on, at, -np.inf).max(axis=1, initial=-np.inf)
+        above, below = (h > 0).any(axis=1), (h < 0).any(axis=1)
+        return low, high, np.where(above & below, 0, np.where(above, 1, -1))
 
     def _apart(self, one: tuple[End, End], other: tuple[End, End]) -> Rule | None:
         """Keep two passages from interleaving; None where no order could make them."""

@@ -35,6 +35,9 @@ class Contact:
     side: int
     at: float = math.pi
 
+    def __hash__(self) -> int:  # asked for a thousand times a step of a descent into contact
+        return hash((self.index, self.side))
+
     @property
     def is_limit(self) -> bool:
         """Whether it is a fold limit."""

@@ -9,11 +9,13 @@ feasible set near the state is smooth; where two are, it is their union.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import or_
 
 import numpy as np
 
@@ -66,17 +68,24 @@ class ClosedContacts:
         """
         if not self.few:
             return None
-        choices = [
-            tuple(dict.fromkeys((*self.base, *itertools.chain.from_iterable(choice))))
-            for choice in itertools.product(*self.branches)
-        ]
-        sets = [frozenset(choice) for choice in choices]
+        bit: dict[Contact, int] = {}
+        sets: dict[int, tuple[tuple[Contact, ...], ...]] = {self._said(self.base, bit): ()}
+        for branch in self.branches:  # rows as bits; of choices that say the same the first
+            before, sets = sets, {}
+            said = [(option, self._said(option, bit)) for option in branch]
+            for held, choice in before.items():
+                for option, rows in said:
+                    sets.setdefault(held | rows, (*choice, option))
         return [
-            choice
-            for k, choice in enumerate(choices)
-            if not any(other < sets[k] for other in sets)
-            and not any(sets[m] == sets[k] for m in range(k))
+            tuple(dict.fromkeys((*self.base, *itertools.chain.from_iterable(choice))))
+            for held, choice in sets.items()
+            if not any(other & held == other and other != held for other in sets)
         ]
+
+    @staticmethod
+    def _said(rows: Iterable[Contact], bit: dict[Contact, int]) -> int:
+        """Return rows as bits, which they get as they come."""
+        return functools.reduce(or_, (bit.setdefault(c, 1 << len(bit)) for c in rows), 0)
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,30 @@ def test_where_facets_are(both):
             assert not x.flags.writeable
 
 
+def test_hessians_of_closure(both):
+    one, other = both
+    rng = np.random.default_rng(5)
+    for phi in rng.uniform(-2, 2, (5, one.size)):
+        multipliers = rng.normal(size=one.closure.count)
+        h = one.closure.hessian(phi, multipliers)
+        assert np.abs(h - other.closure.hessian(phi, multipliers)).max() <= 1e-13
+        assert (h == h.T).all()
+
+
+def test_features_that_face_each_other(both):
+    """The same features in the same order; those that rounding puts on a border or beside it are left out."""
+    one, other = both
+    rng, seen = np.random.default_rng(6), 0
+    for size in (0.3, 1.0, 2.0):
+        at = other.placed(size * rng.uniform(-1, 1, one.size))  # closed or not
+        found, expected = (p.features.facing(at, 0.3137, 1e-9) for p in both)
+        assert [touch for touch, _ in found] == [touch for touch, _ in expected]
+        assert np.allclose([g for _, g in found], [g for _, g in expected], rtol=0, atol=1e-13)
+        seen += len(found)
+    assert seen or one.pattern.facets < 9
+    assert one.pattern.facets < 9 or {t.type for t, _ in found} == {"edge-edge", "vertex-face"}
+
+
 def test_facets_that_cross(both):
     c, rng = both[0].crossings, np.random.default_rng(2)
     # states that do not close: facets cross in all manners

@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from origami_nlp.numerics import SWITCH
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import MOST_KEPT, PatternProblem, find_labels
 from origami_nlp.pattern_states import contact_descent
@@ -33,6 +34,16 @@ def test_the_same_minima_in_fewer_steps(descents):
         assert all(np.diff(energies) < 1e-12) and not any(map(problem.refuses, again.path))
         fewer += again.steps < end.steps
     assert fewer >= len(found) / 2
+
+
+def test_without_a_compiler_the_same_ends(descents, monkeypatch):
+    problem, found = descents
+    monkeypatch.setenv(SWITCH, "0")
+    plain = PatternProblem(problem.pattern)
+    for start, end in found[:2]:
+        again = contact_descent(plain, start)
+        assert again.arrived and np.abs(again.phi - end.phi).max() < 1e-9
+    assert not plain.closure.compiled.usable
 
 
 def test_no_way_leads_to_what_is_no_minimum_below(descents):

@@ -89,6 +89,28 @@ double equations(const Loops *p, const double *phi, Place *at, double *values, d
   return least;
 }
 
+/* Hessian of lam . closure [n, n], which comes as zeros (`Closure.hessian`). */
+void bend(const Loops *p, const double *phi, Place *at, const double *lam, double *h) {
+  turn(p, phi, at);
+  for (int64_t l = 0; l < p->loops; l++)
+    for (int64_t j = p->first[l]; j < p->first[l + 1]; j++) {
+      const double *cj = at->c + 3 * j, *q = at->q + 4 * l, *by = lam + p->row[l];
+      double arm[3] = {0.0, 0.0, 0.0}, x[3], y[3];
+      for (int i = 0; i < 3 && p->rows[l] == 6; i++) x[i] = (at->t[3 * l + i] - at->o[3 * j + i]) / p->size;
+      if (p->rows[l] == 6) cross(cj, x, arm);
+      for (int64_t i = p->first[l]; i <= j; i++) { /* i before j in the walk */
+        const double *ci = at->c + 3 * i;
+        cross(ci, cj, x);
+        cross(x, q + 1, y);
+        double value = 0.25 * (q[0] * dot(x, by, 3) + dot(y, by, 3) - dot(ci, cj, 3) * dot(q + 1, by, 3));
+        cross(ci, arm, x);
+        if (p->rows[l] == 6) value += dot(x, by + 3, 3);
+        h[p->crease[i] * p->n + p->crease[j]] += value;
+        if (i != j) h[p->crease[j] * p->n + p->crease[i]] += value;
+      }
+    }
+}
+
 /* Cholesky's factors of JJ' + eps, column by column [m, band + 1], by rows that end; 0 where it is not definite. */
 static int factorise(const Loops *p, const double *j, const int64_t *stays, double *l) {
   int64_t m = p->m, w = p->band + 1;

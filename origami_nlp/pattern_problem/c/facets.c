@@ -149,3 +149,100 @@ int64_t gaps(int64_t many, const int64_t *which, int64_t n, const double *point,
   }
   return 1;
 }
+
+/* Convex pieces x [P, q, 3] at a state: what is next to what, and sides, normals of planes, and of sides inward. */
+typedef struct {
+  int64_t q;
+  const int64_t *after, *before, *valid, *border;
+  const double *x, *side, *normal, *inward;
+} Pieces;
+
+static double along(const double *a, const double *b, const double *way) { /* (a - b) . way */
+  return (a[0] - b[0]) * way[0] + (a[1] - b[1]) * way[1] + (a[2] - b[2]) * way[2];
+}
+
+/* The sign that makes a gap positive where facets are apart; 0 where it is not known (`features._side`). */
+static double side_of(double gap, double lean) {
+  int body = fabs(gap) < INSIDE && fabs(lean) > 10 * INSIDE;
+  double by = body ? lean : gap;
+  if (!body && !(fabs(gap) > OUTSIDE)) return 0.0;
+  return (by > 0) - (by < 0);
+}
+
+/* Corners of piece a over piece b, which have `common` places of a corner in common, or -1 (`Features._corners`). */
+static int64_t over(const Pieces *p, int64_t a, int64_t b, int64_t common, double reach, double size, int64_t *place,
+                    double *found) {
+  int64_t q = p->q, many = 0, at_a = common / q, at_b = common % q;
+  const double *of = p->x + 3 * q * a, *on = p->x + 3 * q * b;
+  double height[q], far[q];
+  for (int64_t i = 0; i < q; i++) {
+    double d[3] = {of[3 * i] - of[3 * at_a], of[3 * i + 1] - of[3 * at_a + 1], of[3 * i + 2] - of[3 * at_a + 2]};
+    height[i] = along(of + 3 * i, on, p->normal + 3 * b);
+    far[i] = common < 0 ? size : sqrt(dot(d, d));
+    if (!(far[i] > 0)) far[i] = 1.0;
+  }
+  for (int64_t i = 0; i < q; i++) {
+    double lean, inside = INFINITY;
+    if (!p->valid[q * a + i] || !(fabs(height[i]) < reach * size)) continue;
+    if (common < 0)
+      lean = (height[p->before[q * a + i]] + height[p->after[q * a + i]] - 2 * height[i]) / size;
+    else {
+      int64_t first = p->after[q * a + at_a], last = p->before[q * a + at_a], other = i == first ? last : first;
+      if (!(i == first && p->border[q * a + at_a]) && !(i == last && p->border[q * a + i])) continue;
+      lean = 2 * (height[other] / far[other] - height[i] / far[i]);
+    }
+    for (int64_t e = 0; e < q; e++) {
+      if (!p->valid[q * b + e] || (common >= 0 && e != at_b && e != p->before[q * b + at_b])) continue;
+      double depth = along(of + 3 * i, on + 3 * e, p->inward + 3 * (q * b + e)) / far[i];
+      if (!p->border[q * b + e]) depth += 2 * INSIDE; /* a cut inside a facet is no border */
+      if (!(depth >= inside)) inside = depth;
+    }
+    double sign = side_of(height[i] / size, lean);
+    if (sign == 0.0 || !(inside > 0)) continue;
+    place[2 * many] = i, place[2 * many + 1] = -1;
+    found[3 * many] = sign, found[3 * many + 1] = sign * height[i] / size, found[3 * many++ + 2] = inside;
+  }
+  return many;
+}
+
+/* Sides of pieces a and b that share no corner (`Features._sides`). */
+static int64_t sides_of(const Pieces *p, int64_t a, int64_t b, double reach, double size, int64_t *place, double *found) {
+  int64_t q = p->q, many = 0;
+  const double *of = p->x + 3 * q * a, *on = p->x + 3 * q * b;
+  double heart[3] = {0.0, 0.0, 0.0}; /* from the middle of one to that of the other */
+  for (int64_t i = 0; i < q; i++)
+    for (int k = 0; k < 3; k++) heart[k] += (on[3 * i + k] - of[3 * i + k]) / q;
+  for (int64_t i = 0; i < q; i++)
+    for (int64_t j = 0; j < q && p->border[q * a + i]; j++) {
+      const double *u = p->side + 3 * (q * a + i), *v = p->side + 3 * (q * b + j);
+      double w[3], r[3], y[3];
+      if (!p->border[q * b + j]) continue;
+      cross(u, v, w);
+      double square = dot(w, w);
+      if (!(square > INSIDE * dot(u, u) * dot(v, v))) continue;
+      for (int k = 0; k < 3; k++) r[k] = on[3 * j + k] - of[3 * i + k];
+      cross(r, v, y);
+      double s = dot(y, w) / square;
+      cross(r, u, y);
+      double t = dot(y, w) / square, inside = fmin(fmin(s, 1 - s), fmin(t, 1 - t));
+      double gap = dot(r, w) / sqrt(square) / size;
+      if (!(inside > 0) || !(fabs(gap) < reach)) continue;
+      for (int k = 0; k < 3; k++) y[k] = heart[k] - r[k];
+      double sign = side_of(gap, dot(y, w) / sqrt(square) / size);
+      if (sign == 0.0) continue;
+      place[2 * many] = i, place[2 * many + 1] = j;
+      found[3 * many] = sign, found[3 * many + 1] = sign * gap, found[3 * many++ + 2] = inside;
+    }
+  return many;
+}
+
+/* Features of pairs of pieces that face each other: of corners over pieces (what = 0) or sides (1) their places [., 2],
+   and sign, gap and how far they are inside, [., 3]; how many each pair has, [K]. */
+void face(const Pieces *p, int64_t what, int64_t pairs, const int64_t *pair, const int64_t *common, double reach,
+          double size, int64_t *many, int64_t *place, double *found) {
+  for (int64_t k = 0; k < pairs; k++) {
+    int64_t a = pair[2 * k], b = pair[2 * k + 1];
+    many[k] = what ? sides_of(p, a, b, reach, size, place, found) : over(p, a, b, common[k], reach, size, place, found);
+    place += 2 * many[k], found += 3 * many[k];
+  }
+}
