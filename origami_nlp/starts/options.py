@@ -89,7 +89,7 @@ class SearchOptions:
     most_drawn: int = 10
     most_popped: int = 1
     most_pushed: int = 0
-    most_combined: int = 2
+    most_combined: int = 3
     most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250
