@@ -251,8 +251,10 @@ def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radi
     d = np.maximum(np.abs(upper - z), np.abs(z - lower))[move]
     if not move.any() or np.abs(z).max() > 1.5 or d.max() > 64 * NARROWEST:
         return False
-    size = np.abs(slope).max(axis=1) + EPS
-    y = np.linalg.pinv(slope / size[:, None]) / size
+    # any Y would do: of least squares, rows by what they leave open, so that slopes of rounding alone weigh nothing
+    weight = 1 / (rows.base + bow @ d @ d + FLOOR * (np.abs(slope) @ d) + EPS)
+    y = d[:, None] * np.linalg.pinv(weight[:, None] * slope * d) * weight
+    size = np.abs(slope).max(axis=1) + rows.base + EPS
     count = 4 * (len(value) + len(z))
     shrink = np.abs(np.eye(len(d)) - y @ slope) + count * EPS * (np.abs(y) @ np.abs(slope))
     shrink += _bowed(y, bow, d)

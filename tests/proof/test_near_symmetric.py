@@ -181,3 +181,18 @@ def test_data_within_rounding_of_a_regular_hexagon_have_its_minima(contact):
 def test_the_proof_for_a_hexagon_within_rounding_of_the_regular_one_contradicts_nothing():
     known = proved(6, 1e-10, 1, "equal", "fold-limits").completeness
     assert "does not confirm" not in known.reason
+
+
+@pytest.mark.parametrize("apart", [1e-12, 1e-9])
+def test_which_crease_is_first_does_not_decide_whether_twins_nearly_in_balance_are_proved(apart):
+    # creases 2 and 4 lie on one line with torques equal to `apart`: slopes of rounding alone once decided
+    rng = np.random.default_rng(5)
+    k, rest = 10 ** rng.uniform(-0.5, 0.5, 4), rng.uniform(-pi, pi, 4)
+    k[3], rest[3] = k[1], rest[1] + apart
+    verdicts = []
+    for first in range(4):
+        sectors, here, there = (np.roll(v, -first) for v in ([70, 110, 110, 70], k, rest))
+        scene = Scene(Vertex.from_degrees(sectors), here, there, "none", "fold-limits")
+        result = find_minima(scene, escape=False)
+        verdicts.append((result.completeness.status, len(result.minima)))
+    assert verdicts == [("proved", 4)] * 4
