@@ -141,6 +141,11 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
+    ax.set_title(label_text(barriers.label), fontsize=9.5)
+    if not minima:
+        ax.axis("off")
+        ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
+        return
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
     top = {k + 1: m.energy for k, m in enumerate(minima)}
     branch: dict[int, tuple[int, ...]] = {k + 1: (k + 1,) for k in range(len(minima))}
@@ -193,7 +198,6 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
-    ax.set_title(label_text(barriers.label), fontsize=9.5)
 
 
 def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:

@@ -44,7 +44,8 @@ LISTED = (
 LEFT = "proved: a minimum lies on a thin set, of three closed flaps about one edge, left at this energy at least"
 NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
 STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
-LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER, STOPPED)
+RIGID = "no path: one of the two is isolated, as its certificate says"
+LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER, STOPPED, RIGID)
 """What bounds a barrier from below by its own height."""
 FOLLOWS = (EVERY, FOLLOWED)
 """Of these, what says that all paths are known up to that height, not only those between the two."""

@@ -44,7 +44,7 @@ HEADS = (
 MOST_NAMED = 4
 """Minima whose barriers the verdict names."""
 MOST_PAIRS = 30
-"""Pairs of minima beyond which those of which nothing is known have no line."""
+"""Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
 """Minima whose energies, and pairs whose bounds, are printed below the passes."""
 LONG_HEADS = (
@@ -264,7 +264,7 @@ class Barriers(Report, Viewable):
             known = not math.isnan(p.least)
             ends = self._energies(p)
             least = (f">= {max(p.least, *ends) - end:.6g}" if known else "-" for end in ends)
-            return (*pair, *least, "-", "none", p.why)
+            return (*pair, *(("no path",) * 2 if p.is_lowest else least), "-", "none", p.why)
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
         angles = "all 0" if p.pass_kind == "flat state" else angles
@@ -273,8 +273,12 @@ class Barriers(Report, Viewable):
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, what is known without the symmetry, and where they are."""
         some = [p for p in self.passes if math.isfinite(p.energy) or not math.isnan(p.least)]
+        some.sort(key=lambda p: not math.isfinite(p.energy))
         shown = self.passes if len(self.passes) <= MOST_PAIRS else some
-        yield self._table([self._cells(p)[:-1] for p in shown])
+        table = self._table([self._cells(p)[:-1] for p in shown])
+        yield replace(table, rows=table.rows[:MOST_PAIRS])
+        if rest := table.rows[MOST_PAIRS:]:
+            yield f"... {len(rest):,} more pairs: --verbose, or -o FILE.json"
         energies = [f"#{k} {m.energy:.6g} J" for k, m in enumerate(self.result.minima, start=1)]
         if energies:
             yield f"states as minima lists them: {', '.join(energies[:MOST_STATES])}" + (
@@ -300,11 +304,13 @@ class Barriers(Report, Viewable):
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
             yield f"#{f.from_state} - #{f.to_state} without the imposed symmetry: {_full_words(f)}"
+        if rest:
+            yield Details((replace(table, rows=rest, title=""),), "Further pairs")
         if known := [p for p in self.passes if math.isfinite(p.energy)]:
             rows = [(*(c := self._cells(p))[:2], f"{p.energy:.12g}", c[-1]) for p in known]
             heads = ("from", "to", "pass [J]", HEADS[-1])
-            table = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
-            yield Details((table,), "Fold angles at the passes")
+            where = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
+            yield Details((where,), "Fold angles at the passes")
 
     def _flat_vertices(self) -> Iterator[Section]:
         """Say what it takes to make vertices flat, and what that bounds."""

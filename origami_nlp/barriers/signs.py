@@ -20,6 +20,7 @@ from origami_nlp.barriers.passes import (
     FOLLOWED,
     LISTED,
     OPPOSITE,
+    RIGID,
     SIGNED,
     STOPPED,
     Descent,
@@ -208,6 +209,8 @@ def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level:
     least = max(_bounds(p, result, bounds, "least"), default=math.nan)
     listed = max(_bounds(p, result, bounds, "listed"), default=math.nan)
     p = replace(p, least=least, listed=listed)
+    if any(not result.minima[k - 1].local_dimension for k in (p.from_state, p.to_state)):
+        return replace(p, why=RIGID)
     if math.isinf(least):
         return replace(p, why=STOPPED)
     if math.isnan(least) or (p.is_lowest and p.why != FOLLOWED):

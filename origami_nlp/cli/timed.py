@@ -44,13 +44,18 @@ def keep(result: Any) -> None:
 
 
 @contextmanager
-def paused() -> Iterator[float | None]:
-    """Let something keep to the limit itself; gives the seconds that are left, None without a limit."""
+def paused(again: bool = True) -> Iterator[float | None]:
+    """Let something keep to the limit itself; gives the seconds that are left, None without a limit.
+
+    again: whether the command is bound by it afterwards; one that only reports and writes what was found is not.
+    """
     if not _end:
         yield None
         return
     _arm(0.0)
     yield max(_end[0] - time.monotonic(), 0.0)
+    if not again:
+        return
     if time.monotonic() >= _end[0]:
         raise CommandOutOfTime
     _arm(_end[0] - time.monotonic())

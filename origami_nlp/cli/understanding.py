@@ -13,7 +13,7 @@ from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded, keep, paused
+from origami_nlp.cli.timed import bounded, end_of, paused
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
@@ -385,10 +385,9 @@ def barriers(
             with progress(f"{one.label or given}: passes between the minima"):
                 found.append(find_barriers(one, result, full=full or None, seed=seed))
         else:
-            with progress(f"{given}: barriers") as report, paused() as left:
+            with progress(f"{given}: barriers") as report, paused(again=False) as left:
                 limits: Any = {"seconds": left, "progress": lambda text: report(text=text)}
                 found.append(find_barriers(one, seed=seed, full=full or None, **limits))
-                keep(found[-1])
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])
@@ -397,6 +396,7 @@ def barriers(
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
     out.others(found[0])
+    end_of(found[0])
 
 
 @bounded

@@ -37,6 +37,7 @@ from origami_nlp.problem import Contact
 
 BY_CURVES = "flat: the energy is level along every curve of states that leaves, and curves up"
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
+BY_SECOND_ORDER = "isolated: contact closes every direction that closure leaves to second order, whatever the springs"
 SLIDES = "facets face to face press at borders alone, where they may slide off"
 
 MANY_ROWS = 12

@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
+from origami_nlp.kkt.certificates import BY_SECOND_ORDER, BranchJudgement, judge_branch
 from origami_nlp.kkt.contact_forces import ContactForce, forces_of, joined_forces
 from origami_nlp.kkt.descent_witness import (
     DescentWitness,
@@ -190,7 +190,9 @@ def _decide(state: State, accuracy: float) -> Classification:
     if "undecided" in verdicts:
         return _by_search(state, judged)
     dimension = max((b.cone_dimension for b in real), default=0)
-    if real and not all(b.regular for b in real):
+    if real and not state.regular:
+        if _is_isolated(state):
+            return _isolated(state, decisive[0], BY_SECOND_ORDER)
         dimension = dimension_nearby(state, contacts.base)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
     if 0 < dimension < model.dof:
@@ -234,6 +236,8 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
     doubt = state.problem.doubt(state.x)
     if doubt:
         return Classification("undecided", None, f"not decided: {doubt}", 0)
+    if not state.problem.sparse and _is_isolated(state):
+        return _isolated(state, judged[0], BY_SECOND_ORDER)
     words = "; ".join(dict.fromkeys(b.certificate for b in judged))
     return Classification(
         "minimum",
@@ -302,6 +306,15 @@ def _refuted(lower: DescentWitness) -> Classification:
     return Classification(
         "not stationary", None, lower.words, 0, descent=lower.direction, lower=lower.state
     )
+
+
+def _is_isolated(state: State) -> bool:
+    """Return whether contacts close every direction that closure leaves to second order."""
+    if state.regular:
+        return False
+    cone = state.tangent_cone
+    rows = state.on(state.contacts.base).slopes
+    return not cone.reason and cone.slopes(state.gradient, rows)[2] == 0
 
 
 def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classification:

@@ -235,7 +235,7 @@ class MinimaResult(Report, Viewable):
         contact = getattr(self.search, "contact", getattr(self.origami, "contact", "full"))
         return PopSigns(self.origami) if contact == "full" else None
 
-    @property
+    @cached_property
     def signs(self) -> tuple[str, ...]:
         """Sides of the flat state that vertices are on (`PopSigns`): ``"+-0"`` a minimum; "" where facets may cross."""
         return tuple(self._pop_signs.of(m.phi) if self._pop_signs else "" for m in self.minima)

@@ -92,7 +92,7 @@ def _escapes(
     why = ""
     if problem.size > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: escape paths are not sought"
-    loose = [k for k, s in enumerate(minima) if s.dof > 0 and k not in exact]
+    loose = [k for k, s in enumerate(minima) if s.local_dimension and k not in exact]
     symmetries = curves.labels.symmetries(problem.pattern)
     images = _images(at, symmetries)
     alone = [k for k in loose if images[k].of == k]
@@ -115,9 +115,9 @@ def _escapes(
         except OutOfTime:
             why = "interrupted by the time limit"
     reported = exact | {
-        k: Escape(math.inf, ALONE, "no other closed state is near")
+        k: Escape(math.inf, ALONE, "no other admissible state is near")
         for k, s in enumerate(minima)
-        if s.dof == 0
+        if not s.local_dimension
     }
 
     def unknown(k: int) -> str:

@@ -143,14 +143,15 @@ class PatternTerrain(Terrain):
             return state[None]
         return state[None] if self.over(state, out).max() > self.floor else out
 
-    def walk_to(self, k: int, goal: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Walk straight from state k to another [n], over any height: states looked at [S, n]; whether it arrives."""
-        path = self._walk(self.minima[k], goal, None)
+    def walk_to(self, x: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, bool]:
+        """Walk straight from state x [n] to another, over any height: states looked at [S, n]; whether it arrives."""
+        self.pattern_problem.check_time()
+        path = self._walk(x, goal, None)
         arrives = bool(np.abs(path[-1] - goal).max() <= NEAR_SINGULAR_TOL)
         if arrives:
             path[-1] = goal
         whole = self.cut(list(path))
-        return (self.minima[k][None], False) if whole is None else (whole, arrives)
+        return (x[None], False) if whole is None else (whole, arrives)
 
     def through_flat(self, path: np.ndarray) -> np.ndarray | None:
         """Add to a path [S, n] the states in which vertices are exactly flat that it takes to their other side.

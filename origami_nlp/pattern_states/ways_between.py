@@ -2,7 +2,9 @@
 
 Descents from states with a vertex flat reach few minima (`ways_down`).  Walks from minima reach more: straight to the
 flat state, to states with one vertex flat, and to other minima; and from where such a walk meets contact, down again.
-Each is closed, and facets do not cross at the states that are looked at: how high it climbs is an upper bound.
+Sheets that are folded onto themselves are unfolded in stages: to where every crease is flat or fully folded, and on to
+flatter such states.  Each way is closed, and facets do not cross at the states that are looked at: how high it climbs
+is an upper bound.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, groups
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, groups
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, find_labels, image
 from origami_nlp.pattern_states.terrain import PatternTerrain
 
@@ -76,18 +78,41 @@ class _Walks:
         for top in range(many, len(self._nodes)):
             for k in range(many):
                 if not self._differ(k, top) and (k, top) not in self.joined:
-                    path, arrives = self.terrain.walk_to(k, self._nodes[top])
+                    path, arrives = self.terrain.walk_to(self.minima[k], self._nodes[top])
                     if arrives:
                         yield from self._with_images(top, k, path[::-1])
+        yield from self._unfolded()
         for one, other in self._pairs():
             for k, to in ((one, other), (other, one)):
                 if not self._apart(k, to):
                     break
-                path, arrives = self.terrain.walk_to(k, self.minima[to])
+                path, arrives = self.terrain.walk_to(self.minima[k], self.minima[to])
                 if not arrives:
                     to, path = self._down(k, path)
                 if to >= 0 and self._apart(k, to):
                     yield from self._with_images(k, to, path)
+
+    def _unfolded(self) -> Iterator[tuple[int, int, np.ndarray]]:
+        """Unfold minima that are fully folded at some creases, in stages, to the flat state."""
+        top = next((k for k, x in enumerate(self._nodes) if not x.any()), None)
+        if top is None:
+            return
+        is_full = self.terrain.pattern_problem.fold_limits.room(self.minima) <= OUTSIDE
+        folded = np.where(is_full, self.minima, 0.0)
+        routes = {self._nodes[top].tobytes(): self._nodes[top][None]}
+        for x in sorted(np.unique(folded, axis=0), key=np.count_nonzero):
+            # flatter states whose folds are folds here too: the flattest first
+            inner = [way[0] for way in routes.values() if ((way[0] == x) | (way[0] == 0)).all()]
+            for y in inner if x.any() and self.terrain.is_admissible(x) else ():
+                path, arrives = self.terrain.walk_to(x, y)
+                if arrives:
+                    routes[x.tobytes()] = np.concatenate([path, routes[y.tobytes()][1:]])
+                    break
+        for k in np.flatnonzero(is_full.any(axis=1)).tolist():
+            if (route := routes.get(folded[k].tobytes())) is not None and self._apart(k, top):
+                path, arrives = self.terrain.walk_to(self.minima[k], folded[k])
+                if arrives:
+                    yield from self._with_images(top, k, np.concatenate([path, route[1:]])[::-1])
 
     def _differ(self, one: int, other: int) -> bool:
         """Whether a vertex is on different sides in two states, so that no straight way leads from one to the other."""

@@ -10,13 +10,14 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import LISTED, SIGNED
+from origami_nlp.barriers.passes import LISTED, RIGID, SIGNED
 from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, flat_with, least_flat_energy
 from origami_nlp.pattern_states import list_flat_vertices
 from tests.command_line import run
+from tests.independent.search_sheets import sheet_of
 
 
 def checked(found) -> None:
@@ -72,7 +73,19 @@ def test_a_twist_passes_through_its_flat_state():
     checked(found)
     others = [p for p in found.passes if math.isinf(p.energy)]
     assert others and all(p.least == pytest.approx(flat) for p in others)
-    assert ">= " in str(found)
+    assert str(found).count("no path ") == 44 and ">= " not in str(found)
+    assert {p.why for p in others} == {RIGID} and len(others) == 22
+    # fully folded states are isolated: what closes beside them is there, or beyond fold limits
+    sheet, rng = sheet_of(pattern), np.random.default_rng(0)
+    alone = [m for m in found.result.minima if not m.local_dimension]
+    assert len(alone) == 4 and all((np.abs(m.phi) == math.pi).all() for m in alone)
+    for m in alone:
+        inward = -np.sign(m.phi) * rng.uniform(0, 0.1, (400, pattern.creases))
+        states, closed = sheet.closed(m.phi + inward, 30)
+        near = closed & (np.abs(states - m.phi).max(axis=1) < 0.3)
+        assert near.sum() > 30 and math.isinf(m.escape.barrier if m.escape else math.inf)
+        within = near & (np.abs(states) <= math.pi + 1e-9).all(axis=1)
+        assert (np.abs(states[within] - m.phi).max(axis=1) < 1e-3).all()
 
 
 def test_which_creases_are_flat_with_a_vertex():

@@ -11,9 +11,9 @@ import origami_nlp as o
 from origami_nlp.barriers.passes import SIGNED
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, relaxed
+from origami_nlp.pattern_states import PatternTerrain, relaxed, ways_between
 from tests.barriers.test_signs import checked
-from tests.independent.elastic_bands import Facets, Springs, passes
+from tests.independent.elastic_bands import Facets, Springs, admissible, passes
 from tests.independent.search_sheets import sheet_of
 
 
@@ -62,7 +62,7 @@ def test_strings_slide_down():
     problem, minima = PatternProblem(pattern), np.array([m.phi for m in found.result.minima])
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
     for k in range(len(minima)):
-        path, arrives = terrain.walk_to(k, np.zeros(problem.size))
+        path, arrives = terrain.walk_to(minima[k], np.zeros(problem.size))
         assert arrives
         path = terrain.with_tops(path)
         lower = relaxed(terrain, path)
@@ -79,7 +79,7 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
     problem = PatternProblem(found.result.pattern)
     minima = np.array([m.phi for m in found.result.minima])
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
-    path, _ = terrain.walk_to(3, np.zeros(problem.size))
+    path, _ = terrain.walk_to(minima[3], np.zeros(problem.size))
     fine = terrain.with_tops(path)
     top = int(problem.energies(fine).argmax())
     assert 0 < top < len(fine) - 1
@@ -96,3 +96,20 @@ def test_the_limit_of_time_is_kept(seconds):
     assert time.monotonic() - begin < seconds + 1.0
     for p in found.passes:
         assert math.isnan(p.least) or p.energy >= p.least * (1 - 1e-12)
+
+
+def test_sheets_folded_onto_themselves_are_unfolded_in_stages():
+    """Three creases in a row at 180 degrees: no straight way leads to the flat state, one over flat rows does."""
+    pattern = as_pattern("miura:3x3")
+    problem, sheet = PatternProblem(pattern), sheet_of(pattern)
+    facets = Facets(pattern.corners, [list(x) for x in pattern.polygons], pattern.ends.tolist())
+    degrees = [24.19, 180, 0, 180, 180, -24.19, -12.23, 0, 12.23, 12.23, -24.19, 0]
+    row, flat = np.array(degrees) == 180, np.zeros(problem.size)
+    state, residual = problem.project(np.radians(degrees), row)
+    assert residual < 1e-12 and np.abs(np.degrees(state) - degrees).max() < 0.01
+    terrain = PatternTerrain(problem, state[None], True, {}, {}, 0)
+    assert not terrain.walk_to(state, flat)[1]
+    ((start, to, path),) = ways_between(problem, state[None], [flat], [])
+    assert (start, to) == (-1, 0) and not path[0].any() and (path[-1] == state).all()
+    assert np.abs(np.diff(path, axis=0)).max() < 0.5
+    assert np.abs(sheet.closure(path)[0]).max() < 1e-9 and admissible(facets, path).all()

@@ -208,3 +208,11 @@ def test_vertices_of_a_file_are_told_as_they_are_done(tmp_path, monkeypatch):
 
     find_vertexwise(scenes, find=find, found=reported.append)
     assert [line.split(":")[0] for line in reported] == ["begun", "vertex 1", "begun", "vertex 4"]
+
+
+def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):
+    out, figure = tmp_path / "out.json", tmp_path / "out.png"
+    done = run("barriers", "yoshimura:2x1", "--seconds", 0.5, "-o", out, "-o", figure)
+    assert done.code == ENDED and figure.exists(), done
+    assert "interrupted by the time limit" in " ".join(done.out.split())
+    assert json.loads(out.read_text())["left_out"]
