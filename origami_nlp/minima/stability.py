@@ -99,12 +99,14 @@ def _count_words(origami: Scene | Pattern, minima: Sequence[JudgedState], none: 
 def isolated_foldings(minima: Sequence[JudgedState]) -> list[int]:
     """Return the numbers (1-based) of flat foldings without an admissible neighbour, where these are several.
 
+    The state of least energy is none of them: it has a line of its own.
     Every crease is unfolded or fully folded, and contact alone holds them, whatever the springs are.
     """
     found = [
         number
         for number, m in enumerate(minima, start=1)
-        if m.local_dimension == 0
+        if number > 1
+        and m.local_dimension == 0
         and all(min(abs(a), abs(abs(a) - math.pi)) == 0 for a in m.fold_angles)
     ]
     return found if len(found) >= SEVERAL else []
