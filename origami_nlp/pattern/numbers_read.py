@@ -16,8 +16,8 @@ LARGEST_RATIO = 1e8
 a line of states that only soft springs order, every point seems to balance, and a search never ends."""
 MOST_WOUND = 1e3
 """Largest |wound angle| [rad]: the energy of such a spring is 1e6 times that of one radian, and loses 6 digits."""
-SMALLEST, LARGEST = 1e-100, 1e100
-"""Bounds of a stiffness, in any unit: squares of torques beyond them overflow, or lose digits."""
+SMALLEST, LARGEST = 1e-300, 1e300
+"""Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
 
 
 def check_range(stiffness: Sequence[float]) -> None:
