@@ -25,6 +25,8 @@ from origami_nlp.problem import Model, Problem
 
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
+MOST_STATES = 400_000
+"""At which growth is cut."""
 STUCK = 0.05
 """Share of the escape path below which a state is not moved to the border."""
 BISECTIONS = 20
@@ -76,8 +78,6 @@ def grow(
     *,
     chains: Iterable[np.ndarray] = (),
     alone: Collection[int] = (),
-    within: tuple[np.ndarray, float] | None = None,
-    most: int = 400_000,
 ) -> StateGraph:
     """Cover the part of the feasible set that is connected to `seeds` by a graph.
 
@@ -91,10 +91,6 @@ def grow(
         Polylines [m, n] of admissible states, each joined to the next: thin sets, and descents.
     alone
         Seeds on thin sets, that chains join to the rest and nothing else does.  Chains are alone but for their ends.
-    within
-        (centre [n], radius [rad]): grow only there.
-    most
-        Cap on the number of states.
     """
     first = [np.asarray(s, dtype=float) for s in seeds]
     joined: list[tuple[int, int]] = []
@@ -109,11 +105,11 @@ def grow(
     frontier = np.array([s for k, s in enumerate(first) if k not in apart])
     count, complete = len(first), True
     while len(frontier):
-        if count >= most:
+        if count >= MOST_STATES:
             complete = False
             break
         # breadth first: the frontier are the states of the last round, and no cell holds two
-        new = _step_out(model, frontier, spacing, occupied, within)
+        new = _step_out(model, frontier, spacing, occupied)
         if not len(new):
             break
         states.append(new)
@@ -157,11 +153,7 @@ def _tangents(model: Problem, x: np.ndarray) -> np.ndarray:
 
 
 def _step_out(
-    model: Model,
-    frontier: np.ndarray,
-    spacing: float,
-    occupied: set[tuple[int, ...]],
-    within: tuple[np.ndarray, float] | None,
+    model: Model, frontier: np.ndarray, spacing: float, occupied: set[tuple[int, ...]]
 ) -> np.ndarray:
     """Return new states one step away from `frontier`, in cells that were empty (and now are not)."""
     directions = _directions(model.dof)
@@ -175,8 +167,6 @@ def _step_out(
         origin = np.vstack([origin, np.zeros_like(extra)])
         ahead = np.vstack([ahead, extra])
     keep = np.array([c not in occupied for c in _cells(ahead, spacing)])
-    if within is not None:
-        keep &= np.linalg.norm(ahead - within[0], axis=1) <= within[1]
     origin, ahead = origin[keep], ahead[keep]
     y, good = close(model, ahead)
     good &= np.abs(y).max(axis=1, initial=0) >= 0.1 * spacing

@@ -52,9 +52,9 @@ class OneSidedBranch:
     signed: bool
     split: bool = False
 
-    def is_like(self, other: Equilibrium, sign: float = 1.0) -> bool:
-        """Return whether it leads the way that `other` does, or comes from there (sign -1)."""
-        return sign * float(self.frame.tangent @ other.tangent) > ALIGNED
+    def is_like(self, other: Equilibrium) -> bool:
+        """Return whether it leads the way that `other` does."""
+        return float(self.frame.tangent @ other.tangent) > ALIGNED
 
 
 def find_one_sided_branches(

@@ -49,12 +49,12 @@ class Edge:
         return float(np.linalg.norm(np.diff(self.x, axis=0), axis=1).sum())
 
 
-def trace_edges(model: Problem, rng: np.random.Generator, seeds: int = SEEDS) -> tuple[Edge, ...]:
+def trace_edges(model: Problem, rng: np.random.Generator) -> tuple[Edge, ...]:
     """Find and trace every edge of X."""
     edges: list[Edge] = []
     rows = (*model.limits, *model.gaps)
     for position, row in enumerate(rows):
-        x, residual = project(model, drawn(model, rng, seeds), (row,))
+        x, residual = project(model, drawn(model, rng, SEEDS), (row,))
         x = x[(residual <= CLOSURE_TOL) & model.admissible(x)]
         # where an earlier contact is closed as well, this curve is that contact's
         earlier, _ = model.local(x).openings(rows[:position])

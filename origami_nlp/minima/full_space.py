@@ -17,7 +17,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Contact, Model
+from origami_nlp.problem import Model
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
@@ -223,13 +223,13 @@ def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
     return np.asarray(np.mean(images, axis=0))
 
 
-def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) -> str:
+def mode_symmetry(scene: Scene, direction: np.ndarray) -> str:
     """Return which elements of the scene's group a change of the fold angles keeps."""
     size = float(np.abs(direction).max())
     kept = [
         name
         for name, p in permutations(scene)
-        if np.abs(direction[p] - direction).max() <= tolerance * size
+        if np.abs(direction[p] - direction).max() <= KEPT * size
     ]
     if len(kept) == len(permutations(scene)):
         return f"keeps {scene.group.name}"
@@ -237,20 +237,17 @@ def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) 
     return "keeps only the " + " and the ".join(kept) if kept else "keeps no symmetry"
 
 
-def hessian_spectra(
-    state: State, scene: Scene, contacts: tuple[Contact, ...] | None = None
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def hessian_spectra(state: State, scene: Scene) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return eigenvalues of the reduced Hessian in the full space, and of its symmetry-breaking
     block.
 
     The Hessian is that of the Lagrangian with the multipliers of smallest norm, on the tangent
     space of closure; the block lives on its part orthogonal to symmetric perturbations (paper,
     appendix A).  Both empty where closure loses rank or no multipliers balance the springs.
-    contacts: those closed, where they are known.
     """
     if not state.regular:
         return (), ()
-    piece = state.on(state.pieces[0] if contacts is None else contacts)
+    piece = state.on(state.pieces[0])
     z, mu = state.kernel, piece.multiplier_set
     if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()):
         return (), ()

@@ -38,25 +38,21 @@ def run_one(
     record: Record,
     *,
     pairs: tuple[tuple[int, int], ...] = (),
-    count: bool = True,
 ) -> FoundState | None:
-    """Solve from one start, polish, and file the answer; returns it if it has to be judged.
-
-    With `count` false the solve is not a random start and does not enter the stopping rule.
-    """
+    """Solve from one start, polish, and file the answer; returns it if it has to be judged."""
     answer = solve_without_crossing(model, x, record, pairs)
     if not answer.succeeded:
         return None
-    record.converged += count
+    record.converged += 1
     for known in record.answers:  # most starts end where another did: no need to polish again
         if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= DUPLICATE_TOL:
             found, new = known, False
             break
     else:
         found, new = record.settle(model, answer)
-    found.hits += count
-    found.in_rounds += count
-    found.first = found.first or record.drawn * count
+    found.hits += 1
+    found.in_rounds += 1
+    found.first = found.first or record.drawn
     return found if new else None
 
 

@@ -294,23 +294,22 @@ class Pattern:
         rest = np.array(with_laws(self.rest.tolist(), read, "rest"))
         return replace(self, stiffness=k, rest=rest, laws=read)
 
-    def check_plain_hinges(self, what: str, *, stops: bool = False, cells: bool = False) -> None:
+    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the pattern, in words.
-        stops, cells
-            Whether it knows fold limits, and cells that repeat.
+        stops
+            Whether it knows fold limits.
 
         Raises
         ------
         OptionError
-            If the pattern has them, or it is a cell that repeats, which `what` does not know.
+            If the pattern has them, or it is a cell that repeats.
         """
-        if not cells:
-            self.check_alone(what)
+        self.check_alone(what)
         check_plain_hinges(self.laws, () if stops else self.limits, what)
 
     def check_alone(self, what: str) -> None:
