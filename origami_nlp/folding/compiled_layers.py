@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.numerics import compiled
+from origami_nlp.numerics import address, compiled
 
 Paths = tuple[tuple[int, ...], ...]
 """The nodes along each arc in order, its two ends included."""
@@ -25,14 +25,18 @@ def _source() -> str:
     return "\n".join([*lines, (Path(__file__).parent / "c" / "layers.c").read_text("utf-8")])
 
 
+_MADE: list[Any] = []
+"""The compiled functions, once they were asked for: each state asks again."""
+
+
 def library() -> Any:
     """Return the compiled functions; None where nothing can be compiled."""
-    made = compiled("layers", _source)
-    if made is not None and not made.arrange.argtypes:
+    if not _MADE and (made := compiled("layers", _source)) is not None:
         at = ctypes.c_void_p
         made.arrange.argtypes = [ctypes.c_int64, at, ctypes.c_double, at, at, at, at]
         made.arrange.restype = ctypes.c_int64
-    return made
+        _MADE.append(made)
+    return _MADE[0] if _MADE else None
 
 
 def arranged_in_c(creases: np.ndarray, tolerance: float) -> Arranged | None:
@@ -53,8 +57,8 @@ def arranged_in_c(creases: np.ndarray, tolerance: float) -> Arranged | None:
     n = len(creases)
     c, angle, node = np.ascontiguousarray(creases, np.float64), np.empty(n), np.empty(n, np.int64)
     following, out = np.zeros((n, n), np.uint8), np.empty(2 * n * (n + 2), np.int64)
-    work = (a.ctypes.data for a in (angle, node, following, out))
-    used = library().arrange(n, c.ctypes.data, tolerance, *work)
+    work = map(address, (angle, node, following, out))
+    used = library().arrange(n, address(c), tolerance, *work)
     if not used:
         return None
     said = iter(out[:used].tolist())

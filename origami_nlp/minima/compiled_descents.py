@@ -198,7 +198,7 @@ class CompiledDescents:
         arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
         arrays["scene"] = np.ascontiguousarray(self._closing.numbered(starts), dtype=np.int64)
         arrays |= {name: np.zeros(k, dtype=np.int64) for name in (*FLAGGED, "went")}
-        state = SamplesInC(**{name: a.ctypes.data for name, a in arrays.items()})
+        state = SamplesInC(**{name: numerics.address(a) for name, a in arrays.items()})
         part = max(1, AT_ONCE // x.shape[1])
 
         def descend(first: int) -> bool:

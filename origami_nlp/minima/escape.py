@@ -17,7 +17,6 @@ from origami_nlp.kkt import (
     TREE,
     Escape,
     Method,
-    State,
     Terrain,
     barriers,
     bounds,
@@ -34,9 +33,17 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, FOLLOWED, NONZERO, RESOLVED, SHALLOW
+from origami_nlp.numerics import (
+    CLOSURE_TOL,
+    CONTACT_TOL,
+    DUPLICATE_TOL,
+    FOLLOWED,
+    NONZERO,
+    RESOLVED,
+    SHALLOW,
+)
 from origami_nlp.pattern import Relabelling, symmetries
-from origami_nlp.problem import Contact, Model
+from origami_nlp.problem import Contact, Model, closed_anyway
 from origami_nlp.starts import Samples
 
 MOST_STATES = 8
@@ -72,16 +79,20 @@ class VertexTerrain(Terrain):
         self._down: dict[bytes, np.ndarray] = {}
         self._short: dict[bytes, np.ndarray] = {}
 
-    def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
-        """Contacts that two states both hold."""
-        one, two = (self._contacts(x) for x in (a, b))
-        return one if one is two else tuple(c for c in one if c in two)
+    def _held(self, a: np.ndarray, b: np.ndarray) -> list[tuple[Contact, ...]]:
+        """Contacts that both of two states hold, of each pair of [S, n]."""
+        pairs = zip(self._contacts(a), self._contacts(b), strict=True)
+        return [one if one is two else tuple(c for c in one if c in two) for one, two in pairs]
 
-    def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
-        key = x.tobytes()
-        if key not in self._closed:
-            self._closed[key] = State(self.model, x).contacts.base
-        return self._closed[key]
+    def _contacts(self, x: np.ndarray) -> list[tuple[Contact, ...]]:
+        """Contacts of states [S, n] that are closed whichever way facets pass."""
+        keys = [y.tobytes() for y in x]
+        new = {key: i for i, key in enumerate(keys) if key not in self._closed}
+        if new:
+            gaps = self.model.local(x[list(new.values())]).gaps
+            for (key, i), g in zip(new.items(), gaps, strict=True):
+                self._closed[key] = closed_anyway(self.model, x[i], g, CONTACT_TOL)
+        return [self._closed[key] for key in keys]
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Fold each crease on and back, go along soft modes, to the flat state and on from there, and to other minima.
@@ -96,7 +107,7 @@ class VertexTerrain(Terrain):
             unit, modes = np.eye(len(x)), self._modes[k]
             along = [*unit, *-unit, *modes, *(-mode for mode in modes)]
             jobs.append((k, np.array(along), np.array([flat, *self.others(k)])))
-        held = {k: self._contacts(self.minima[k]) for k in which}
+        held = dict(zip(which, self._contacts(self.minima[list(which)]), strict=True))
         holds = [job for job in jobs if held[job[0]]]
         out = self._walk([*jobs, *holds], [()] * len(jobs) + [held[k] for k, _, _ in holds])
         return out + over_flat(out)
@@ -155,7 +166,7 @@ class VertexTerrain(Terrain):
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two, with the contacts held that both hold."""
-        held = self._held(a, b)
+        held = self._held(a[None], b[None])[0]
         longest = np.full(len(shares), np.abs(b - a).max())
         x = self._closed_at(a + shares[:, None] * (b - a), longest, [held] * len(shares))
         # facets that lie on each other along the whole step have one order in it
@@ -163,7 +174,7 @@ class VertexTerrain(Terrain):
 
     def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
         """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
-        held = [self._held(y, z) for y, z in zip(a, b, strict=True)]
+        held = self._held(a, b)
         step = b - a
         x = self._closed_at(a + 0.5 * step, np.abs(step).max(axis=1), held)
         if x is None or any(h and self.model.refuses(y) for h, y in zip(held, x, strict=True)):
@@ -258,7 +269,7 @@ class VertexTerrain(Terrain):
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states that Newton finds between two, with the contacts held that both hold, or none."""
         model = self.model
-        held = tuple(sorted(self._held(a, b)))
+        held = tuple(sorted(self._held(a[None], b[None])[0]))
         found = []
         for rows in dict.fromkeys([held, ()]):
             start, _ = project(model, (a + b) / 2, rows)

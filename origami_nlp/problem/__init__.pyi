@@ -40,4 +40,8 @@ from .strata import (
     vertex_candidates as vertex_candidates,
     vertices as vertices,
 )
-from .touching import ClosedContacts as ClosedContacts, ContactWords as ContactWords
+from .touching import (
+    ClosedContacts as ClosedContacts,
+    ContactWords as ContactWords,
+    closed_anyway as closed_anyway,
+)

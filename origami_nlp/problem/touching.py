@@ -208,13 +208,8 @@ def closed_contacts(
     model: PosedProblem, x: np.ndarray, gaps: np.ndarray, rays: Rays, tolerance: float
 ) -> ClosedContacts:
     """Find every contact of a state x [n] that is closed to `tolerance`; `rays` returns those of its piece."""
-    base: list[Contact] = []
-    if model.has_limits:
-        base += model.fold_limits.contacts(x, model.fold_limits.room(x) <= tolerance)
+    base = closed_anyway(model, x, gaps, tolerance)
     values, structure = gaps.tolist(), model.structure
-    for index, gap in enumerate(structure.gaps):
-        if gap.type != "facet-pair" and values[index] <= tolerance:
-            base.append(Contact("gap", index, 1))
     # where no gap of a pair is closed nothing touches
     of_pair = {
         pair: indices
@@ -222,7 +217,7 @@ def closed_contacts(
         if any(abs(values[i]) <= tolerance for i in indices)
     }
     if not of_pair:
-        return ClosedContacts(tuple(base), (), ())
+        return ClosedContacts(base, (), ())
     at: list[Point] = rays().tolist()
     branches: list[tuple[tuple[Contact, ...], ...]] = []
     implied: list[tuple[Contact, Contact]] = []
@@ -244,7 +239,17 @@ def closed_contacts(
             kept.add(tuple(rows))
         if () not in kept:
             branches.append(tuple(sorted(kept)))
-    return ClosedContacts(tuple(base), tuple(branches), tuple(dict.fromkeys(implied)))
+    return ClosedContacts(base, tuple(branches), tuple(dict.fromkeys(implied)))
+
+
+def closed_anyway(
+    model: PosedProblem, x: np.ndarray, gaps: np.ndarray, tolerance: float
+) -> tuple[Contact, ...]:
+    """Find the contacts of a state [n] that are closed whichever way pairs of facets pass: `ClosedContacts.base`."""
+    base: tuple[Contact, ...] = ()
+    if model.has_limits:
+        base = model.fold_limits.contacts(x, model.fold_limits.room(x) <= tolerance)
+    return base + tuple(Contact("gap", i, 1) for i in model.walls if gaps[i] <= tolerance)
 
 
 def _pair_pieces(
@@ -348,7 +353,7 @@ def _overlap(rays: list[Point], pair: tuple[int, int] | None, tolerance: float) 
 
 
 def _limit_that_says_the_same(
-    model: PosedProblem, row: Contact, base: list[Contact]
+    model: PosedProblem, row: Contact, base: Sequence[Contact]
 ) -> Contact | None:
     """Return the fold limit that makes a ray-on-facet row redundant, if there is one.
 

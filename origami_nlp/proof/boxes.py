@@ -24,7 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, address, first_largest
 from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
@@ -348,7 +348,7 @@ def _nonzero(rows: Affine) -> np.ndarray:
     parts = [np.ascontiguousarray(v) for v in (rows.centre, rows.slopes, rows.error)]
     out = np.empty((count, boxes), dtype=bool)
     room = 1 + 4 * (n + 4) * UNIT  # as `Affine.radius`
-    c.nonzero(count, n, boxes, *(v.ctypes.data for v in parts), room, out.ctypes.data)
+    c.nonzero(count, n, boxes, *map(address, parts), room, address(out))
     return out
 
 
@@ -371,7 +371,7 @@ def _bounds_in_c(
     low, high = np.empty((2, n, count))
     poor = np.empty(count, dtype=bool)
     arrays = (size, keep, *given, asked, low, high, poor)
-    library().contract(*(v.ctypes.data for v in arrays))
+    library().contract(*map(address, arrays))
     if poor.any():
         a, c, e = _batch_first(rows.closure, keep[poor])
         lower, upper = _bounds_by(a, c, e, _inverse_of_pivots(a, posed))

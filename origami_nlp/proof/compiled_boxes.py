@@ -48,10 +48,13 @@ def _source() -> str:
     )
 
 
+_MADE: list[Any] = []
+"""The compiled functions, once they were asked for: each batch of boxes asks again."""
+
+
 def library() -> Any:
     """Return the compiled functions; None where nothing can be compiled."""
-    made = numerics.compiled("proof", _source)
-    if made is not None and not made.contract.argtypes:
+    if not _MADE and (made := numerics.compiled("proof", _source)) is not None:
         whole, at, number = ctypes.c_int64, ctypes.c_void_p, ctypes.c_double
         made.run.argtypes = [whole, *[at] * 4, whole]
         made.nonzero.argtypes = [whole, whole, whole, at, at, at, number, at]
@@ -61,7 +64,8 @@ def library() -> Any:
         for function in (made.run, made.nonzero, made.contract, made.settle):
             function.restype = None
         made.halve.restype = whole
-    return made
+        _MADE.append(made)
+    return _MADE[0] if _MADE else None
 
 
 def _room(n: int, columns: int) -> Parts:
@@ -93,7 +97,7 @@ def halved(boxes: Parts, wanted: int, small: float) -> Parts:
     n = len(boxes[0])
     while (count := boxes[0].shape[1]) < wanted:
         given, made = _given(boxes), _room(n, 2 * count)
-        at, to = ([v.ctypes.data for v in part] for part in (given, made))
+        at, to = ([numerics.address(v) for v in part] for part in (given, made))
         found = library().halve(n, count, small, *at, 2 * count, *to)
         if not found:
             break
@@ -128,7 +132,7 @@ def settled(
     made, counts, kind = _room(n, 2 * count), np.zeros(2, np.int64), np.empty(count, np.int8)
     bounds = (np.ascontiguousarray(low), np.ascontiguousarray(high))
     arrays = (*given, *bounds, kind, *made, counts)
-    library().settle(n, columns, count, small, *(v.ctypes.data for v in arrays))
+    library().settle(n, columns, count, small, *map(numerics.address, arrays))
     few, every = counts.tolist()
     one, other, held = made
     done = one[:, :few], other[:, :few], held[:, :few]

@@ -16,6 +16,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from origami_nlp.numerics import address
 from origami_nlp.proof.affine import Affine, Turn
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.compiled_boxes import CODES, LANES, library
@@ -224,10 +225,7 @@ class StraightLine:
             out[i] = value
         self._run(
             len(made.ops),
-            made.ops.ctypes.data,
-            self._slots.ctypes.data,
-            given.ctypes.data,
-            out.ctypes.data,
+            *map(address, (made.ops, self._slots, given, out)),
             boxes,
         )
         parts, first = [], 0

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.families import family_scene
 from origami_nlp import Model, Scene, Vertex, examples
 from origami_nlp.numerics import SWITCH
-from origami_nlp.proof import prove
+from origami_nlp.proof import compiled_boxes, prove
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.boxes import BEYOND, prune, strata
 from origami_nlp.proof.complete import pose
@@ -126,6 +126,7 @@ def test_random_vertices_are_proved_the_same(family, number, monkeypatch):
 def assert_same(scene, monkeypatch):
     one = prove(Model(scene))
     monkeypatch.setenv(SWITCH, "0")
+    monkeypatch.setattr(compiled_boxes, "_MADE", [])
     assert straight_line(pose(Model(replace(scene, contact="fold-limits")))[0]) is None
     other = prove(Model(scene))
     assert (one.boxes, one.complete, one.flat) == (other.boxes, other.complete, other.flat)
