@@ -37,7 +37,8 @@ HELD = ("at_limit", "slots", "sides")
 FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
 OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "scene", "went", *FLAGGED]
 NAMES = {
-    numerics: "CHOSEN CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED SAME_ENERGY SINGULAR TINY",
+    numerics: "CHOSEN CLOSURE_TOL CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED"
+    " SAME_ENERGY SINGULAR TINY",
     descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH NEAR NEXT NO_SLOPE REACH SADDLE SHORTEST"
     " STALLED",
     recursive_newton: "LEAST_PIVOT STIFF",
@@ -158,8 +159,10 @@ class CompiledDescents:
         put(s, np.flatnonzero(broken), starts[broken])
         return Ends(s, converged & ~broken, settled & ~broken, broken)
 
-    def project(self, starts: Samples, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Project samples onto closure as `kkt.project` does, what they hold staying so.
+    def project(
+        self, starts: Samples, steps: int
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Project samples onto closure as `kkt.project` does, what they hold staying so, then clip to fold limits.
 
         Parameters
         ----------
@@ -171,14 +174,15 @@ class CompiledDescents:
         Returns
         -------
         x, residual
-            As `kkt.project`.
-        known : numpy.ndarray
-            Shape [K]: where closure is well enough conditioned for that to be the same.
+            As `kkt.project`; x within the fold limits.
+        good, known : numpy.ndarray
+            Shape [K]: which x is closed and `Model.admissible`; where closure is well enough conditioned for all that
+            to be the same.
         """
         vertex = VertexInC.from_buffer_copy(self._vertex)
         vertex.projects, vertex.steps = 1, steps
         arrays = self._in_c(starts, vertex)
-        return arrays["x"], arrays["reach"], arrays["broken"] == 0
+        return arrays["x"], arrays["reach"], arrays["converged"] != 0, arrays["broken"] == 0
 
     def _in_c(
         self,

@@ -1,4 +1,4 @@
-"""Many states projected onto closure: in C where that is well conditioned, elsewhere by singular values."""
+"""Many states projected onto closure, and which are admissible: in C where well conditioned, else by singular values."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from origami_nlp.kkt import PROJECTED, project
 from origami_nlp.minima.descents import Descents
+from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED
 from origami_nlp.problem import Contact, held
 from origami_nlp.starts import SLOTS, Samples
 
@@ -20,7 +21,7 @@ def project_many(
     frozen: np.ndarray | None = None,
     steps: int = PROJECTED,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Move states onto closure with contacts held, see `kkt.project`.
+    """Move states onto closure with contacts held, see `kkt.project`, and within fold limits.
 
     Parameters
     ----------
@@ -35,10 +36,13 @@ def project_many(
 
     Returns
     -------
-    x, residual
-        As those of `kkt.project`.
+    x
+        Where they end, within fold limits, shape [K, n].
+    good
+        Which of them are closed, to `FOLLOWED` before they are moved to fold limits, and `Model.admissible`, shape [K].
     """
-    y, residual, known = np.array(x, dtype=float), np.zeros(len(x)), np.zeros(len(x), dtype=bool)
+    model, y, residual = descents.model, np.array(x, dtype=float), np.zeros(len(x))
+    good, known = np.zeros((2, len(x)), dtype=bool)
     kinds = [(choices[c], np.flatnonzero(of == c)) for c in np.unique(of).tolist()]
     few = all(sum(not c.is_limit for c in rows) <= SLOTS for rows, _ in kinds)
     if descents.compiled is not None and few:
@@ -48,12 +52,15 @@ def project_many(
                 s.slots[which, slot], s.sides[which, slot] = gap.index, gap.side
             s.at_limit[which[:, None], [c.index for c in rows if c.is_limit]] = 1
             s.x[which] = held(y[which], rows)
-        y, residual, known = descents.compiled.project(s, steps)
+        y, residual, good, known = descents.compiled.project(s, steps)
     for rows, which in kinds:
         left = which[~known[which]]
         if len(left):
             still = None if frozen is None else frozen[left]
-            y[left], residual[left] = project(
-                descents.model, x[left], rows, frozen=still, steps=steps
-            )
-    return y, residual
+            y[left], residual[left] = project(model, x[left], rows, frozen=still, steps=steps)
+    left = np.flatnonzero(~known)
+    if len(left):
+        y[left] = model.fold_limits.clip(y[left])
+        closes = np.abs(model.closure(y[left])[0]).max(axis=1, initial=0.0) <= CLOSURE_TOL
+        good[left] = closes & model.admissible(y[left])
+    return y, good & (residual <= FOLLOWED)

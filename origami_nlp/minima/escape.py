@@ -37,7 +37,6 @@ from origami_nlp.numerics import (
     CLOSURE_TOL,
     CONTACT_TOL,
     DUPLICATE_TOL,
-    FOLLOWED,
     NONZERO,
     RESOLVED,
     SHALLOW,
@@ -141,16 +140,10 @@ class VertexTerrain(Terrain):
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
-            y, residual = project_many(self._descents, want, held, rows[live], still, MOST_STEPS)
-            y = model.fold_limits.clip(y)
+            y, good = project_many(self._descents, want, held, rows[live], still, MOST_STEPS)
             moved = np.linalg.norm(y - at[live], axis=1)
-            good = (
-                (residual <= FOLLOWED) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
-            )
-            good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSURE_TOL
             # a target that is reached ends its ray
-            good &= left > 0
-            good[good] = model.admissible(y[good])
+            good &= (left > 0) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
             live, y = live[good], y[good]
             ahead = ~(aimed | driven)[live]
             goal[live[ahead]] = (y - at[live])[ahead]  # a mode is gone on straight ahead
@@ -185,15 +178,10 @@ class VertexTerrain(Terrain):
         self, want: np.ndarray, longest: np.ndarray, held: Sequence[tuple[Contact, ...]]
     ) -> np.ndarray | None:
         """Close states [S, n], what each holds held, moved by `longest` [S] at most; None where one is no state."""
-        model = self.model
         number = {rows: i for i, rows in enumerate(dict.fromkeys(held))}
         of = np.array([number[rows] for rows in held])
-        x, residual = project_many(self._descents, want, list(number), of)
-        x = model.fold_limits.clip(x)
-        long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
-        if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
-            return None
-        if not model.admissible(x).all():
+        x, good = project_many(self._descents, want, list(number), of)
+        if not good.all() or (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any():
             return None
         for y, rows in zip(x, held, strict=True):  # what a step holds, its middle holds
             self._closed[y.tobytes()] = rows
