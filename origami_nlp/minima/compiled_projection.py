@@ -1,4 +1,4 @@
-"""Many states projected onto closure, and which are admissible: in C where well conditioned, else by singular values."""
+"""Many states projected onto closure, and which are admissible: in C where well conditioned, else by NumPy."""
 
 from __future__ import annotations
 
