@@ -43,7 +43,7 @@ def project_many(
     """
     model, y, residual = descents.model, np.array(x, dtype=float), np.zeros(len(x))
     good, known = np.zeros((2, len(x)), dtype=bool)
-    kinds = [(choices[c], np.flatnonzero(of == c)) for c in np.unique(of).tolist()]
+    kinds = [(choices[c], np.flatnonzero(of == c)) for c in sorted(set(of.tolist()))]
     few = all(sum(not c.is_limit for c in rows) <= SLOTS for rows, _ in kinds)
     if descents.compiled is not None and few:
         s = Samples.on(y, frozen)
