@@ -196,12 +196,15 @@ class CompiledDescents:
         k, x = len(starts), np.array(starts.x)
         held = {name: np.array(getattr(starts, name), dtype=np.int64) for name in (*HELD, "hold")}
         reach = np.full(k, min(FIRST_REACH, vertex.longest))
-        arrays = {"x": x, "kept_x": np.empty_like(x), "reach": reach, **held}
+        arrays = {"x": x, "reach": reach, **held}
         if keeps:
             arrays["path"] = np.empty((k, vertex.steps, x.shape[1]))
-        arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
-        arrays["scene"] = np.ascontiguousarray(self._closing.numbered(starts), dtype=np.int64)
-        arrays |= {name: np.zeros(k, dtype=np.int64) for name in (*FLAGGED, "went")}
+        if not vertex.projects:  # which asks for nothing of these
+            arrays["kept_x"] = np.empty_like(x)
+            arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
+            arrays["scene"] = np.ascontiguousarray(self._closing.numbered(starts), dtype=np.int64)
+        flags = FLAGGED[2:] if vertex.projects else (*FLAGGED, "went")
+        arrays |= {name: np.zeros(k, dtype=np.int64) for name in flags}
         state = SamplesInC(**{name: numerics.address(a) for name, a in arrays.items()})
         part = max(1, AT_ONCE // x.shape[1])
 

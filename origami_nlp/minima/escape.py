@@ -128,7 +128,7 @@ class VertexTerrain(Terrain):
         aimed = np.concatenate([np.r_[np.zeros(len(a)), np.ones(len(t))] for _, a, t in jobs]) > 0
         goal = np.concatenate([none, *(part for _, a, t in jobs for part in (a, t))])
         driven = ((goal != 0).sum(axis=1) == 1) & ~aimed  # one crease turns, the others follow
-        paths = [[x.copy()] for x in at]
+        walked, rays = [at.copy()], [np.arange(len(at))]
         live, step, gone = np.arange(len(at)), SMALLEST, 0.0
         while len(live) and gone < FARTHEST:
             way = (goal[live] - at[live] * aimed[live, None]) * model.root
@@ -148,14 +148,17 @@ class VertexTerrain(Terrain):
             ahead = ~(aimed | driven)[live]
             goal[live[ahead]] = (y - at[live])[ahead]  # a mode is gone on straight ahead
             at[live] = y
-            for r in live:
-                paths[r].append(at[r].copy())
+            walked.append(y)
+            rays.append(live)
             # a ray has left its state once it is lower; to the flat state it goes on: it is gone back from others
             left_for_good = self.over(self.minima[owner[live]], y) < -self.noise[owner[live]]
             live = live[~left_for_good | ~goal[live].any(axis=1)]
             gone += step
             step = min(2 * step, LARGEST)
-        return [(int(k), np.array(path)) for k, path in zip(owner, paths, strict=True)]
+        order = np.argsort(np.concatenate(rays), kind="stable")
+        ends = np.cumsum(np.bincount(np.concatenate(rays)))[:-1]
+        paths = np.split(np.concatenate(walked)[order], ends)
+        return list(zip(owner.tolist(), paths, strict=True))
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two, with the contacts held that both hold."""

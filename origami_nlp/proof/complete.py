@@ -306,9 +306,11 @@ def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
     for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
-        cells, cell = np.unique(
-            np.floor(middle.T / (20 * options.smallest)), axis=0, return_inverse=True
-        )
+        cells = np.floor(middle.T / (20 * options.smallest))
+        if np.ptp(cells, axis=0).max() <= 2:  # all are next to each other
+            yield group
+            continue
+        cells, cell = np.unique(cells, axis=0, return_inverse=True)
         label = groups(len(cells), pairs_within(cells, 2))
         for k in range(label.max() + 1):
             yield group[label[cell.ravel()] == k]

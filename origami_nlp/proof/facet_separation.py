@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
@@ -74,15 +75,11 @@ class Signs:
             for k in range(n):
                 if k not in (j, (j + 1) % n):
                     self.off[:, k, j] = folded.on_facet(k, j).value().signs()
-        # ray k inside the arc of facet j, given that it is in its plane
-        self.inside = np.zeros((len(x), n, facets), dtype=int)
         self.bent = _sign_of_sine(low, high, pins)
         self.open = np.abs(x) + wide < 0.5 * math.pi
         self._wedge(folded, n)
-        for j in range(facets):
-            for k in range(n):
-                if k not in (j, (j + 1) % n):
-                    self.inside[:, k, j] = _inside(folded, k, j)
+        # ray k inside the arc of facet j, given that it is in its plane: few are asked for
+        self.inside = cache(partial(_inside, folded))
 
     def _wedge(self, folded: FoldedDomain, n: int) -> None:
         if self.cyclic:
@@ -93,7 +90,7 @@ class Signs:
             for i in self.model.walls
         }
         three = Product(folded.rays[:3])  # rays of the D_1 wedges whose touches are proved
-        self.turn = three.value().signs() if n > 2 else np.zeros(len(self.inside), dtype=int)
+        self.turn = three.value().signs() if n > 2 else np.zeros(len(self.off), dtype=int)
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
         """Describe what the facets do at state number r, where `touches` are held."""
@@ -116,7 +113,7 @@ class Signs:
             return int(self.turn[r]) if not self.pins[r].any() else 0
         k, j = t.rays
         n, pins = self.off.shape[1], self.pins[r]
-        if self.inside[r, k, j] <= 0:
+        if self.inside(k, j)[r] <= 0:
             return 0
         # neighbours of the ray that touches: both on one side, the facets stay on it; on two, they pass through
         before, after = self.off[r, (k - 1) % n, j], self.off[r, (k + 1) % n, j]
@@ -228,10 +225,10 @@ class Signs:
         if touches:
             return APART if self.turn[r] and not self.pins[r].any() else UNCLEAR
         first, last = self._crease(self.pins[r], 0), self._crease(self.pins[r], 3)
-        if first and not last and self.inside[r, 3, 0]:
-            return APART if self.inside[r, 3, 0] < 0 else CROSSED
-        if last and not first and self.inside[r, 0, 2]:
-            return APART if self.inside[r, 0, 2] < 0 else CROSSED
+        if first and not last and self.inside(3, 0)[r]:
+            return APART if self.inside(3, 0)[r] < 0 else CROSSED
+        if last and not first and self.inside(0, 2)[r]:
+            return APART if self.inside(0, 2)[r] < 0 else CROSSED
         return UNCLEAR
 
 
