@@ -228,6 +228,8 @@ def certified(
     for small in (0.0, *options.smaller):
         if small:
             which = _regular(system, boxes, flat, options.smallest)
+            if not which.any():
+                continue  # the same boxes would give the same roots
             again = prune(
                 posed,
                 boxes[which],
@@ -237,8 +239,6 @@ def certified(
                 most=options.smaller_boxes,
                 recorder=recorder,
             )
-            if not which.any():
-                continue  # the same boxes would give the same roots
             fresh = joined([again.candidates, again.open])
             boxes, more = joined([boxes[~which], fresh]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, fresh)]), len(found))

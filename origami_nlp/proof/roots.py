@@ -161,7 +161,9 @@ def certify(
     rows = np.concatenate([free, np.ones((len(x), m), bool)], axis=1)
     ratio = _lean(at)
     smallest, largest, lean = np.full(len(x), np.inf), np.zeros(len(x)), ratio
-    for share, within in itertools.product(SHARES, WITHIN):
+    for within, share in itertools.product(WITHIN, SHARES):
+        if (largest[sound] >= within).all():
+            break  # none that is narrower is wider than what was found
         mu = share * ratio
         rho = np.concatenate([np.where(free, 1.0, 0.0), mu[:, None] + np.zeros((1, m))], axis=1)
         # wrong + rest rho t + (reach change rho) t^2 < rho t, row by row; rows of pinned variables are exact
