@@ -324,14 +324,8 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
 
     Long steps first: where these do not lead elsewhere careful ones slide along what contacts leave open.
     """
-    way = _way_by(terrain, part, terrain.quick_path_down)
-    if way is not None:
-        return way
-    quick = terrain.quick_path_down(part.high, lambda _: False)
-    # where no states join its two sides the ray jumped: descents did not part, and careful ones do not either
-    if len(quick) > 1 and highest(terrain, part.k, np.array([part.low, part.high])) is None:
-        return None
-    return _way_by(terrain, part, terrain.path_down)
+    descents = (terrain.quick_path_down, terrain.path_down)
+    return next(filter(None, (_way_by(terrain, part, down) for down in descents)), None)
 
 
 def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapePath | None:
