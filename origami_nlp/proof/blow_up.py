@@ -43,7 +43,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -202,9 +202,8 @@ class Site:
         """Return the rows on strata, for r <= radius, and whether they hold from `DUPLICATE_TOL` on only, bool [S]."""
         free = np.array(strata) == 0
         rows = [(row, np.ones(len(strata), dtype=bool)) for row in self._closure()]
-        rows += [
-            (minor.row(self, radius), free[:, minor.creases].all(axis=1)) for minor in self.minors
-        ]
+        made = zip(rows_of(self.minors, self, radius), self.minors, strict=True)
+        rows += [(row, free[:, minor.creases].all(axis=1)) for row, minor in made]
         rows += list(self._twins(free, radius))
         holds = np.array([which for _, which in rows]).T
         loose = np.asarray(holds[:, [row.loose for row, _ in rows]].any(axis=1))
@@ -314,11 +313,8 @@ class _Minor:
     bends: np.ndarray
     normal: bool
 
-    def row(self, site: Site, radius: float) -> _Row:
-        """Return the row that the minor makes."""
-        return self._with_normal(site, radius) if self.normal else self._without(site, radius)
-
-    def _with_normal(self, site: Site, radius: float) -> _Row:
+    def with_normal(self, site: Site, radius: float) -> _Row:
+        """Return the row that the minor makes, one of its rows normal."""
         n, s, even = len(site.point), site.size, site.order == 2
         count, rank = self.planar.shape
         h = self.bends[-1]
@@ -356,36 +352,50 @@ class _Minor:
             return _Row(n, quadratic=quadratic, base=base, error=error, loose=True)
         return _Row(n, linear=linear, tilt_quadratic=quadratic, base=base, error=error)
 
-    def _without(self, site: Site, radius: float) -> _Row:
-        n, s, count = len(site.point), site.size, len(self.creases)
-        whole = np.column_stack([self.torque, self.planar])
-        others, sign = _others(count)
-        cofactors = sign * np.linalg.det(whole[others[:, None, :, None], others[:, None]])
-        # det [G* | J], and its change along u by cofactors (Jacobi): sum_ic cof_ic dA_ic
-        constant = float(cofactors[:, 0] @ self.torque)
-        slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
-        slope[self.creases] += cofactors[:, 0] * self.slope
-        root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
-        bow = float(np.linalg.norm(site.bow(radius)[self.creases]))
-        first = np.array(
-            [
-                float(np.linalg.norm(self.slope)),
-                *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1),
-            ]
+
+def rows_of(minors: Sequence[_Minor], site: Site, radius: float) -> list[_Row]:
+    """Return the rows that the minors of a site make: without a normal row all at once."""
+    if not minors or minors[0].normal:
+        return [minor.with_normal(site, radius) for minor in minors]
+    n, s = len(site.point), site.size
+    creases = np.array([minor.creases for minor in minors])
+    torque, stiffness, steep, bends = (
+        np.array([getattr(minor, name) for minor in minors])
+        for name in ("torque", "stiffness", "slope", "bends")
+    )
+    whole = np.array([np.column_stack([minor.torque, minor.planar]) for minor in minors])
+    many, count = creases.shape
+    others, sign = _others(count)
+    cofactors = sign * np.linalg.det(whole[:, others[:, None, :, None], others[:, None]])
+    # det [G* | J], and its change along u by cofactors (Jacobi): sum_ic cof_ic dA_ic
+    constant = (cofactors[:, :, 0] * torque).sum(axis=1)
+    slope = np.einsum("kic,kcij->kj", cofactors[:, :, 1:], bends)
+    slope[np.arange(many)[:, None], creases] += cofactors[:, :, 0] * steep
+    root, stiff = math.sqrt(count), np.linalg.norm(stiffness, axis=1)[:, None]
+    bow = np.linalg.norm(site.bow(radius)[creases], axis=1)[:, None]
+    first = np.linalg.norm(np.abs(bends).sum(axis=3), axis=2)
+    first = np.hstack([np.linalg.norm(steep, axis=1)[:, None], first])
+    ones = np.ones((many, count - 1))
+    second = np.hstack([bow, site.lever * s * s / 2 * root * ones])
+    sizes = np.linalg.norm(whole, axis=1)
+    wrong = CLOSURE_TOL * root * np.hstack([stiff, ones])
+    grown = sizes + radius * first + radius**2 * second
+    most = (grown + wrong).prod(axis=1)
+    linear = (first * sizes[:, others].prod(axis=2)).sum(axis=1)
+    rest = grown.prod(axis=1) - sizes.prod(axis=1) + 128 * EPS * most - radius * linear
+    base = most - grown.prod(axis=1) + 128 * EPS * most
+    doubt = CLOSURE_TOL * n * count**2 * (sizes + first + 1).prod(axis=1)  # of the slope
+    loose = np.abs(constant) <= base
+    divided = (np.abs(constant) + base) / DUPLICATE_TOL + rest / radius + doubt
+    error = rest / radius**site.order
+    return [
+        _Row(n, linear=slope[k], base=float(divided[k]), loose=True)
+        if loose[k]
+        else _Row(
+            n, float(constant[k]), tilt_linear=slope[k], base=float(base[k]), error=float(error[k])
         )
-        second = np.array([bow, *([site.lever * s * s / 2 * root] * (count - 1))])
-        sizes = np.linalg.norm(whole, axis=0)
-        wrong = CLOSURE_TOL * root * np.array([stiff, *([1.0] * (count - 1))])
-        most = float(np.prod(sizes + radius * first + radius**2 * second + wrong))
-        linear = sum(first[c] * np.prod(np.delete(sizes, c)) for c in range(count))
-        rest = float(np.prod(sizes + radius * first + radius**2 * second) - np.prod(sizes))
-        rest += 128 * EPS * most - radius * float(linear)
-        base = most - float(np.prod(sizes + radius * first + radius**2 * second)) + 128 * EPS * most
-        doubt = CLOSURE_TOL * n * count**2 * float(np.prod(sizes + first + 1))  # of the slope
-        if abs(constant) <= base:
-            base = (abs(constant) + base) / DUPLICATE_TOL + rest / radius + doubt
-            return _Row(n, linear=slope, base=base, loose=True)
-        return _Row(n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order)
+        for k in range(many)
+    ]
 
 
 @lru_cache

@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import Model, Scene, examples
 from origami_nlp.proof import isolated
-from origami_nlp.proof.blow_up import Site
+from origami_nlp.proof.blow_up import Site, rows_of
 from tests.proof.fifty_digits import multiply
 from tests.proof.singular_scenes import (
     CROSS,
@@ -111,7 +111,7 @@ def worst(
         for radius in (1e-2, 1e-4):
             rows = list(site._closure())
             minors = [k for k in site.minors if set(k.creases) <= set(seen)]
-            rows += [k.row(site, radius) for k in minors]
+            rows += rows_of(minors, site, radius)
             for r in (radius, radius / 3):
                 u = np.where(np.isin(np.arange(n), seen), rng.uniform(-1, 1, n), 0.0)
                 x = [
@@ -187,10 +187,8 @@ def test_rows_at_flat_foldings_with_springs_at_rest_hold_to_fifty_digits(at_rest
     x = flat_foldings(Model(plain))[5]
     rest = tuple(x.tolist()) if at_rest else plain.rest_angles
     model = Model(Scene(plain.vertex, plain.stiffness, rest, "none", "fold-limits"))
-    rows = [
-        minor.row(Site(model, x, [], (0,) * 4), 1e-3)
-        for minor in Site(model, x, [], (0,) * 4).minors
-    ]
+    site = Site(model, x, [], (0,) * 4)
+    rows = rows_of(site.minors, site, 1e-3)
     assert [row.loose for row in rows] == [at_rest] * len(rows)
     assert worst(model, x, [], 0)[0] <= 1
 
