@@ -16,8 +16,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 SWITCH = "ORIGAMI_NLP_COMPILED"
 """Environment variable: 0 compiles nothing."""
 FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off", "-ftree-vectorize")
