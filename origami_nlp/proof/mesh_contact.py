@@ -10,6 +10,7 @@ cross on it.  That curves on which facets do not cross end in states of paper is
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Iterator, Sequence
@@ -60,8 +61,10 @@ def why_no_mesh_contact(pattern: Pattern) -> str:
     --------
     >>> import origami_nlp as o
     >>> from origami_nlp.proof import why_no_mesh_contact
-    >>> why_no_mesh_contact(o.examples.pattern("squaretwist"))
+    >>> why_no_mesh_contact(o.examples.pattern("miura", 3, 3))
     ''
+    >>> why_no_mesh_contact(o.examples.pattern("miura", 3, 4))
+    'more than two rows fold side by side, each by itself'
     """
     mesh, why = as_folding_mesh(pattern)
     if mesh is None:
@@ -73,6 +76,9 @@ def why_no_mesh_contact(pattern: Pattern) -> str:
         left = [c for c in left if c not in near]
     if left or len(together) < mesh.creases:
         return "vertices do not hang together, or a crease is none of theirs"
+    ways = itertools.product(*(c.modes for c in mesh.crossings)) if mesh.in_line else ()
+    if any(p and len(p.curves) > 2 for modes in ways for p in mesh.products(modes)):
+        return "more than two rows fold side by side, each by itself"
     if not mesh.in_line and 2 ** (mesh.creases - len(mesh.crossings)) > MOST_FOLDED:
         return f"it can be folded flat in more than {MOST_FOLDED} ways"
     return why_no_strip_contact(pattern)

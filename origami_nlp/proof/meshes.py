@@ -293,13 +293,11 @@ class _Enumeration:
                             self._leave(
                                 (moving[0], low, high), "whether facets cross along a curve"
                             )
-                elif len(moving) == 2:
+                elif moving:
                     for sides in itertools.product((1, -1), repeat=2):
                         both = list(zip(moving, sides, strict=True))
                         if stacks.together(still, both, self._rest(moving)) == UNKNOWN:
                             self._leave(None, "facets that meet where two rows fold by themselves")
-                elif moving:
-                    self._leave(None, "facets where more than two rows fold by themselves")
         self.boxes += stacks.boxes
 
     def _rest(self, curves: Sequence[Curve]) -> bool:
@@ -384,8 +382,6 @@ class _Enumeration:
         if len(moving) == 1:
             ((curve, theta),) = moving.items()
             return self.stacks.near(still, curve, *theta)
-        if len(moving) > 2:
-            return UNKNOWN
         both = [(c, 1 if x[1] > 0 else -1) for c, x in moving.items()]
         return self.stacks.together(still, both, self._rest(list(moving)))
 

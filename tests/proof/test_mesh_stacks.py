@@ -120,6 +120,10 @@ def test_a_narrower_flap_is_proved(by):
     assert check_proof(certificate_of_mesh(sheet, proof)).lines[0].startswith("checked: complete")
 
 
+def test_more_than_two_rows_side_by_side_are_refused():
+    assert "more than two rows" in why_no_mesh_contact(o.examples.pattern("miura", 3, 4))
+
+
 @pytest.mark.slow
 def test_a_wider_flap_is_not_decided():
     proof = prove_mesh(stretched(0.4), contact=True)
