@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import STATED, ListCheck, precision, refuse_wide
+from origami_nlp.proof.check_lists import STATED, WIDEST, ListCheck, precision, refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.mesh_certificate import MeshCertificate
@@ -426,7 +426,9 @@ class MeshCheck(ListCheck):
         """Refuse a state of the statement round a vertex of which facets do not come back."""
         for crossing in self.crossings:
             a, *rest = product_round(crossing, folds)
-            if not all(abs(x) < STATED for x in (a - 1, *rest)):
+            # of a sheet that is known to within a deviation it is known to within what that makes of it
+            parts = (a - 1, *rest)
+            if not all(arb(0, STATED).overlaps(x) and x.rad() <= WIDEST for x in parts):
                 raise Refused("states of the statement do not close")
 
 

@@ -1,0 +1,56 @@
+"""Sheets within 1e-13 to 1e-10 of one that folds flat.
+
+A proof is of the special sheet and says how far it is, of the sheet as it stands, or refused by name; and two proofs of
+one sheet do not contradict each other.
+"""
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern import make_pattern
+from origami_nlp.proof import (
+    certificate_of_mesh,
+    check_proof,
+    prove_mesh,
+    prove_quad_mesh,
+    prove_strip,
+    why_no_mesh,
+)
+from tests.folding_rows import folding_row
+
+
+def moved(sheet, by):
+    """A sheet with all corners moved in its plane by this much at most."""
+    rng = np.random.default_rng(0)
+    points = sheet.corners[:, :2] + by * rng.uniform(-1, 1, (len(sheet.corners), 2))
+    return make_pattern(points, sheet.polygons).with_springs(
+        stiffness=sheet.stiffness.tolist(), rest_angles=sheet.rest.tolist()
+    )
+
+
+@pytest.mark.parametrize("sheet", [o.examples.pattern("miura", 2, 3), folding_row(0)])
+def test_to_rounding_it_is_the_special_sheet_and_says_how_far(sheet):
+    near = moved(sheet, 1e-13)
+    proof, meant = prove_mesh(near), prove_mesh(moved(sheet, 0.0))
+    assert 1e-15 < proof.deviation < 1e-12 and not proof.undecided
+    one, two = (np.array([m.fold_angles for m in p.minima]) for p in (proof, meant))
+    far = np.abs(one[:, None] - two[None]).max(axis=2)
+    assert len(one) == len(two) and far.min(axis=0).max() < 1e-9
+    assert check_proof(certificate_of_mesh(near, proof)).lines[0].startswith("checked: complete")
+
+
+def test_farther_away_two_proofs_of_the_sheet_as_it_stands_agree():
+    near = moved(folding_row(0), 1e-10)
+    assert "does not fold flat" in why_no_mesh(near)
+    proofs = prove_strip(near), prove_quad_mesh(near)
+    for one, two in (proofs, proofs[::-1]):
+        for m in one.minima:
+            listed = [x for x in two.minima if np.abs(x.fold_angles - m.fold_angles).max() < 1e-6]
+            slack = m.radius + 1e-9
+            left = [
+                why
+                for low, high, why in two.undecided
+                if ((low - slack <= m.fold_angles) & (m.fold_angles <= high + slack)).all()
+            ]
+            assert listed or left
