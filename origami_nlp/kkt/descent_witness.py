@@ -18,6 +18,7 @@ from origami_nlp.numerics import (
     LEVEL,
     NONZERO,
     ROUNDED,
+    NullSpaces,
     coarse,
     nearest_in_cone,
 )
@@ -25,6 +26,10 @@ from origami_nlp.problem import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
 """How far [rad] a direction is followed; shorter ones hide in the snapping of contacts."""
+BENDS = 0.3
+"""Share of a distance by which a way bends at most, as far as `FAR` goes."""
+KANTOROVICH = 10.0
+"""Times the residual, less than the square of the smallest singular value: 2 times a bound of second derivatives."""
 FAR = (1e-4, 1e-3, 1e-2, 1e-1)
 """Steps where pieces hold more than the feasible set, so that a lower state alone refutes: descents go on there."""
 DRAWN, DOWN = 8, 1e-3
@@ -96,8 +101,34 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Descen
             return None  # what lies further that way would be reached through facets
         change = model.energy_change(x, y)
         if change < -noise:
-            return DescentWitness(d, step, -change, y)
+            return DescentWitness(d, step, -change, y) if _closes(state, y) else None
     return None
+
+
+def _closes(state: State, y: np.ndarray, still: np.ndarray | None = None) -> bool:
+    """Return whether a state beside a singular one closes, and not only to rounding; `still` [n] does not move.
+
+    It does where Newton's method converges from there, by its residual and slopes (Kantorovich's theorem).  Where rows
+    of closure depend on each other, or miss that by next to nothing, the way is to close further out as well: what
+    angles miss a relation by, times the square of the distance, is lost in rounding near the state.
+    """
+    model, x = state.problem, state.x
+    if state.regular:
+        return True
+    free = np.full(len(x), True) if still is None else ~still
+    f, jac = model.constraints(y, ())
+    of = NullSpaces(jac / model.root * free)
+    least = of.gap[1] if of.rank() == len(jac) else 0.0
+    if KANTOROVICH * max(float(np.linalg.norm(f)), ROUNDED) <= least**2:
+        return True
+    for step in FAR:
+        model.check_time()
+        start = x + step * (y - x) / np.linalg.norm(y - x)
+        y, residual = project(model, start, frozen=still)
+        if not (residual <= FOLLOWED and np.linalg.norm(y - start) < BENDS * step):
+            return False
+    f, jac = model.constraints(y, ())
+    return NullSpaces(jac / model.root * free).left_out(f) < BENDS * step
 
 
 def _put_back(state: State, start: np.ndarray, branch: BranchJudgement) -> tuple[np.ndarray, float]:
@@ -194,7 +225,8 @@ def follow_lines(state: State) -> DescentWitness | None:
                 break
             before = change
         else:
-            return DescentWitness(d, step, -change, y)
+            if _closes(state, y, still):
+                return DescentWitness(d, step, -change, y)
     return None
 
 
@@ -211,6 +243,6 @@ def _follow(
     good &= (change < 0.1 * step * slope) & (slope < 0)
     good[good] = model.admissible(y[good])
     for k in np.flatnonzero(good):
-        if not model.refuses(y[k]):
+        if not model.refuses(y[k]) and _closes(state, y[k], still[k]):
             return DescentWitness(directions[k], step, -float(change[k]), y[k])
     return None

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement
-from origami_nlp.kkt.descent_witness import FAR, DescentWitness
+from origami_nlp.kkt.descent_witness import BENDS, FAR, DescentWitness
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import (
@@ -107,10 +107,18 @@ def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None
                 break
             if not p.fold_limits.inside(y).all() or change >= -noise:
                 continue
-            if p.refuses(y):
+            if p.refuses(y) or not _closes_along(state, (y - x) / moved):
                 break
             return DescentWitness(d, step, -change, y)
     return None
+
+
+def _closes_along(state: State, d: np.ndarray) -> bool:
+    """Whether what closes along a direction [n] also does at the end of `FAR`, where that says more than rounding."""
+    p, x, step = cast(Sparse, state.problem), state.x, FAR[-1]
+    start = p.fold_limits.clip(x + step * d)
+    end, residual = p.project(start, p.fold_limits.room(start) == 0)
+    return bool(residual <= CLOSURE_TOL and np.abs(end - start).max() <= BENDS * step)
 
 
 def _directions(state: State, branch: BranchJudgement) -> Iterator[np.ndarray]:

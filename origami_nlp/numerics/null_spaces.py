@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy as sp
 
-from origami_nlp.numerics.tolerances import RANK
+from origami_nlp.numerics.tolerances import FOLLOWED, RANK
 
 ROOM = 10.0
 """Between proved bounds of singular values and what they are compared with: for rounding of the factors."""
@@ -81,6 +81,17 @@ class NullSpaces:
             return False
         values = self._singular[1]
         return bool(((values > low) & (values < high)).any())
+
+    def left_out(self, f: np.ndarray) -> float:
+        """Return the length of the part of Newton's step for values [m] that singular values counted as zero stand for.
+
+        Those that only rounding keeps from zero, below `FOLLOWED`, have no part in it.
+        """
+        if self._is_known(FOLLOWED):
+            return 0.0
+        u, values, _ = self._singular
+        small = np.flatnonzero((values > FOLLOWED) & (values <= RANK))
+        return float(np.linalg.norm(u.T[small] @ f / values[small]))
 
     @cached_property
     def kernel(self) -> np.ndarray:

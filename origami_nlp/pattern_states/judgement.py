@@ -81,6 +81,11 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         why = f"not decided: within {BESIDE_SINGULAR:g} rad of a state where closure loses rank"
         why += ", and not distinguished from it"
         return replace(state, verdict="undecided", kind="", certificate=why)
+    if state.verdict != "not admissible" and problem.size <= MOST_DENSE:
+        left = problem.null_spaces(phi).left_out(problem.closure.values(phi))
+        if left > BESIDE_SINGULAR:
+            why = f"not decided: closes to {residual:.1e}, and to do so exactly would take a step of {left:.1g} rad"
+            return replace(state, verdict="undecided", kind="", certificate=why)
     return state
 
 
