@@ -18,7 +18,7 @@ import typer
 from origami_nlp.cli.checking import check, layers
 from origami_nlp.cli.converting import convert
 from origami_nlp.cli.finding import check_proof, landscape, minima
-from origami_nlp.cli.group import Group
+from origami_nlp.cli.group import CLOSED_PIPE, Group
 from origami_nlp.cli.inspecting import hinge, inspect
 from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
@@ -88,7 +88,7 @@ def run(commands: Group | None = None) -> None:
         _stop(str(error))
     except BrokenPipeError:  # the reader, head say, has had enough
         _close_stdout()
-        sys.exit(1)
+        sys.exit(CLOSED_PIPE)
     except KeyboardInterrupt:  # before a command has begun; `Group` sees to the time after that
         print("origami-nlp: interrupted", file=sys.stderr)
         sys.exit(130)

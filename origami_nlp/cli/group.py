@@ -25,6 +25,8 @@ MAY_LACK_VALUE = ("--prove",)
 WHOLE = "a whole number"
 NUMBERS = {"integer": WHOLE, "float": "a number", "number": "a number"}
 """What the parser calls types of values, and how messages do."""
+CLOSED_PIPE = 141
+"""Exit code where the reader of what is printed has gone: 128 + SIGPIPE, as shells say of other programs."""
 WRITES = "FILE"
 """Metavar of every option that writes what a command found, and of no other option."""
 FOLD_FILES = "Options for FOLD files and examples"
@@ -181,6 +183,15 @@ def _tell_files(options: list[str]) -> None:
         screen.print(f"{', '.join(options)} {words}", style="dim", highlight=False)
 
 
+@contextmanager
+def _while_read() -> Iterator[None]:
+    """End quietly where the reader of what is printed, head say, has had enough."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise typer.Exit(CLOSED_PIPE) from None
+
+
 class _Listed(_Helped, TyperGroup):
     """What typer makes of a `Group`; alone it would list groups last, and all under one heading."""
 
@@ -205,6 +216,11 @@ class _Listed(_Helped, TyperGroup):
             with formatter.section("First steps"):
                 formatter.write_dl([*self.first_steps.items()])
 
+    def make_context(self, *args: Any, **extra: Any) -> Any:
+        """Read the words of the command line; help is printed here."""
+        with _while_read():
+            return super().make_context(*args, **extra)
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is called."""
         with _one_line(args):
@@ -213,7 +229,7 @@ class _Listed(_Helped, TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command; an interruption by the user ends with a line of its own and exit code 130."""
         try:
-            with interruptible():
+            with _while_read(), interruptible():
                 return super().invoke(ctx)
         except KeyboardInterrupt:
             # a terminal shows ^C on the line where it stands

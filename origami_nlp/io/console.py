@@ -59,6 +59,10 @@ class Screen(Console):
             things, options = [self._titled(things[0])], {"soft_wrap": True, **options}
         super().print(*things, **options)
 
+    def on_broken_pipe(self) -> None:
+        """Leave it to who prints, as it is of what is not printed by rich, what a reader that has gone means."""
+        raise
+
     def _titled(self, table: Table) -> Table | Text:
         """Print the title of a table, and return the table without it, or its rows as lines."""
         if table.title:

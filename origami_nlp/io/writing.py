@@ -206,7 +206,7 @@ def _named(target: Target, option: str) -> Iterator[None]:
     """Turn every complaint of the system into one line that names the option and its value."""
     try:
         yield
-    except OrigamiError:
+    except (OrigamiError, BrokenPipeError):  # a reader that has gone is no complaint
         raise
     except (OSError, ValueError) as error:  # ValueError: a name with a null character in it
         why = getattr(error, "strerror", None) or str(error)
