@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import STATED, WIDEST, ListCheck, precision, refuse_wide
+from origami_nlp.proof.check_lists import STATED, ListCheck, precision, refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.mesh_certificate import MeshCertificate
@@ -423,13 +423,23 @@ class MeshCheck(ListCheck):
                 yield side * _sign(self._chart(group, side, arb(0))[0]), group, (side,)
 
     def _closes(self, folds: Sequence[Any]) -> None:
-        """Refuse a state of the statement round a vertex of which facets do not come back."""
+        """Refuse a state of the statement round a vertex of which facets do not come back.
+
+        In the middle of their balls folds are as multipliers in the middle of theirs say: what is left there is of the
+        deviation of the sheet alone.  Where it is more than is granted, and not so for certain, nothing is said.
+        """
         for crossing in self.crossings:
-            a, *rest = product_round(crossing, folds)
-            # of a sheet that is known to within a deviation it is known to within what that makes of it
-            parts = (a - 1, *rest)
-            if not all(arb(0, STATED).overlaps(x) and x.rad() <= WIDEST for x in parts):
+            middle, over = (
+                [a - 1, *rest]
+                for a, *rest in (
+                    product_round(crossing, x) for x in ([arb(f.mid()) for f in folds], folds)
+                )
+            )
+            if all(abs(x) < STATED for x in middle):
+                continue
+            if not all(arb(0, STATED).overlaps(x) for x in over):
                 raise Refused("states of the statement do not close")
+            self.open.append("whether a state closes, of a sheet that deviates so far")
 
 
 def _plus(one: Counter[int], two: Counter[int], times: int) -> Counter[int]:
