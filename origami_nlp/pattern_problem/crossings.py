@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, cross, unit_normals
+from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, coarse, cross, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import crossings_among
 from origami_nlp.pattern_problem.poses import Poses
@@ -281,9 +281,13 @@ class PatternCrossings:
 
 
 def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pairs of boxes [K, 3] that have a point in common, by sorting and sweeping."""
+    """Return the pairs of boxes [K, 3] that have a point in common, by sorting and sweeping.
+
+    Pairs are ordered as boxes begin along the widest axis, and those that begin level by their numbers: what is named
+    after the first pair that is found must not follow what rounding makes of level ones.
+    """
     # the widest axis first
-    axis, *others = np.argsort(-np.ptp(low, axis=0), kind="stable").tolist()
+    axis, *others = np.argsort(-coarse(np.ptp(low, axis=0)), kind="stable").tolist()
     order = np.argsort(low[:, axis], kind="stable")
     # along the axis on which boxes are spread most, each box meets those that begin before it ends
     ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
@@ -294,7 +298,10 @@ def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.n
     for k in others:  # of those that meet on the axes before
         near = (low[a, k] <= high[b, k]) & (low[b, k] <= high[a, k])
         a, b = a[near], b[near]
-    return a, b
+    rank = np.argsort(np.argsort(coarse(low[:, axis]), kind="stable"))
+    i, j = np.minimum(rank[a], rank[b]), np.maximum(rank[a], rank[b])
+    swapped, order = rank[a] > rank[b], np.lexsort((j, i))
+    return np.where(swapped, b, a)[order], np.where(swapped, a, b)[order]
 
 
 def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross
+from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross, first_largest
 from origami_nlp.pattern_problem.compiled_facets import FacingInC
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
@@ -73,7 +73,7 @@ class Features:
             cross((x - x[:, :1])[:, :, None], (x - x[:, :1])[:, None]), axis=3
         ).reshape(count, -1)
         # the triangle from the first corner with the largest area stands for the plane
-        best = size.argmax(axis=1)
+        best = first_largest(size)
         low, high = np.minimum(best // q, best % q), np.maximum(best // q, best % q)
         rows = np.arange(count)
         triangle = np.column_stack([pieces[:, 0], pieces[rows, low], pieces[rows, high]])
