@@ -16,6 +16,7 @@ from origami_nlp.kkt import (
     TRACED,
     TREE,
     Escape,
+    EscapePath,
     Method,
     Terrain,
     barriers,
@@ -28,6 +29,7 @@ from origami_nlp.kkt import (
     over_flat,
     project,
 )
+from origami_nlp.minima.canonical import canonical_model
 from origami_nlp.minima.compiled_projection import project_many
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
@@ -38,8 +40,10 @@ from origami_nlp.numerics import (
     CONTACT_TOL,
     DUPLICATE_TOL,
     NONZERO,
+    OUTSIDE,
     RESOLVED,
     SHALLOW,
+    coarse,
 )
 from origami_nlp.pattern import Relabelling, symmetries
 from origami_nlp.problem import Contact, Model, closed_anyway
@@ -57,6 +61,8 @@ PASS_NEAR = 0.5
 """Newton finds a pass within this distance [rad] of where descents part."""
 
 
+DIGITS = 11
+"""After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
 NOTHING_NEAR = "no other admissible state is near"
 
 
@@ -395,7 +401,7 @@ def _bounded(
     lowest = [] if why else loose[:MOST_STATES]
     sought = [k for k in lowest if k not in images]
     modes = [_modes(model, m) for m in minima]
-    ways = escape_paths(VertexTerrain(model, states, modes), sought) if sought else {}
+    ways = _ways(model, states, modes, sought) if sought else {}
     # an image may be that of an image: earlier ones first
     for k, (first, move, to) in sorted(images.items(), key=lambda item: item[0]):
         if k in lowest and (way := ways.get(first)):
@@ -417,6 +423,31 @@ def _bounded(
     return [
         replace(e, top=tuple(model.expand(np.array(e.top)).tolist())) if e.top else e for e in found
     ]
+
+
+def _ways(
+    model: Model, states: np.ndarray, modes: Sequence[list[np.ndarray]], which: Sequence[int]
+) -> dict[int, EscapePath]:
+    """Find escape paths from minima [M, n] of some numbers, under labels that do not depend on the scene's."""
+    posed = canonical_model(model)
+    if posed is None:
+        return escape_paths(VertexTerrain(model, states, modes), which)
+    other, labels = posed
+
+    def there(x: np.ndarray) -> np.ndarray:
+        return np.asarray(other.reduce(labels.sign * model.expand(x)[..., labels.creases]))
+
+    # to the last bit, whatever rounding left; creases that are flat or at a limit stay so
+    exact = there(states)
+    still = (other.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
+    exact = project(other, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
+    kept = [[coarse(there(m)) for m in of] for of in modes]
+    terrain = VertexTerrain(other, exact, kept)
+    unit = float(np.mean(model.scene.stiffness))
+    return {
+        k: EscapePath(unit * way.height, model.reduce(labels.back(other.expand(way.top))), way.to)
+        for k, way in escape_paths(terrain, which).items()
+    }
 
 
 def _images(model: Model, states: np.ndarray) -> dict[int, tuple[int, Relabelling, np.ndarray]]:

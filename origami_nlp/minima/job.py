@@ -11,6 +11,7 @@ import numpy as np
 
 from origami_nlp.kkt import Polished, Solve, Verdict, polish, polished_nearby, project
 from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.canonical import canonical_model
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.multistart import run_starts
@@ -33,7 +34,6 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern import Relabelling, canonical_labels
 from origami_nlp.problem import Model
 from origami_nlp.starts import (
     CORNER,
@@ -171,7 +171,7 @@ class Job:
         if self.model.size > self.options.most_batched and not is_chain(self.model):
             self._one_by_one()
             return
-        under = self._under()
+        under = canonical_model(self.model)
         limits = self.turn, self.until
         batches = self.options.first_batch, self.options.batch
         with Search(self.model, self.record, under, workers, self._tell, limits, batches) as search:
@@ -247,14 +247,6 @@ class Job:
         whole = traced.complete and self.record.failed.total() == broken
         self.complete = traced.reason if whole and self.model.parameters.dead is None else ""
         return whole
-
-    def _under(self) -> tuple[Model, Relabelling] | None:
-        """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
-        scene = self.model.scene
-        if not scene.group.is_trivial or scene.loads:
-            return None
-        labels = canonical_labels(scene)
-        return Model(labels.relabelled(scene)), labels
 
     def _enough(self, quiet: int) -> bool:
         hits = self.record.drawn_hits

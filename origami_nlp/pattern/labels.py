@@ -7,6 +7,7 @@ that all of these agree on, and one search serves all vertices that are one unde
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -88,13 +89,13 @@ class Relabelling:
         )
         return Scene(
             vertex,
-            tuple((np.array(scene.stiffness)[creases] / np.mean(scene.stiffness)).tolist()),
+            tuple((np.array(scene.stiffness)[creases] / _mean(scene)).tolist()),
             tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
-            preload=self._turned(scene.preload) / np.mean(scene.stiffness) if scene.preload else (),
+            preload=self._turned(scene.preload) / _mean(scene) if scene.preload else (),
             limits=tuple(map(tuple, self.limit_angles(scene).T.tolist())) if scene.limits else (),
-            laws=self.laws(scene, 1 / float(np.mean(scene.stiffness))),
+            laws=self.laws(scene, 1 / _mean(scene)),
             relations=decided,
         )
 
@@ -116,7 +117,7 @@ def canonical_labels(scene: Scene) -> Relabelling:
         Of all 4 N.
     """
     n = scene.degree
-    mean = float(np.mean(scene.stiffness))
+    mean = _mean(scene)
     k = np.array(scene.stiffness) / mean
     columns = np.stack([scene.vertex.sector_angles, k, _angles(scene)[1]])
     numbers = np.round(columns, 12) + 0.0
@@ -129,6 +130,11 @@ def canonical_labels(scene: Scene) -> Relabelling:
         return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest, *limits, *torques]
 
     return min(every_label(n), key=seen)
+
+
+def _mean(scene: Scene) -> float:
+    """Return the mean stiffness, the same to the last bit whichever crease comes first."""
+    return math.fsum(scene.stiffness) / scene.degree
 
 
 def _angles(scene: Scene) -> np.ndarray:

@@ -381,3 +381,33 @@ def test_what_an_escape_path_leads_to_has_an_order_of_layers():
     terrain = VertexTerrain(model, states, [[] for _ in states])
     for way in escape_paths(terrain, range(len(states))).values():
         assert not [x for x in way.states if model.refuses(x)]
+
+
+@pytest.mark.parametrize("seed", [3, 7])
+def test_barriers_do_not_hang_on_labels(seed):
+    """Stiffnesses over four decades; Newton's steps onto closure are others where another crease comes first."""
+    rng = np.random.default_rng(seed)
+    sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
+    while sectors.max() > 0.95 * math.pi:
+        sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
+    k, rest = 10 ** rng.uniform(-2, 2, 5), rng.uniform(-2.8, 2.8, 5)
+    scene = Scene(Vertex(tuple(sectors)), stiffness=tuple(k), rest_angles=tuple(rest))
+    minima = find_minima(scene, effort="quick", prove=False, escape=False).minima
+    found = []
+    # as it is, from another crease, and the other way round
+    for order, facets in (
+        (range(5), range(5)),
+        ([2, 3, 4, 0, 1],) * 2,
+        ([0, 4, 3, 2, 1], [4, 3, 2, 1, 0]),
+    ):
+        other = Scene(
+            Vertex(tuple(sectors[list(facets)])),
+            stiffness=tuple(k[list(order)]),
+            rest_angles=tuple(rest[list(order)]),
+        )
+        there = [
+            replace(m, fold_angles=tuple(np.array(m.fold_angles)[list(order)]), softest_mode=())
+            for m in minima
+        ]
+        found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
+    assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
