@@ -93,7 +93,9 @@ class Relabelling:
             tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
-            preload=self._turned(scene.preload) / _mean(scene) if scene.preload else (),
+            preload=tuple((self._turned(scene.preload) / _mean(scene)).tolist())
+            if scene.preload
+            else (),
             limits=tuple(map(tuple, self.limit_angles(scene).T.tolist())) if scene.limits else (),
             laws=self.laws(scene, 1 / _mean(scene)),
             relations=decided,
