@@ -170,7 +170,7 @@ def is_on_plane(
     return any(
         other.shape == basis.shape
         and np.abs(off - there).max() < SETTLED
-        and np.abs(basis - other @ (other.T @ basis)).max() < SETTLED
+        and np.abs(basis - other @ (other.T @ basis)).max(initial=0.0) < SETTLED
         for other, there in planes
     )
 

@@ -157,6 +157,12 @@ class Clearance:
         ]
         return np.minimum(size * ways, FAR)
 
+    def crosses(self, states: np.ndarray) -> np.ndarray:
+        """Return at which closed states [S, n] facets cross, of bool [S]."""
+        c = self.problem.crossings
+        placed = np.array([c.carried(*c.poses.motions(phi)) for phi in states])
+        return self._crosses(placed)
+
     def _crosses(self, placed: np.ndarray) -> np.ndarray:
         """Return at which states facets cross, from corners of pieces in space [S, P, q, 3]."""
         deep = DEEP * self.problem.crossings.size

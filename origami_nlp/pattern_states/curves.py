@@ -81,7 +81,7 @@ class TracedCurves:
         self._high = self._low
 
     @cached_property
-    def _clearance(self) -> Clearance:
+    def clearance(self) -> Clearance:
         """Gaps of all pairs of facets: of sheets whose curves are traced."""
         return Clearance(self.problem)
 
@@ -117,7 +117,7 @@ class TracedCurves:
             The curve, and its images that are not known yet.
         """
         curve = self._followed(phi, along)
-        seen = self._clearance.along(curve) if self._contact else None
+        seen = self.clearance.along(curve) if self._contact else None
         meets = tuple(dips(self.problem, curve))
         meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
         new = [TracedCurve(curve, seen, tuple(meet), meets)]

@@ -56,6 +56,7 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
+from origami_nlp.pattern_states.plane_faces import contact_descents_on_plane
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
@@ -371,6 +372,10 @@ class _Search(FromMinima):
             lowest = lowest_on(problem, phi, basis)
             if lowest is not None and not self.known(lowest):
                 self.add(judge(problem, lowest, self.contact))
+            if lowest is not None and self.contact:
+                given = problem, self.curves.clearance, (phi, basis), lowest, self.known_minima
+                for end in contact_descents_on_plane(*given):
+                    self.attempt(self.contact_descent, end)
             return
         for d in into_family(phi, basis, self._side, self.problem.fold_limits):
             self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
