@@ -84,7 +84,18 @@ class State:
         return inverse
 
     def balancing(self, torque: np.ndarray) -> np.ndarray:
-        """Return the multipliers of closure, of smallest norm, that balance a torque [n] best, in the metric, [m]."""
+        """Return the multipliers of closure, of smallest norm, that balance a torque best.
+
+        Parameters
+        ----------
+        torque
+            [n], in the metric of the stiffness.
+
+        Returns
+        -------
+        np.ndarray
+            [m]
+        """
         if min(self.jacobian.shape) > SMALL:  # once a state takes longer than once a piece
             return shortest_solution(self.jacobian.T, torque, DEPENDENT)
         out: np.ndarray = self._balancing @ torque
