@@ -17,7 +17,13 @@ from matplotlib.figure import Figure
 from origami_nlp.actuation import actuate
 from origami_nlp.errors import OutOfTime
 from origami_nlp.pattern import Pattern, examples, make_pattern
-from origami_nlp.proof import certificate_of_mesh, check_proof, prove_mesh, why_no_mesh
+from origami_nlp.proof import (
+    certificate_of_mesh,
+    check_proof,
+    prove_mesh,
+    why_no_mesh,
+    why_no_mesh_contact,
+)
 from origami_nlp.verbs import find_minima
 
 SIZES = {"metasheet": range(2, 9), "miura": range(2, 9), "twists": range(1, 9)}
@@ -173,8 +179,12 @@ def count_states(family: str, size: int, contact: str, seconds: float = 60.0) ->
         return SheetCount(
             family, size, creases, vertices, contact, 0, 0, 0, "searched", False, str(late)
         )
-    if contact == "fold-limits" and len(pattern.vertices) > 1 and not why_no_mesh(pattern, MODES):
-        return _proved(family, size, pattern, seconds)
+    if contact == "full" and not (why_no_mesh(pattern, MODES) or why_no_mesh_contact(pattern)):
+        sure = _proved(family, size, pattern, contact, seconds)
+        if sure.is_whole:
+            return sure
+    elif len(pattern.vertices) > 1 and not why_no_mesh(pattern, MODES):
+        return _proved(family, size, pattern, contact, seconds)
     found = find_minima(pattern, contact=contact, escape=False, seconds=seconds)
     status = getattr(found.completeness, "status", "")
     search: Any = found.search
@@ -186,15 +196,16 @@ def count_states(family: str, size: int, contact: str, seconds: float = 60.0) ->
     )  # fmt: skip
 
 
-def _proved(family: str, size: int, pattern: Pattern, seconds: float) -> SheetCount:
+def _proved(family: str, size: int, pattern: Pattern, contact: str, seconds: float) -> SheetCount:
     """Count all minima of a mesh that folds flat, and let the check find them again."""
-    proof = prove_mesh(pattern, until=time.monotonic() + seconds, modes=MODES)
+    until = time.monotonic() + seconds
+    proof = prove_mesh(pattern, contact=contact == "full", until=until, modes=MODES)
     late = "; ".join(sorted({why for *_, why in proof.undecided}))
     checked = None if late else check_proof(certificate_of_mesh(pattern, proof))
     again = 0 if checked is None or checked.refused else len(checked.minima)
     sure = checked is not None and not checked.open and again == len(proof.minima)
     return SheetCount(
-        family, size, pattern.creases, len(pattern.vertices), "fold-limits", len(proof.minima), again,
+        family, size, pattern.creases, len(pattern.vertices), contact, len(proof.minima), again,
         len(proof.undecided), "proved by curves" if sure else "searched", sure, late,
     )  # fmt: skip
 

@@ -17,9 +17,10 @@ from origami_nlp.numerics import (
     INDEPENDENT,
     LEVEL,
     NONZERO,
+    RANK,
     ROUNDED,
-    NullSpaces,
     coarse,
+    left_out,
     nearest_in_cone,
 )
 from origami_nlp.problem import Contact
@@ -117,8 +118,8 @@ def _closes(state: State, y: np.ndarray, still: np.ndarray | None = None) -> boo
         return True
     free = np.full(len(x), True) if still is None else ~still
     f, jac = model.constraints(y, ())
-    of = NullSpaces(jac / model.root * free)
-    least = of.gap[1] if of.rank() == len(jac) else 0.0
+    values = np.linalg.svd(jac / model.root * free, compute_uv=False)
+    least = values[-1] if len(values) == len(jac) and values[-1] > RANK else 0.0
     if KANTOROVICH * max(float(np.linalg.norm(f)), ROUNDED) <= least**2:
         return True
     for step in FAR:
@@ -128,7 +129,7 @@ def _closes(state: State, y: np.ndarray, still: np.ndarray | None = None) -> boo
         if not (residual <= FOLLOWED and np.linalg.norm(y - start) < BENDS * step):
             return False
     f, jac = model.constraints(y, ())
-    return NullSpaces(jac / model.root * free).left_out(f) < BENDS * step
+    return left_out(jac / model.root * free, f) < BENDS * step
 
 
 def _put_back(state: State, start: np.ndarray, branch: BranchJudgement) -> tuple[np.ndarray, float]:

@@ -34,7 +34,7 @@ from .linear import (
     unbounded as unbounded,
 )
 from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree
-from .null_spaces import NullSpaces as NullSpaces
+from .null_spaces import NullSpaces as NullSpaces, left_out as left_out
 from .reflections import KernelBasis as KernelBasis, solve_symmetric as solve_symmetric
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .rounding import (

@@ -8,14 +8,20 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-import scipy as sp
 
 from origami_nlp.numerics.tolerances import FOLLOWED, RANK
 
 ROOM = 10.0
 """Between proved bounds of singular values and what they are compared with: for rounding of the factors."""
+
+
+def _lapack() -> Any:
+    import scipy.linalg.lapack  # heavy
+
+    return scipy.linalg.lapack
 
 
 class NullSpaces:
@@ -45,7 +51,7 @@ class NullSpaces:
         if not len(matrix):
             matrix = np.zeros((1, matrix.shape[1]))
         # A' P = Q R
-        self._qr, order, self._tau, _, _ = sp.linalg.lapack.dgeqp3(matrix.T)
+        self._qr, order, self._tau, _, _ = _lapack().dgeqp3(matrix.T)
         self._order = order - 1
         diagonal = np.abs(self._qr.diagonal())
         self._count = int((diagonal > RANK).sum())
@@ -55,7 +61,7 @@ class NullSpaces:
         if r < len(diagonal):
             largest = float(np.linalg.norm(np.triu(self._qr[r:, r:])))
         if r:
-            self._inverse, failed = sp.linalg.lapack.dtrtri(self._qr[:r, :r])
+            self._inverse, failed = _lapack().dtrtri(self._qr[:r, :r])
             self._inverse = np.triu(self._inverse)
             smallest = 0.0 if failed else 1 / float(np.linalg.norm(self._inverse))
         # of the singular values: the r largest are above the second, the others below the first
@@ -83,15 +89,8 @@ class NullSpaces:
         return bool(((values > low) & (values < high)).any())
 
     def left_out(self, f: np.ndarray) -> float:
-        """Return the length of the part of Newton's step for values [m] that singular values counted as zero stand for.
-
-        Those that only rounding keeps from zero, below `FOLLOWED`, have no part in it.
-        """
-        if self._is_known(FOLLOWED):
-            return 0.0
-        u, values, _ = self._singular
-        small = np.flatnonzero((values > FOLLOWED) & (values <= RANK))
-        return float(np.linalg.norm(u.T[small] @ f / values[small]))
+        """Return what `left_out` says, with no singular values where none can be among those it asks for."""
+        return 0.0 if self._is_known(FOLLOWED) else left_out(self._matrix, f)
 
     @cached_property
     def kernel(self) -> np.ndarray:
@@ -102,7 +101,7 @@ class NullSpaces:
         rest = np.zeros((n, n - rank))
         rest[rank:] = np.eye(n - rank)
         first = self._qr[:, :rank], self._tau[:rank]
-        z, _, _ = sp.linalg.lapack.dormqr("L", "N", *first, rest, 64 * n) if rank else (rest, 0, 0)
+        z, _, _ = _lapack().dormqr("L", "N", *first, rest, 64 * n) if rank else (rest, 0, 0)
         return np.array(z, order="C")
 
     @cached_property
@@ -119,3 +118,32 @@ class NullSpaces:
         free[self._order[:rank]] = -self._inverse @ self._qr[:rank, rank:]
         free[self._order[rank:]] = np.eye(m - rank)
         return np.linalg.qr(free)[0].T
+
+
+def left_out(matrix: np.ndarray, f: np.ndarray) -> float:
+    """Return the length of the part of Newton's step for values that singular values counted as zero stand for.
+
+    Those that only rounding keeps from zero, below `FOLLOWED`, have no part in it.
+
+    Parameters
+    ----------
+    matrix
+        A, [m, n].
+    f
+        What A times the step is to be, [m].
+
+    Returns
+    -------
+    float
+        The length.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.numerics.null_spaces import left_out
+    >>> left_out(np.diag([1.0, 1e-8]), np.array([1.0, 3e-8])) > 2.9
+    True
+    """
+    u, values, _ = np.linalg.svd(matrix, full_matrices=False)
+    small = np.flatnonzero((values > FOLLOWED) & (values <= RANK))
+    return float(np.linalg.norm(u.T[small] @ f / values[small]))
