@@ -30,9 +30,8 @@ def confirm(
     side = toward * driver.beside(at)
     t, beyond = at - side, at + side
     before, after = _passed(web, way, t), _ahead(*landed, beyond)
-    if (
-        before is None
-    ):  # beside states where closure loses rank Newton knows those of the path alone
+    if before is None:
+        # beside states where closure loses rank Newton knows those of the path alone
         f = next((f for f in way.frames[::-1] if (t - f.s) * toward >= 0), way.frames[0])
         t, before = f.s, np.asarray(f.problem.expand(f.state))
     first = driver.states_at(t, search)

@@ -1,5 +1,10 @@
 from . import quaternion as quaternion
-from .compiling import SWITCH as SWITCH, address as address, compiled as compiled
+from .compiling import (
+    SWITCH as SWITCH,
+    address as address,
+    c_sources as c_sources,
+    compiled as compiled,
+)
 from .conic import (
     BALL as BALL,
     DEFINITE as DEFINITE,

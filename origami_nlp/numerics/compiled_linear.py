@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.numerics import tolerances
-from origami_nlp.numerics.compiling import address, compiled
+from origami_nlp.numerics.compiling import address, c_sources, compiled
 
 MOST = 256
 """Rows or columns: LAPACK takes less time of more."""
@@ -20,7 +20,7 @@ def _source() -> str:
     lines = [f"#include <{name}.h>" for name in ("math", "stdint", "string")]
     for name in "NONZERO RANK ROUNDED".split():
         lines.append(f"#define {name} ({getattr(tolerances, name).hex()})")
-    return "\n".join([*lines, (Path(__file__).parent / "c" / "linear.c").read_text("utf-8")])
+    return "\n".join([*lines, c_sources(Path(__file__).parent / "c" / "linear.c")])
 
 
 def _library() -> Any:

@@ -50,6 +50,29 @@ def compiled(
     return _LOADED[key]
 
 
+def c_sources(*paths: Path) -> str:
+    """Return C sources one after the other, after that of vectors (`c/vectors.h`).
+
+    Parameters
+    ----------
+    paths
+        Files that include nothing but what every C compiler has.
+
+    Returns
+    -------
+    str
+        Their text.
+
+    Examples
+    --------
+    >>> from origami_nlp.numerics import c_sources
+    >>> "static double dot" in c_sources()
+    True
+    """
+    vectors = Path(__file__).parent / "c" / "vectors.h"
+    return "\n".join(path.read_text("utf-8") for path in (vectors, *paths))
+
+
 def address(array: Any) -> int:
     """Return where the numbers of an array stand, for C; as `array.ctypes.data`, in a quarter of its time."""
     try:

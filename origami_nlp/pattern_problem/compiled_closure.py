@@ -10,7 +10,7 @@ import numpy as np
 import scipy as sp
 
 from origami_nlp import numerics
-from origami_nlp.numerics import address
+from origami_nlp.numerics import address, c_sources
 
 FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
@@ -55,7 +55,7 @@ def _source() -> str:
     ):
         lines += ["typedef struct {", *(f"{c}{name};" for c, names in parts for name in names)]
         lines.append(f"}} {struct};")
-    return "\n".join([*lines, (Path(__file__).parent / "c" / "closure.c").read_text("utf-8")])
+    return "\n".join([*lines, c_sources(Path(__file__).parent / "c" / "closure.c")])
 
 
 class CompiledClosure:

@@ -1,19 +1,6 @@
 /* Nonnegative least squares, as `linear.py` has them: the same steps, with the factors of Gram and Schmidt, twice, in
    place of singular values.  0 is returned where columns all but depend on each other. */
 
-static double dot(const double *a, const double *b, int64_t n) {
-  double total = 0.0;
-  for (int64_t i = 0; i < n; i++) total += a[i] * b[i];
-  return total;
-}
-
-static double largest(const double *a, int64_t n) { /* absolute; nan where there is one */
-  double most = 0.0;
-  for (int64_t i = 0; i < n; i++)
-    if (fabs(a[i]) > most || isnan(a[i])) most = fabs(a[i]);
-  return most;
-}
-
 /* Q [k, t] and R [k, k] of k columns a [., t] by number. */
 static int factorise(int64_t t, int64_t k, const double *a, const int64_t *which, double *q, double *r) {
   if (k > t) return 0;
