@@ -43,6 +43,5 @@ from .records import (
     SearchCheck as SearchCheck,
     StateAt as StateAt,
 )
-from .regions import Region as Region, find_regions as find_regions, region_cells as region_cells
 from .result import Atlas as Atlas
 from .smooth import smooth as smooth

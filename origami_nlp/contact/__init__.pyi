@@ -1,4 +1,3 @@
-from .figure import draw_contacts as draw_contacts
 from .report import ContactReport as ContactReport, find_contacts as find_contacts
 from .segments import (
     SLOPE as SLOPE,

@@ -5,7 +5,6 @@ from .convex import (
     scene_of as scene_of,
     springs_of as springs_of,
 )
-from .disjunctions import Disjunction as Disjunction, choose as choose
 from .examples import EXAMPLES as EXAMPLES, example_targets as example_targets
 from .figure import draw_design as draw_design
 from .finding import design as design
@@ -29,7 +28,6 @@ from .robustness import (
     lost_at as lost_at,
     tolerance_of as tolerance_of,
 )
-from .target_tolerance import MovedTargets as MovedTargets, move_targets as move_targets
 from .targets import (
     BarrierAsk as BarrierAsk,
     ClosedTarget as ClosedTarget,

@@ -61,8 +61,6 @@ class ConvexDesign:
         Further rows over the springs and the margin, see `Springs`.
     heights
         Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
-    elastic
-        Let states be out of balance at this price, for a search for better ones.
     calm
         Price, over the margin, of the torque that springs which are off throw out of balance (see `_calm`).
     """
@@ -73,7 +71,6 @@ class ConvexDesign:
         touching: frozenset[tuple[int, Contact]] = frozenset(),
         more: Sequence[ConeRows] = (),
         heights: Sequence[np.ndarray] = (),
-        elastic: float = 0.0,
         loose: bool = False,
         calm: float = 0.0,
     ) -> None:
@@ -93,8 +90,6 @@ class ConvexDesign:
         self.aim = _row(self.problem.size, (self.places.margin, 1.0))
         if heights:
             self._lift(heights)
-        if elastic:
-            self._soften(elastic)
         if calm:
             self._calm(calm)
 
@@ -141,23 +136,6 @@ class ConvexDesign:
             p.add(POSITIVE, row, 0.0, "torque out of balance")
         self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
         self.aim[most] = -price
-
-    def _soften(self, price: float) -> None:
-        """Replace the balance of states by an exact penalty on what is left (Nocedal and Wright, section 17.2)."""
-        p = self.problem
-        rows = [r for r in p.rows if isinstance(r.words, str) and r.words.endswith(" balances")]
-        p.rows = [r for r in p.rows if not any(r is other for other in rows)]
-        aim = [self.aim]
-        for r in rows:
-            left = p.more(len(r.b))
-            for sign in (1.0, -1.0):
-                a = sign * p.matrix(r)
-                a[np.arange(len(r.b)), np.arange(left.start, left.stop)] = 1.0
-                p.add(POSITIVE, a, sign * r.b, r.words)
-            aim.append(np.full(len(r.b), -price))
-        self.aim = np.concatenate(
-            [np.pad(self.aim, (0, p.size - len(self.aim) - sum(map(len, aim[1:])))), *aim[1:]]
-        )
 
     def _bounds(self, kinds: int) -> None:
         p, v, t = self.problem, self.places, self.targets

@@ -53,7 +53,6 @@ from .pop_signs import (
     flat_with as flat_with,
     least_flat_energy as least_flat_energy,
 )
-from .posed import independent_rows as independent_rows, pose as pose
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem
 from .screws import Screws as Screws, find_screws as find_screws
@@ -66,7 +65,6 @@ from .stacks import Stack as Stack, Unclear as Unclear
 from .tube import (
     FoldedTube as FoldedTube,
     Tube as Tube,
-    folded_lattice as folded_lattice,
     measured_cell as measured_cell,
 )
 from .work import (

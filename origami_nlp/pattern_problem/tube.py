@@ -13,8 +13,7 @@ from origami_nlp.kkt import State
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.crossings import PatternCrossings
-from origami_nlp.pattern_problem.lattice import FoldedLattice, Lattice
-from origami_nlp.pattern_problem.problem import PatternProblem
+from origami_nlp.pattern_problem.lattice import Lattice
 from origami_nlp.pattern_problem.screws import Screws, advance_of_a_cell, find_screws
 
 
@@ -118,42 +117,3 @@ def measured_cell(pattern: Pattern) -> Lattice | Tube:
     """Return what has the lattice of a cell's states, or the tube of one that is rolled up: `at` a state."""
     cell = pattern.cell
     return Lattice(pattern) if cell is None or cell.rolled is None else Tube(pattern)
-
-
-def folded_lattice(pattern: Pattern, fold_angles: np.ndarray) -> FoldedLattice | FoldedTube:
-    """Return the lattice of a closed state of a cell that repeats, and how it gives way; or its tube.
-
-    Parameters
-    ----------
-    pattern
-        The cell.
-    fold_angles
-        Of the state, [n] [rad].
-
-    Returns
-    -------
-    FoldedLattice or FoldedTube
-        A lattice with Poisson's ratio and stiffness where the springs hold the state, or a force along either vector
-        would.
-
-    Raises
-    ------
-    OptionError
-        If the pattern does not repeat, or the state does not close.
-
-    Examples
-    --------
-    >>> import numpy as np, origami_nlp as o
-    >>> from origami_nlp.pattern_problem import PatternProblem, folded_lattice
-    >>> cell = o.examples.pattern("miura", 1, 1, cell=True)
-    >>> phi, _ = PatternProblem(cell).project(0.8 * cell.signs)
-    >>> [round(x, 4) for x in folded_lattice(cell, phi).poisson]
-    [-0.4038, -2.4762]
-    """
-    lattice, problem = measured_cell(pattern), PatternProblem(pattern)
-    phi = np.asarray(fold_angles, float)
-    if not problem.closure.closes(phi):
-        raise OptionError(
-            f"fold_angles do not close (by {problem.residual(phi):.1e}): project them first"
-        )
-    return lattice.at(State(problem, phi))

@@ -1,6 +1,5 @@
 from .branch_points import split as split
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .confirming import IpoptConfirmation as IpoptConfirmation, confirm_minimum as confirm_minimum
 from .contact_descents import (
     contact_descent as contact_descent,
     contact_descent_off as contact_descent_off,

@@ -26,12 +26,10 @@ import origami_nlp as o
 from origami_nlp.bifurcation import (
     BifurcationSet,
     EventCurve,
-    Region,
     find_bifurcation_set,
-    find_regions,
-    region_cells,
     smooth,
 )
+from tests.bifurcation.regions import Region, find_regions, region_cells
 
 FIGURES = Path(__file__).parents[2] / "docs" / "figures"
 RATIO = "ratio=0.01:100"

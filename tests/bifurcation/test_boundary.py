@@ -14,12 +14,12 @@ from origami_nlp.bifurcation import (
     EventCurve,
     Plane,
     find_bifurcation_set,
-    find_regions,
     follow_family,
     parse_parameter_range,
     smooth,
 )
 from origami_nlp.errors import OptionError
+from tests.bifurcation.regions import find_regions
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,8 @@ from origami_nlp.inverse_design import (
     EnergyGap,
     Target,
     Targets,
-    choose,
     design,
     example_targets,
-    move_targets,
     parse_targets,
     read_targets,
     scene_of,
@@ -226,38 +224,6 @@ def _between(found, count):
         x, left = project(model, x, frozen=np.arange(model.size) == 1)
         assert left < 1e-10
         yield model.energy(x)
-
-
-def test_the_exact_choice_is_that_of_all_subsets():
-    import itertools
-
-    pool = question(3, 4, 5, preload=True)
-    chosen = choose(pool, exact=True)
-    best = (0, 0.0)
-    for size in range(1, 6):
-        for states in itertools.combinations(pool.states, size):
-            posed = solve(replace(pool, states=states))
-            if posed.feasible:
-                best = max(best, (size, posed.margin))
-    assert (len(chosen.names), chosen.margin) == (best[0], pytest.approx(best[1]))
-    greedy = choose(pool, exact=False)
-    assert len(greedy.names) <= best[0]
-
-
-def test_targets_move_to_springs():
-    for seed in range(12):
-        targets = question(seed, 4, 2)
-        if solve(targets).feasible:
-            continue
-        states = tuple(replace(t, tolerance=math.radians(25)) for t in targets.states)
-        moved = move_targets(replace(targets, states=states))
-        if moved.after == -math.inf:
-            continue
-        assert max(moved.by) <= math.radians(25) + 1e-9
-        scene = scene_of(moved.targets, springs_of(solve(moved.targets)))
-        assert held_by_hand(moved.targets, scene)
-        return
-    pytest.fail("no question was helped")
 
 
 def test_barriers_at_most_and_largest():

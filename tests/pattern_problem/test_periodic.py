@@ -10,6 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
+from origami_nlp.kkt import State
 from origami_nlp.pattern import (
     frame_pattern,
     make_cell,
@@ -21,8 +22,8 @@ from origami_nlp.pattern_problem import (
     Lattice,
     PatternProblem,
     find_labels,
-    folded_lattice,
     image,
+    measured_cell,
     pattern_to_fold,
 )
 
@@ -53,7 +54,10 @@ def miura_lengths(theta):
 def test_lattice_of_the_miura_fold_is_its_closed_form(size, rows, columns):
     cell = o.examples.pattern("miura", rows, columns, cell=True)
     phi, theta, _ = folded(cell, size)
-    found, (length, width) = folded_lattice(cell, phi), miura_lengths(theta)
+    found, (length, width) = (
+        measured_cell(cell).at(State(PatternProblem(cell), phi)),
+        miura_lengths(theta),
+    )
     assert np.allclose(found.lengths, (columns * length, rows * width), rtol=0, atol=1e-11)
     assert abs(found.angle - math.pi / 2) < 1e-11
     assert abs(found.area - rows * columns * length * width) < 1e-11
@@ -88,7 +92,7 @@ def test_stiffness_of_the_miura_fold_is_that_of_its_energy_over_the_inclination(
     for size in (0.5, 1.0, 1.8):
         phi, theta, _ = folded(cell, size)
         assert abs(energy(theta) - cell.energy(phi)) < 1e-13
-        found, h = folded_lattice(cell, phi), 1e-4
+        found, h = measured_cell(cell).at(State(PatternProblem(cell), phi)), 1e-4
         for k in range(2):
 
             def force(t, k=k):
@@ -148,7 +152,7 @@ def test_copies_are_translated_where_a_big_sheet_is_folded_alike():
                         sheet.corners[sheet.ends[k, 0]],
                     )
                     pose[other] = turn @ r, turn @ (p - r @ p) + shift
-    found = folded_lattice(cell, phi)
+    found = measured_cell(cell).at(State(PatternProblem(cell), phi))
     for i in range(6):
         for j in range(6):
             turn, shift = pose[4 * (6 * i + j)]
@@ -240,8 +244,6 @@ def test_what_a_cell_has_not_is_refused():
         lambda: o.load_path(cell, 1),
         lambda: o.check(cell),
         lambda: o.layer_orders(cell),
-        lambda: folded_lattice(o.examples.pattern("miura", 2, 2), np.zeros(4)),
-        lambda: folded_lattice(cell, np.full(8, 0.1)),
     ):
         with pytest.raises(OrigamiError) as error:
             ask()

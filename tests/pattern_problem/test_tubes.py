@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
+from origami_nlp.kkt import State
 from origami_nlp.pattern import (
     frame_pattern,
     make_cell,
@@ -26,12 +27,12 @@ from origami_nlp.pattern_problem import (
     find_labels,
     find_screws,
     flat_with,
-    folded_lattice,
     image,
+    measured_cell,
     pattern_to_fold,
-    pose,
 )
 from origami_nlp.pattern_problem.crossings import cross_each_other, separated
+from tests.pattern_problem.symbols import pose
 
 
 def tube(name, rolled, rows=1, columns=1):
@@ -166,7 +167,7 @@ def test_a_sheet_folded_alike_closes_once_round(name, rolled):
 
     assert np.abs(corners(p, q) - corners(0, 0)).max() < 1e-10
     assert np.abs(corners(p + 1, q + 1) - corners(1, 1)).max() < 1e-10
-    found = folded_lattice(cell, phi)
+    found = measured_cell(cell).at(State(PatternProblem(cell), phi))
     for way in ((1, 0), (0, 1)):
         # the rigid motion between two copies, by least squares, and its axis
         x, y = corners(0, 0), corners(*way)
@@ -317,7 +318,6 @@ def test_what_is_no_tube_is_refused_in_one_line():
         (lambda: read([True, 5]), "once round a tube"),
         (lambda: o.examples.pattern("miura", 2, 2, rolled=6), "give cell as well"),
         (lambda: Lattice(tube("miura", 6)), "in a plane"),
-        (lambda: folded_lattice(tube("yoshimura", 6), np.zeros(6)), "do not close"),
         (lambda: o.load_path(tube("yoshimura", 6), 1), "cell that repeats"),
     ):
         with pytest.raises(OrigamiError, match=words) as error:

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from scipy.linalg import qr
 
+from origami_nlp.kkt import State, classify
+from origami_nlp.minima import Confirmation, JudgedState, confirm_posed, gaps_of
 from origami_nlp.numerics import RANK, dense, quaternion as quat
 from origami_nlp.pattern import Loop, Pattern
-from origami_nlp.pattern_problem.contact_pairs import ContactPair
-from origami_nlp.pattern_problem.faces import CoplanarContact
-from origami_nlp.problem import Nlp, law_energy
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern_problem.problem import PatternProblem
+from origami_nlp.pattern_problem import ContactPair, CoplanarContact, PatternProblem
+from origami_nlp.problem import Contact, Nlp, law_energy
 
 
 def independent_rows(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
@@ -34,29 +32,7 @@ def independent_rows(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
 def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPair] = ()) -> Nlp:
     """Pose min U subject to some closure equations and gaps.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    rows
-        Numbers of the equations.
-    touches
-        Features whose gaps, over the sheet's size, are the last rows; their bounds are the caller's.
-
-    Returns
-    -------
-    Nlp
-        Parameters are `Parameters.vector`: stiffness, rest angles and loads.
-
-    Examples
-    --------
-    >>> import numpy as np, origami_nlp as o
-    >>> from origami_nlp.pattern_problem import PatternProblem, independent_rows, pose
-    >>> problem = PatternProblem(o.examples.pattern("miura", 3, 3))
-    >>> phi, _ = problem.project(0.5 * problem.pattern.signs)
-    >>> rows = independent_rows(problem, phi)
-    >>> problem.equation_count, len(rows), pose(problem, rows).g.shape
-    (12, 11, (11, 1))
+    Rows are numbers of the equations; gaps of `touches`, over the sheet's size, are the last rows, free.
     """
     n = problem.size
     x, k, rest, load = (ca.SX.sym(name, n) for name in ("x", "k", "rest", "load"))
@@ -129,3 +105,22 @@ def _gap(problem: PatternProblem, turns: ca.SX, touch: ContactPair) -> ca.SX:
         normal = ca.SX(ca.DM(np.cross(c - b, d - b)))
         off = seen(np.array(touch.place) if isinstance(touch, CoplanarContact) else a) - ca.DM(b)
     return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)
+
+
+def confirm_minimum(
+    problem: PatternProblem, minimum: JudgedState
+) -> tuple[Confirmation, tuple[np.ndarray, np.ndarray], float] | None:
+    """Let IPOPT solve from a minimum with its contacts closed; None where no choice of rows stands for closure.
+
+    Returned are what it says, our multipliers and its own over the mean stiffness, and the largest torque, over it too,
+    that its multipliers leave along closure.
+    """
+    state = State(problem, minimum.phi)
+    if not state.regular:
+        return None
+    stratum = state.on([c.contact for c in classify(state).contacts if c.contact is not None])
+    rows = independent_rows(problem, state.x)
+    touches = [problem.touch(Contact("gap", k, 1)) for k in gaps_of(stratum)]
+    solver, forces = confirm_posed(pose(problem, rows, touches), stratum, rows)
+    torque = state.kernel.T @ (state.gradient - stratum.slopes.T @ forces)
+    return solver, (stratum.multiplier_set.smallest, forces), float(np.abs(torque).max(initial=0.0))
