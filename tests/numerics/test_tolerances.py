@@ -66,7 +66,7 @@ BESIDE_THE_TABLE = {
         pattern/law_course.IMAGINARY pattern/law_course.TINY
     """,
     "what is shown, or said in words": """
-        bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
+ chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
         inverse_design/library_design.FOUND inverse_design/library.USED
