@@ -3,7 +3,7 @@
 import json
 import math
 from dataclasses import replace
-from itertools import combinations, product
+from itertools import product
 
 import numpy as np
 import pytest
@@ -109,7 +109,7 @@ def test_signs_alone_are_enough_where_some_sizes_work_on_one_branch_only():
     sheet = o.actuate(scene).pattern
     mine = Sheet(sheet.corners, sheet.ends)
     modes = [m[np.argsort(mine.rings[0][0])] for m in mine.modes()[0]]
-    for i, j in combinations(range(4), 2):
+    for i, j in ((0, 1), (0, 2), (1, 3)):
         alone = {tuple(np.sign([s * m[j], -s * m[i]])) for m in modes for s in (1, -1)}
         for pair in product((1, -1), repeat=2):
             seen = o.actuate(scene, {i + 1: "-+"[pair[0] > 0], j + 1: "-+"[pair[1] > 0]})
@@ -122,7 +122,7 @@ def test_signs_alone_are_enough_where_some_sizes_work_on_one_branch_only():
     assert "always" in str(o.actuate(scene, {1: "+"}))
 
 
-def ends_of(sheet, load, draws=50):
+def ends_of(sheet, load, draws):
     """States in which sheets that were pushed out of the flat state at random come to rest, each once."""
     mine, rng, ends = Sheet(sheet.corners, sheet.ends), np.random.default_rng(7), []
     for _ in range(draws):
@@ -145,15 +145,16 @@ LOADS = {
 }
 
 
+@pytest.mark.parametrize("draws", [12, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("case", thinned(list(LOADS)[::-1], 2))
-def test_random_pushes_out_of_the_flat_state_end_where_it_says(case):
+def test_random_pushes_out_of_the_flat_state_end_where_it_says(case, draws):
     name, torques = LOADS[case]
     sheet = sheets()[name] if name in CAN else o.examples.pattern(name).with_springs(0.02, 0.0)
     if torques is None:
         (driven, _) = o.actuate(sheet).driven
         torques = {c: 0.01 * t for c, t in zip(driven.creases, driven.torques, strict=True)}
     seen = o.actuate(sheet, torques)
-    ends = ends_of(sheet, seen.loads[0])
+    ends = ends_of(sheet, seen.loads[0], draws)
     assert len(ends) == len(seen.reached) == len(seen.started) and seen.unique is (len(ends) == 1)
     for state in seen.reached:
         assert state.verdict == "minimum"
@@ -172,7 +173,8 @@ def test_the_graph_of_states_is_that_of_load_paths():
     led = {(t.start, t.load): t for t in seen.transitions}
     assert len(led) == 8 and [led[1, k].end for k in (1, 2, 3, 4)] == [1] * 4
     assert [led[2, k].end for k in (1, 2, 3, 4)] == [2, 1, 1, 2]
-    for k, (crease, size) in enumerate((c, t) for load in loads for c, t in load.items()):
+    for k in (1, 3):  # one load makes state 2 snap, one does not
+        ((crease, size),) = loads[k].items()
         path = o.load_path(
             shallow(), crease, to=size, state=2, unload=True, confirm=False, full=False
         )
@@ -273,7 +275,7 @@ def test_shares_of_a_torque_follow_what_winds_the_springs():
 
     sheet = o.examples.pattern("metasheet:2x3")
     torque = Torque(sheet, (1, 3), (1.0, -0.5))
-    state = o.find_minima(sheet, escape=False).minima[0]
+    state = o.find_minima(sheet, effort="quick", starts=2, escape=False).minima[0]
     end = o.load_path(sheet, torque, to=0.01, state=state, confirm=False).legs[-1].points[-1]
     wound = torque.loaded(0.01)
     found = o.classify(wound, end.fold_angles)

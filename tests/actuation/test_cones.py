@@ -52,7 +52,7 @@ def test_random_pushes_of_a_vertex_of_higher_degree_end_where_it_says(case):
     for way in ways:
         y = null.T @ way.velocity
         assert abs(y @ form @ y) < 1e-9 and np.linalg.norm(y) == pytest.approx(1, abs=1e-9)
-    ends = ends_of(seen.pattern, seen.loads[0], 24)
+    ends = ends_of(seen.pattern, seen.loads[0], 12)
     assert len(ends) == len(seen.reached) == len(ways) and seen.unique is (len(ends) == 1)
     for state in seen.reached:
         assert state.verdict == "minimum"

@@ -145,12 +145,3 @@ def name_end(piece: Piece, x: np.ndarray, reach: float = 0.06) -> np.ndarray | N
         if found:
             break
     return min(found, key=lambda f: f[0])[1] if found else None
-
-
-def named_ends(piece: Piece, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Name each of many ends [B, n]; equal ones are solved once.  Returns states (nan: none), and keys."""
-    rounded, where = np.unique(np.round(ends, 5), axis=0, return_inverse=True)
-    first = np.array([np.flatnonzero(where == k)[0] for k in range(len(rounded))])
-    names = [name_end(piece, ends[k]) for k in first]
-    table = np.array([np.full(piece.size, np.nan) if s is None else s for s in names])
-    return table[where], where

@@ -21,7 +21,7 @@ import numpy as np
 
 from tests.independent.admissible import admissible
 from tests.independent.arcs import corner_determinants
-from tests.independent.neighbours import Problem, look_around
+from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project, rotation_vector
 
 STEP = 1e-6
@@ -189,23 +189,3 @@ def _distinct(x: np.ndarray, tolerance: float = 1e-5) -> np.ndarray:
         if not kept or np.abs(np.array(kept) - row).max(axis=1).min() > tolerance:
             kept.append(row)
     return np.array(kept).reshape(-1, x.shape[1])
-
-
-def local_minima(p: Problem, starts: int, rng: np.random.Generator, looks: int = 600) -> np.ndarray:
-    """Return all local minima found, in order of energy, [m, n].
-
-    A candidate is dropped when an admissible neighbour within 1e-2 is lower by more than 1e-5 times
-    its distance (in units of the mean stiffness; candidates on curves are stationary to 1e-6).
-    """
-    radii = np.logspace(-2, -4, 5)
-    unit = float(np.mean(p.stiffness))
-    kept = []
-    for x in candidates(p, starts, rng):
-        quick = look_around(p, x, looks // 10, rng, most_tries=2, radii=radii, slope=1e-5 * unit)
-        if len(quick.lower):
-            continue
-        around = look_around(p, x, looks, rng, most_tries=6, radii=radii, slope=1e-5 * unit)
-        if not len(around.lower):
-            kept.append(x)
-    kept.sort(key=lambda x: (round(float(p.energy(x)), 12), tuple(x)))
-    return np.array(kept).reshape(-1, p.size)
