@@ -20,8 +20,6 @@ are. So each mesh comes with classes of equal sectors, of which relations that h
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -212,13 +210,6 @@ class _Classes:
                 self.deviation = max(self.deviation, off[number])
             found.append(number)
         return tuple(found)
-
-
-def modes_of(mesh: QuadMesh) -> Iterator[tuple[int, ...]]:
-    """Yield all choices of a mode at each vertex that do not contradict each other in signs."""
-    for modes in itertools.product((1, -1), repeat=len(mesh.vertices)):
-        if mesh.signs(modes) is not None:
-            yield modes
 
 
 def _sign(x: Fraction) -> int:
