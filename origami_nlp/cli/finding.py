@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -58,6 +59,7 @@ def minima(
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
+    begun = time.monotonic()
     out.check(("--certificate", certificate))
     options: dict[str, Any] = {
         "seed": seed,
@@ -88,6 +90,8 @@ def minima(
         out.others(found)
         return
     stated = scene.read_whole(contact=True)
+    if seconds is not None:  # the limit is the command's: reading a large sheet takes of it
+        options["seconds"] = max(seconds - (time.monotonic() - begun), 0.0)
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
         if certificate is not None:

@@ -130,6 +130,7 @@ class Sparse(Problem, Protocol):
     def jacobian(self, x: np.ndarray) -> Any: ...  # noqa: D102
     def hessian(self, x: np.ndarray, multipliers: np.ndarray) -> Any: ...  # noqa: D102
     def torque(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def rank(self, x: np.ndarray) -> int: ...  # noqa: D102
     def along(self, x: np.ndarray, v: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def project(  # noqa: D102
         self, x: np.ndarray, held: np.ndarray | None = None
