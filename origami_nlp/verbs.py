@@ -134,9 +134,9 @@ def find_minima(
     OptionError
         If an argument is not what it must be, or the other kind alone takes it.
     KeyboardInterrupt
-        If the user interrupts it, in a notebook as well; of a pattern's search its attribute ``result`` holds what was
-        found, a `MinimaResult`: ``except KeyboardInterrupt as stop: found = stop.result``, or afterwards at a prompt
-        ``sys.last_value.result``.
+        If the user interrupts it, in a notebook as well; its attribute ``result`` holds what was found, a
+        `MinimaResult` (of several scenes that of the one it was at): ``except KeyboardInterrupt as stop: found =
+        stop.result``, or afterwards at a prompt ``sys.last_value.result``.
 
     Examples
     --------

@@ -60,9 +60,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     found = Multipliers(residual, True, moments)
 
     # rows of closure depend on each other: creases less rows would call sheets that move isolated
-    say = partial(
-        BranchJudgement, rows=rows, multipliers=found, cone_dimension=len(x) - p.rank(x)
-    )
+    say = partial(BranchJudgement, rows=rows, multipliers=found, cone_dimension=len(x) - p.rank(x))
     if residual > STATIONARY * 10 * size:
         why = "no multipliers >= 0 balance the springs"
         yield say("undecided", why, 0, more=(-left,))

@@ -108,7 +108,9 @@ class SearchReport(ShortRepr):
         """State the bound on minima that no random start reached."""
         if self.stopped_by == "complete":
             return
-        if self.stopped_by == "time":
+        if self.interrupted:
+            yield "interrupted: what was found until then is listed"
+        elif self.stopped_by == "time":
             yield f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
         elif self.quiet >= FEW_QUIET:
             yield (

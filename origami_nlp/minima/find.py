@@ -19,7 +19,7 @@ from origami_nlp.arguments import (
     check_whole,
     shown,
 )
-from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError
 from origami_nlp.kkt import Classification, State, passing_moment
 from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
@@ -143,6 +143,8 @@ def find_minima(
         If an argument is not what it must be.
     AngleError
         If a guess is not N finite numbers.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
@@ -165,8 +167,14 @@ def find_minima(
     check_callback("found", found)
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until, found)
-    finish_all([jobs], guesses, workers)
-    return _result(jobs, effort if options is None else OWN, prove, full, escape, noise)
+    named = effort if options is None else OWN
+    try:
+        finish_all([jobs], guesses, workers)
+        return _result(jobs, named, prove, full, escape, noise)
+    except KeyboardInterrupt:
+        for job in jobs:
+            job.interrupt()
+        raise Interrupted(_result(jobs, named, False, False)) from None
 
 
 def find_minima_of_each(

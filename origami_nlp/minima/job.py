@@ -83,6 +83,7 @@ class Job:
         self.foldings: list[np.ndarray] = []
         self.given: list[tuple[np.ndarray, FoundState | None]] = []
         self.traced: CandidateMinima | None = None
+        self.interrupted = False
         self.begin = time.perf_counter()
         self.turn = (
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
@@ -217,6 +218,11 @@ class Job:
         if rounds.touches is not None and rounds.touches.found is not None:
             self.strata, _ = count_strata(rounds.touches.found, search.minima_on_touches())
 
+    def interrupt(self) -> None:
+        """End the search where the user interrupted it, with the states that it had judged."""
+        self.stopped_by, self.until, self.interrupted = "time", -math.inf, True
+        self.record.answers = [a for a in self.record.answers if a.what is not None]
+
     def _late(self) -> bool:
         """Return whether the time is over, and remember it."""
         if time.monotonic() > self.turn:
@@ -314,4 +320,5 @@ class Job:
             every_corner=self.corners[1],
             complete=self.complete,
             strata=self.strata,
+            interrupted=self.interrupted,
         )

@@ -178,10 +178,12 @@ def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
         return f"{n} state{'s'[: n > 1]} found, none certified"
     crossed = any(s.crossings for s in search.rejected)
     gave_up = getattr(search, "gave_up", {})
-    if not gave_up and not search.left_out:
+    late = search.stopped_by == "time" or bool(search.left_out)
+    if not gave_up and not late:
         return ""
     found = "facets cross in all that was found" if crossed else "none was found"
-    return "; ".join((found, *gave_up, *[OUT_OF_TIME] * bool(search.left_out)))
+    why = "interrupted" if search.interrupted else OUT_OF_TIME
+    return "; ".join((found, *gave_up, *[why] * late))
 
 
 def _assumed(origami: Scene | Pattern, search: SearchReport) -> Iterator[str]:

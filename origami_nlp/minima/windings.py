@@ -206,6 +206,7 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         refused=tuple(why for r in reports for why in r.refused),
         failed=dict(sorted(counted["failed"].items())),
         stalled=sum(r.stalled for r in reports),
+        interrupted=first.interrupted,
         seen_once=sum(r.seen_once for r in reports),
         quiet=min((r.quiet for r in drawn), default=0),
         corners=sum(r.corners for r in reports),

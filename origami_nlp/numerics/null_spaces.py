@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.numerics.tolerances import FOLLOWED, RANK
+from origami_nlp.numerics.tolerances import FOLLOWED, RANK, ROUNDED
 
 ROOM = 10.0
 """Between proved bounds of singular values and what they are compared with: for rounding of the factors."""
@@ -123,7 +123,8 @@ class NullSpaces:
 def left_out(matrix: np.ndarray, f: np.ndarray) -> float:
     """Return the length of the part of Newton's step for values that singular values counted as zero stand for.
 
-    Those that only rounding keeps from zero, below `FOLLOWED`, have no part in it.
+    Those that only rounding keeps from zero, below `FOLLOWED`, have no part in it; of the others no value is known to
+    better than `ROUNDED`.
 
     Parameters
     ----------
@@ -146,4 +147,4 @@ def left_out(matrix: np.ndarray, f: np.ndarray) -> float:
     """
     u, values, _ = np.linalg.svd(matrix, full_matrices=False)
     small = np.flatnonzero((values > FOLLOWED) & (values <= RANK))
-    return float(np.linalg.norm(u.T[small] @ f / values[small]))
+    return float(np.linalg.norm(np.maximum(np.abs(u.T[small] @ f), ROUNDED) / values[small]))

@@ -124,7 +124,8 @@ def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | No
     if np.abs(near - phi).max(initial=0.0) <= OUTSIDE:
         return None
     near, residual = problem.project(near, at_limit | flat)
-    lost = residual <= CLOSURE_TOL and np.abs(near - phi).max() < NEAR_SINGULAR_TOL
+    # a sheet drawn with noise: there it misses by what closes within `BESIDE_SINGULAR`, to the square of that
+    lost = residual <= BESIDE_SINGULAR**2 and np.abs(near - phi).max() < NEAR_SINGULAR_TOL
     return near if lost and problem.rank(near) < problem.rank(phi, CLOSURE_TOL) else None
 
 
