@@ -277,5 +277,5 @@ def parabola_top(a: np.ndarray, m: np.ndarray, b: np.ndarray) -> np.ndarray:
     slope = b - a - bend
     with np.errstate(divide="ignore", invalid="ignore"):
         t = np.where(bend < 0, -slope / (2 * bend), -1.0)
-        top = np.where((t > 0) & (t < 1), a - slope * slope / (4 * bend), -math.inf)
+        top = np.where((t > 0) & (t < 1), a - slope * (slope / (4 * bend)), -math.inf)
     return np.maximum(np.maximum(np.maximum(a, b), m), top)

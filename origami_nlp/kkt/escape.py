@@ -307,8 +307,9 @@ def highest(
 def _slopes(x: np.ndarray, torque: np.ndarray) -> np.ndarray:
     """Return the larger slope at the ends of each step along the angles that it changes: what it holds stays."""
     moves = x[:-1] != x[1:]
-    ends = [np.square(torque[e : len(moves) + e] * moves).sum(axis=1) for e in (0, 1)]
-    return np.asarray(np.sqrt(np.maximum(*ends)))
+    unit = 2.0 ** math.frexp(float(np.abs(torque).max()))[1]  # squares in N m may overflow
+    ends = [np.square(torque[e : len(moves) + e] / unit * moves).sum(axis=1) for e in (0, 1)]
+    return np.asarray(unit * np.sqrt(np.maximum(*ends)))
 
 
 LONGER = 2.0

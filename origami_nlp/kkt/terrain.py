@@ -111,9 +111,10 @@ class Terrain(ABC):
         p = self.problem
         return np.asarray(p.scale * p.parameters.torque(x) / p.root)
 
-    def slope(self, x: np.ndarray) -> float:
-        """Norm of that."""
-        return float(np.linalg.norm(self.torque(x)))
+    def slope(self, x: np.ndarray) -> np.ndarray:
+        """Norm of that, [...]."""
+        p = self.problem  # squares of torques in N m may overflow
+        return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Distance of two states, in the same metric."""
@@ -142,10 +143,8 @@ class Terrain(ABC):
         if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
             return np.asarray(apart)
         # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
-        slopes = np.linalg.norm(self.torque(ends), axis=-1)
-        return np.asarray(
-            apart & (self.rise(k, ends) <= (slopes + self.slope(at)) * NEAR_SINGULAR_TOL)
-        )
+        slopes = self.slope(ends) + self.slope(at)
+        return np.asarray(apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL))
 
     def is_way(self, k: int, end: np.ndarray) -> bool:
         """Whether an end [n] is one, as `are_ways`."""

@@ -215,10 +215,11 @@ def held_words(m: JudgedState) -> str:
         return "geometry: isolated"
     if not m.contacts:
         return "springs"
-    pushing = [c for c in m.contacts if c.multiplier_range[0] > 0]
+    contacts = sorted(m.contacts, key=lambda c: (not c.is_limit, sorted(c.facets)))
+    pushing = [c for c in contacts if c.multiplier_range[0] > 0]
     loaded = [c for c in pushing if c.unique]
-    open_ = [c for c in m.contacts if not c.unique]
-    idle = [c for c in m.contacts if c.unique and c not in pushing]
+    open_ = [c for c in contacts if not c.unique]
+    idle = [c for c in contacts if c.unique and c not in pushing]
     parts: list[str] = ["springs"] * (not loaded and not open_)
     parts += [f"{_who([c])}: {c.multiplier:.3g} {_unit(c)}" for c in loaded[:MOST_NAMES]]
     if len(loaded) > MOST_NAMES:
@@ -243,12 +244,12 @@ def _unit(c: ContactForce) -> str:
 
 
 def _who(contacts: Sequence[ContactForce], named: bool = True) -> str:
-    """Name creases at fold limits and at stops, and facets that touch, 1-based."""
-    facets = [
-        f"facets {c.facets[0]}|{c.facets[1]}" if c.corners else c.text.partition(" (")[0]
-        for c in contacts
-        if not c.is_limit
-    ]
+    """Name creases at fold limits and at stops, and facets that touch, 1-based, the smaller numbers first."""
+    touching = [c for c in contacts if not c.is_limit]
+    pairs = sorted({tuple(sorted(c.facets)) for c in touching if c.corners})
+    faces = [c for c in sorted(touching, key=lambda c: sorted(c.facets)) if not c.corners]
+    facets = [f"facets {a}|{b}" for a, b in pairs]
+    facets += [c.text.partition(" (")[0].removesuffix(" at") for c in faces]
     parts = []
     for word, stop in (("fold limit", False), ("stop", True)):
         at = sorted({k for c in contacts if c.is_limit and c.is_stop == stop for k in c.creases})

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import OrigamiError, Scene, Vertex, examples, find_minima
+from origami_nlp import OrigamiError, Scene, Vertex, examples, find_barriers, find_minima
 from tests.computed_once import panel_result, thinned
 
 VERTICES = {
@@ -89,6 +89,18 @@ def test_any_unit_will_do(factor):
     for a, b in zip(one.minima, other.minima, strict=True):
         assert b.energy == pytest.approx(a.energy * factor, rel=1e-12)
         assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [pytest.param(1e-297, marks=pytest.mark.slow), 9e299])
+def test_any_unit_will_do_for_barriers(factor):
+    """Squares of torques and energies overflow there, or are 0."""
+    sheet = examples.pattern("miura", 2, 2)
+    scaled = sheet.with_springs(stiffness=(np.array(sheet.stiffness) * factor).tolist())
+    one, other = (find_minima(p, starts=0).minima for p in (sheet, scaled))
+    barriers = np.array([m.escape.barrier for m in one])
+    assert [m.escape.barrier for m in other] == pytest.approx(factor * barriers, rel=1e-9)
+    (over,) = find_barriers(scaled, seed=0).passes
+    assert over.energy == pytest.approx(factor * (one[0].energy + barriers[0]), rel=1e-9)
 
 
 @pytest.mark.slow
