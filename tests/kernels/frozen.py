@@ -315,6 +315,9 @@ def main(words: list[str]) -> int:
     if words and words[0] == "--compare":
         old, new, *groups = [word for word in words[1:] if word != "--printed"]
         return 1 if compare(Path(old), Path(new), groups, "--printed" in words) else 0
+    if not words or words[0].startswith("-"):
+        print(__doc__)
+        return 2
     freeze(Path(words[0]), words[1:] or list(GROUPS))
     return 0
 
