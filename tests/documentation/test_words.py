@@ -44,6 +44,10 @@ WORDS = {
     r"why it is (?-i:none)|that (is|are) (?-i:none)(?! of)": "is not one",
 }
 """What is not said, and what is."""
+ENDS = r"(?<![\w./-])(?:{})(?![\w/]|\.\w)"
+"""A word stands alone: in no path, and in no name with a dot."""
+EACH = {word: re.compile(ENDS.format(word).replace(" ", r"\s+"), re.IGNORECASE) for word in WORDS}
+ANY = re.compile(ENDS.format("|".join(WORDS)).replace(" ", r"\s+"), re.IGNORECASE)
 PACKAGE = Path(origami_nlp.__file__).parent
 
 
@@ -77,9 +81,10 @@ def private(path: Path) -> Iterator[str]:
     """Yield each private word in a file: its line, and what is said instead."""
     for line, text in texts(path):
         plain = re.sub(r"`[^`\n]*`|\{[^{}\n]*\}|\]\([^)\s]*\)", lambda m: "x" * len(m[0]), text)
+        if not ANY.search(plain):
+            continue
         for word, instead in WORDS.items():
-            whole = rf"(?<![\w./-])(?:{word})(?![\w/]|\.\w)".replace(" ", r"\s+")
-            for match in re.finditer(whole, plain, re.IGNORECASE):
+            for match in EACH[word].finditer(plain):
                 at = line + text.count("\n", 0, match.start())
                 yield f"{at}: {match[0]!r}, say: {instead}"
 
