@@ -132,16 +132,18 @@ def _interior_points(
             continue
         plane = state.on().tangent
         curvature = np.linalg.eigvalsh(plane.T @ state.on().hessian @ plane)
-        index, contribution, kind, how = count_links(
-            model.parameters, links_of(state, doubts), doubts
-        )
-        if np.abs(curvature).min() > _firm(model):
+        regular = np.abs(curvature).min() > _firm(model)
+        if not regular or all_links:
+            index, contribution, kind, how = count_links(
+                model.parameters, links_of(state, doubts), doubts
+            )
+        if regular:
             index = int((curvature < 0).sum())
-            regular: Kind = ("minimum", "saddle", "maximum")[index]
+            # Morse: a nondegenerate interior point of index k adds (-1)^k
             if all_links and contribution != (-1) ** index:
                 doubts.append(f"link and index disagree at {in_degrees(state.x)}")
-            # Morse: a nondegenerate interior point of index k adds (-1)^k
-            contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
+            contribution, how = (-1) ** index, f"reduced Hessian, index {index}"
+            kind = ("minimum", "saddle", "maximum")[index]
         out.append(_point(state, index, contribution, "interior", kind, (), (), float(error), how))
     return out
 
