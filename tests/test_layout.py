@@ -70,8 +70,15 @@ def imports_of(tree: ast.AST, inside: str = "") -> Iterator[Import]:
 
 
 @cache
+def read(path: Path) -> tuple[tuple[Import, ...], tuple[tuple[str, int], ...]]:
+    """What a file imports, and its classes with their lines: each file is parsed once."""
+    tree = ast.parse(path.read_text())
+    classes = ((n.name, n.lineno) for n in ast.walk(tree) if isinstance(n, ast.ClassDef))
+    return tuple(imports_of(tree, dotted(path))), tuple(classes)
+
+
 def imports(path: Path) -> tuple[Import, ...]:
-    return tuple(imports_of(ast.parse(path.read_text()), dotted(path)))
+    return read(path)[0]
 
 
 @cache
@@ -243,9 +250,11 @@ def test_only_faces_are_imported_from_outside():
     for path in readers():
         if path == ROOT / "benchmarks" / "time_budget.py":
             continue  # puts stopwatches on functions behind faces
-        for source in [path.read_text()] if path.suffix == ".py" else blocks(path):
-            found = imports_of(ast.parse(source), dotted(path))
-            wrong += [f"{path.relative_to(ROOT)}: {why}" for i in found if (why := behind(i))]
+        if path.suffix == ".py":
+            found = [*imports(path)]
+        else:
+            found = [i for source in blocks(path) for i in imports_of(ast.parse(source))]
+        wrong += [f"{path.relative_to(ROOT)}: {why}" for i in found if (why := behind(i))]
     assert not wrong, "\n".join(wrong)
 
 
@@ -258,9 +267,8 @@ def test_files_read_in_one_sitting(package):
 def test_no_two_classes_share_a_name():
     where: dict[str, list[str]] = {}
     for name, path in modules("origami_nlp").items():
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ClassDef):
-                where.setdefault(node.name, []).append(f"{name}:{node.lineno}")
+        for one, line in read(path)[1]:
+            where.setdefault(one, []).append(f"{name}:{line}")
     assert len(where) > 300 and not {name: at for name, at in where.items() if len(at) > 1}
 
 
