@@ -260,7 +260,7 @@ def parse(html):
     return parser, " ".join(parser.text)
 
 
-@pytest.mark.parametrize("name", thinned(list(SCENES), 2))
+@pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_html(results, name):
     result = results[name]
     html = result._repr_html_()
