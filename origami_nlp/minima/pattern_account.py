@@ -49,6 +49,8 @@ class PatternSearchReport(SearchReport):
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
     pressed, gave_up
         Descents into contact; how many of them did not converge, by reason.
+    foreseen
+        Starts from which scouts (`pattern_problem.Scouts`) ended where earlier ones had, whose descents were followed.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     reached, alone
@@ -80,6 +82,7 @@ class PatternSearchReport(SearchReport):
     drawn: int = 0
     pressed: int = 0
     gave_up: dict[str, int] = field(default_factory=Counter)
+    foreseen: int = 0
     of_vertex: int = 0
     reached: dict[str, int] = field(default_factory=dict)
     alone: dict[str, int] = field(default_factory=dict)
@@ -179,6 +182,8 @@ class PatternSearchReport(SearchReport):
         if self.pressed:
             what = "descent" if self.pressed == 1 else "descents"
             yield f"contact: {self.pressed} {what} along states that do not cross"
+        if self.foreseen:
+            yield f"{self.foreseen} starts not followed to the end: quick descents led to where earlier ones had led"
         for family, starts in self.by_source.items():
             found, own = self.reached.get(family, 0), self.alone.get(family, 0)
             alone = f", {own} of them by no other family" if own else ""

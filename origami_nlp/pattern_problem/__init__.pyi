@@ -55,6 +55,7 @@ from .pop_signs import (
 )
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem
+from .scouts import Scouts as Scouts
 from .screws import Screws as Screws, find_screws as find_screws
 from .sign_vectors import (
     SignConflict as SignConflict,

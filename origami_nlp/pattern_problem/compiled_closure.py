@@ -40,7 +40,7 @@ class _PlaceInC(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in (*WORK, "none")]
 
 
-def _source() -> str:
+def source() -> str:
     """Return what is compiled: numbers as they are here, and the file beside."""
     lines = [f"#include <{name}.h>" for name in ("math", "stdint", "string")]
     names = "EPS MOST_TIMES NONZERO ROUNDED STALLS WEIGHT".split()
@@ -89,7 +89,7 @@ class CompiledClosure:
         band = int((high - low).max(initial=0))
         if m * (band + 1.0) ** 2 > MOST_WORK:
             return
-        self._library = library = numerics.compiled("closure", _source)
+        self._library = library = numerics.compiled("closure", source)
         if library is None:
             return
         tables |= {"place": place, "one": shared[:, 0], "other": shared[:, 1]}
@@ -123,6 +123,11 @@ class CompiledClosure:
     def usable(self) -> bool:
         """Whether there is a compiler, and no more work than that of sparse factors."""
         return self._library is not None
+
+    @property
+    def addresses(self) -> tuple[int, int]:
+        """Where the loops, and room for what is computed, stand: for C that goes on from `source`."""
+        return self._given
 
     def project(
         self, phi: np.ndarray, held: np.ndarray | None, steps: int, near: np.ndarray | None = None

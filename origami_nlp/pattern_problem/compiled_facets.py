@@ -17,7 +17,7 @@ FEW = 64
 """Pairs of features for which there is room at first."""
 
 
-def _source() -> str:
+def source() -> str:
     """Return what is compiled."""
     lines = [f"#include <{name}.h>" for name in ("math", "stdint")]
     for name, value in {"INSIDE": INSIDE, "NONZERO": NONZERO, "OUTSIDE": OUTSIDE}.items():
@@ -27,7 +27,7 @@ def _source() -> str:
 
 def library() -> Any:
     """Return the compiled functions; None where nothing can be compiled."""
-    made = compiled("facets", _source)
+    made = compiled("facets", source)
     if made is not None and not made.find_crossings.argtypes:
         whole, at = ctypes.c_int64, ctypes.c_void_p
         made.find_crossings.restype = made.place.restype = made.face.restype = None

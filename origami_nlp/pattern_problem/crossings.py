@@ -93,7 +93,7 @@ class PatternCrossings:
         return np.column_stack([a[keep], b[keep]])
 
     @cached_property
-    def _listed(self) -> np.ndarray:
+    def listed(self) -> np.ndarray:
         """All pairs of pieces that `candidates` may return, [K, 2]."""
         meet = np.zeros((len(self.pieces), 1, 3))
         return self.candidates(meet)
@@ -240,9 +240,9 @@ class PatternCrossings:
         """Return the pairs of pieces that cross, [K, 2], and all pieces in space."""
         x, deep = self.placed(phi), DEEP * self.size
         if len(x) <= MOST_LISTED:
-            found = crossings_among(x[None], self._listed[:, 0], self._listed[:, 1], deep)
+            found = crossings_among(x[None], self.listed[:, 0], self.listed[:, 1], deep)
             if found is not None:
-                return self._listed[found[0]], x
+                return self.listed[found[0]], x
         pairs = self.candidates(x)
         hit = np.zeros(len(pairs), bool)
         for start in range(0, len(pairs), 20_000):

@@ -150,13 +150,13 @@ class Poses:
         if self.compiled is None:
             return False
         angles = np.ascontiguousarray(self.copied(phi) - self.pattern.reference, np.float64)
-        at = map(address, (*self._walks, angles, turn, shift))
+        at = map(address, (*self.walks, angles, turn, shift))
         self.compiled.place(len(self._crossed), *at)
         turn.flags.writeable = shift.flags.writeable = False
         return True
 
     @cached_property
-    def _walks(self) -> tuple[np.ndarray, ...]:
+    def walks(self) -> tuple[np.ndarray, ...]:
         """Of each step of the walks: facet reached, the one before, crease; the directed axis and a point of it."""
         p, crossed = self.pattern, self._crossed
         none = [np.zeros(0, int)]

@@ -194,9 +194,17 @@ def contact_descent_off(
         return None
     if crossed:
         return contact_descent(problem, path[crossed - 1], known=known)
+    start = less_folded(problem, path[0])
+    if start is not None:
+        return contact_descent(problem, start, known=known)
+    return Descended(path[0], False, 0, "no start was found at which facets do not cross")
+
+
+def less_folded(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Return a closed state at which no facets cross, on the way from one [n] to the reference state."""
     reference = problem.pattern.reference
     for share in SMALLER:
-        start, residual = problem.project(reference + share * (path[0] - reference))
+        start, residual = problem.project(reference + share * (phi - reference))
         if (
             residual > CLOSURE_TOL
             or not problem.closure.lifts_to_one(start)
@@ -204,5 +212,5 @@ def contact_descent_off(
         ):
             continue
         if not problem.crossings.find(start):
-            return contact_descent(problem, start, known=known)
-    return Descended(path[0], False, 0, "no start was found at which facets do not cross")
+            return start
+    return None

@@ -47,7 +47,7 @@ from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
 from origami_nlp.pattern_states.descent import Descended, descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
-from origami_nlp.pattern_states.from_minima import IMAGES, FromMinima, are_among
+from origami_nlp.pattern_states.from_minima import IMAGES, are_among
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
 from origami_nlp.pattern_states.judgement import (
     judge,
@@ -58,6 +58,7 @@ from origami_nlp.pattern_states.judgement import (
 from origami_nlp.pattern_states.noise import NOISE, with_survival
 from origami_nlp.pattern_states.plane_faces import contact_descents_on_plane
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
+from origami_nlp.pattern_states.scouting import Scouting
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
     OWN,
@@ -143,7 +144,6 @@ def find_states(
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     pattern = as_pattern(pattern)
     asked = options_of(effort, options)
-    starts, most = asked.random_starts(starts, max_starts)
     rng = np.random.default_rng(check_whole("seed", seed, 0))
     check_flag("escape", escape)
     check_noise(noise)
@@ -155,6 +155,7 @@ def find_states(
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, begin + seconds, asked)
+    starts, most = asked.random_starts(starts, max_starts, search.goes_ahead)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
@@ -177,7 +178,7 @@ def find_states(
     return search.result(pattern, starts)
 
 
-class _Search(FromMinima):
+class _Search(Scouting):
     """A search on its way."""
 
     def __init__(
@@ -423,7 +424,7 @@ class _Search(FromMinima):
         """Trace the curve through a closed state, or go downhill from it."""
         problem, tally = self.problem, self.tally
         if problem.size > self.options.most_traced or (z := tangents(problem, phi)).shape[1] != 1:
-            self.settle(phi)
+            self.foresee(phi)
         elif phi not in self.curves:
             if self._traced == self.options.most_curves:
                 tally.not_traced += 1

@@ -15,7 +15,6 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import MOST_DENSE, PopSigns, SignVector, image
-from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
@@ -59,6 +58,14 @@ class FromMinima(Parts):
         """Judge where a descent into contact ended."""
 
     @abstractmethod
+    def foresee_apart(self, phi: np.ndarray) -> None:
+        """Go downhill from a closed state along states that do not cross, and judge what is reached."""
+
+    @abstractmethod
+    def beside(self, phi: np.ndarray) -> np.ndarray:
+        """Return a state beside a minimum [n] at which facets that touch there are apart, if one is known; else it."""
+
+    @abstractmethod
     def _begun(self, start: np.ndarray) -> np.ndarray | None: ...
 
     @abstractmethod
@@ -85,7 +92,7 @@ class FromMinima(Parts):
             and self.problem.size <= MOST_DENSE
             and not self.problem.crossings.find(phi)
         ):
-            self.contact_descent(contact_descent(self.problem, phi, True, self.known_minima))
+            self.foresee_apart(phi)
         else:
             self._enter(phi)
 
@@ -186,7 +193,7 @@ class FromMinima(Parts):
         problem, name, counts = self.problem, Combined.name, self._counts[Combined.name]
         done = self.tally.lines or self.tally.families or not most
         while not done and name not in self.tally.cut:
-            states = np.array([s.phi for s in self.minima if s.phi.any()])
+            states = np.array([self.beside(s.phi) for s in self.minima if s.phi.any()])
             before, done = self.count(), True
             for start in Combined(problem.pattern, self.labels, states).states():
                 problem.check_time()
@@ -233,7 +240,7 @@ class FromMinima(Parts):
             k, phi = first
             images = [image(symmetry, phi) for symmetry in self._symmetries]
             gone[k] = np.vstack([gone[k], phi, *images])
-            for start in ways[k](phi).states():
+            for start in ways[k](self.beside(phi)).states():
                 if are_among(start[None], states).any():
                     continue
                 if counts["idle"] == most or counts["made"] == longest:

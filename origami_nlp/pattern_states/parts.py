@@ -36,6 +36,7 @@ class Parts:
 
     def __init__(self) -> None:
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
+        self._met = set[int]()  # since it was emptied
 
     def say(self) -> None:
         """Say how far the work is: starts, minima and the part that it is at."""
@@ -51,6 +52,7 @@ class Parts:
 
     def _reach(self, k: int) -> None:
         """Note that the start that is on led to a minimum."""
+        self._met.add(k)
         if self.judged[k].verdict == "minimum":
             self._reached[k].add((self.family, self.tally.starts))
 

@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last nine of a pattern.
+    The first twelve are of a vertex, the last ten of a pattern.
 
     Attributes
     ----------
@@ -42,6 +42,9 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, then no more are made.
+    scouted
+        Starts of a pattern of several degrees of freedom for each one that `in_a_row` asks for, where it is foreseen
+        where most of them lead (`pattern_problem.Scouts`): these cost a thirtieth.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_popped
@@ -86,6 +89,7 @@ class SearchOptions:
     most_batched: int = 24
     judging: float = 0.3
     in_a_row: int = 60
+    scouted: int = 10
     most_drawn: int = 10
     most_popped: int = 1
     most_pushed: int = 0
@@ -109,13 +113,17 @@ class SearchOptions:
         if self.hits > self.rounds:
             raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
-    def random_starts(self, starts: int | None, max_starts: int | None) -> tuple[int, int]:
+    def random_starts(
+        self, starts: int | None, max_starts: int | None, scouted: bool = False
+    ) -> tuple[int, int]:
         """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
 
         Parameters
         ----------
         starts, max_starts
             As asked for; None: what the options say.
+        scouted
+            Whether it is foreseen where most of them lead.
 
         Returns
         -------
@@ -127,7 +135,8 @@ class SearchOptions:
         OptionError
             If one is no such number.
         """
-        starts = self.in_a_row if starts is None else check_whole("starts", starts, 0)
+        own = self.in_a_row * (self.scouted if scouted else 1)
+        starts = own if starts is None else check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
         return starts, check_whole("max_starts", max_starts, 1)

@@ -56,6 +56,11 @@ BESIDE_THE_TABLE = {
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
         inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
     """,
+    "descents that decide nothing: where they stop, and how near to each other their ends are one": """
+        pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
+        pattern_problem/scouts.SHARES pattern_problem/scouts.TOUCHES pattern_states/scouting.BESIDE
+        pattern_states/scouting.SAME
+    """,
     "nodes at which a series is checked": """
         minima/curve.CHECKS
     """,

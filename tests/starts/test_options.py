@@ -8,6 +8,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
+from origami_nlp.pattern import as_pattern
+from origami_nlp.pattern_problem import PatternProblem, Scouts
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import EFFORTS, Combined, FoldedVertices, Popped, Pushed, SearchOptions
 
@@ -66,7 +68,8 @@ def test_fields_of_a_search_of_a_pattern_have_their_effect():
 
 def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
     def search(**changed):
-        options = SearchOptions(**{"in_a_row": 1, "most_drawn": 1, "most_popped": 0, **changed})
+        once = {"in_a_row": 1, "scouted": 1, "most_drawn": 1, "most_popped": 0}
+        options = SearchOptions(**{**once, **changed})
         return o.find_minima("yoshimura:2x3", options=options, escape=False).search
 
     name = Pushed.name
@@ -76,9 +79,21 @@ def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
     assert name in few.cut and any(f"{name}: " in s and "could be made" in s for s in few.words())
 
 
+def test_more_starts_are_made_where_it_is_foreseen_where_they_lead(monkeypatch):
+    def search(scouted):
+        options = SearchOptions(in_a_row=2, scouted=scouted, most_drawn=1, most_popped=0)
+        return o.find_minima("yoshimura:2x2", options=options, escape=False).search
+
+    monkeypatch.setenv("ORIGAMI_NLP_COMPILED", "0")
+    assert search(8).drawn == search(1).drawn and not search(8).foreseen
+    monkeypatch.undo()
+    if Scouts(PatternProblem(as_pattern("yoshimura:2x2"))).usable:
+        assert search(8).drawn == 8 * search(1).drawn and search(8).foreseen
+
+
 def test_minima_are_combined_where_that_is_asked_for():
     def search(**changed):
-        options = SearchOptions(in_a_row=4, most_drawn=1, most_popped=0, **changed)
+        options = SearchOptions(in_a_row=4, scouted=1, most_drawn=1, most_popped=0, **changed)
         return o.find_minima("yoshimura:2x3", options=options, escape=False).search
 
     name = Combined.name
@@ -89,7 +104,9 @@ def test_minima_are_combined_where_that_is_asked_for():
 
 def test_vertices_are_almost_folded_where_that_is_asked_for():
     def search(folded):
-        options = SearchOptions(in_a_row=2, most_drawn=1, most_popped=0, most_folded=folded)
+        options = SearchOptions(
+            in_a_row=2, scouted=1, most_drawn=1, most_popped=0, most_folded=folded
+        )
         return o.find_minima("yoshimura:2x2", options=options, escape=False).search
 
     name = FoldedVertices.name
