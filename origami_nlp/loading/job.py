@@ -56,6 +56,7 @@ from origami_nlp.loading.stable_path import (
 )
 from origami_nlp.loading.yielding import YieldingHinges
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
+from origami_nlp.pattern_problem import PopSigns
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
@@ -336,6 +337,11 @@ class FollowedLoad:
             diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
         legs = tuple(way.job.leg(way) for way in self.ways)
         met = {p.fold_angles for leg in legs for p in leg.points}
+        if isinstance(self.driver, PatternDriver):
+            pops = PopSigns(self.driver.pattern)
+            for number, leg in enumerate(legs, start=1):
+                found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
+                self.alarms += [f"leg {number}: {line}" for line in found]
         branches, events = joined(
             diagrams,
             self._one,

@@ -174,6 +174,14 @@ class PopSigns:
                 found.append((self.vertices[v], step))
         return tuple(found)
 
+    def alarms(self, states: np.ndarray) -> list[str]:
+        """Return a line for each that is `crossed` along a path [S, n], states numbered from 1."""
+        return [
+            f"alarm: after state {k + 1} facets cross round vertex {vertex}: its fold angles sum to 0 though it "
+            "is not flat; this is no motion of paper"
+            for vertex, k in self.crossed(states)
+        ]
+
     @staticmethod
     def _sign(folds: np.ndarray) -> str:
         if np.abs(folds).max() <= BESIDE_SINGULAR:

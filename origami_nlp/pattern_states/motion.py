@@ -112,11 +112,7 @@ class Motion(Report, Viewable):
         if self.lattices:
             numbers = [k + 1 for k in shown]
             yield lattice_table([self.lattices[k] for k in shown], numbers, "state")
-        for vertex, k in PopSigns(self.pattern).crossed(self.fold_angles):
-            yield (
-                f"alarm: after state {k + 1} facets cross round vertex {vertex}: its fold angles sum to 0 though it "
-                "is not flat; this is no motion of paper"
-            )
+        yield from PopSigns(self.pattern).alarms(self.fold_angles)
         if self.layers:
             yield f"folded flat there: {self.layers}"
         if self.dof > 1:
