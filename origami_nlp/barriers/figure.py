@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 STAR = 13.0
 """Size of a star [points]."""
+MANY = 12
+"""Minima of a tree beyond which marks are smaller, and only numbers are written."""
 Tree = tuple[Any, ...]
 """A branch of a merge tree: () is a leaf, otherwise kind of pass, its energy as written, and its branches."""
 
@@ -55,7 +57,8 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
         shapes.setdefault(shape_of(barriers), []).append(barriers)
     columns = min(columns, len(shapes))
     rows = math.ceil(len(shapes) / columns)
-    width = 4.2 * columns if columns > 1 else 5.2
+    most = max(len(b.result.minima) for b in several)
+    width = 4.2 * columns if columns > 1 else max(5.2, min(0.13 * most + 2, 24.0))
     figure = Figure(figsize=(width, 3.1 * rows + 0.6), dpi=110, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     for ax in axes.flat[len(shapes) :]:
@@ -141,6 +144,8 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
+    few = len(minima) <= MANY
+    star = STAR if few else 0.6 * STAR
     ax.set_title(label_text(barriers.label), fontsize=9.5)
     if not minima:
         ax.axis("off")
@@ -162,10 +167,10 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         # above the middle of its leaves: passes of one height do not come to lie on a leaf
         leaves = (*branch[one], *branch[two])
         middle = float(np.mean([place[leaf] for leaf in leaves]))
-        look = pass_look(join.pass_kind, STAR)
+        look = pass_look(join.pass_kind, star)
         ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
         text = f"{join.energy:.4g}"
-        if not any((text, leaf) in written for leaf in leaves):
+        if few and not any((text, leaf) in written for leaf in leaves):
             last = len(leaves) == len(minima)
             ax.annotate(
                 text,
@@ -181,19 +186,19 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), STAR)
+        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), star)
         ax.annotate(
-            f"#{k}\n{m.energy:.4g}",
+            f"#{k}\n{m.energy:.4g}" if few else f"{k}",
             (place[k], m.energy),
-            (0, -8),
+            (0, -8 if few else -5),
             textcoords="offset points",
             ha="center",
             va="top",
-            fontsize=8.5,
+            fontsize=8.5 if few else 6.5,
             gid="label",
         )
     ax.set_xlim(-0.6, len(minima) - 0.4)
-    ax.set_ylim(min(reach) - 0.28 * span, max(reach) + 0.18 * span)
+    ax.set_ylim(min(reach) - (0.28 if few else 0.08) * span, max(reach) + 0.18 * span)
     ax.set_xticks([])
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)

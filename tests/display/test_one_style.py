@@ -1,5 +1,6 @@
 """Every figure speaks one language: labels cover nothing, legends explain every mark, grey and dichromats see it."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -132,6 +133,16 @@ def test_merge_trees_are_drawn_once_each_and_explained():
     labels, marks = boxes(figure, "label"), boxes(figure, "mark")
     assert not any(meet(a, b) for a, b in itertools.combinations(labels, 2))
     assert not any(meet(a, b) for a in labels for b in marks)
+
+
+def test_labels_of_many_minima_do_not_meet():
+    found = barriers_with_handles()
+    many = dataclasses.replace(found.result, minima=found.result.minima * 12)
+    figure = draw_barriers(dataclasses.replace(found, result=many))
+    figure.draw_without_rendering()
+    labels = boxes(figure, "label")
+    assert len(labels) == len(many.minima) > 40
+    assert not any(meet(a, b) for a, b in itertools.combinations(labels, 2))
 
 
 def lightness(colour):
