@@ -138,8 +138,8 @@ def lattice_table(
     each = [str(k) for k in numbers or range(1, len(lattices) + 1)]
     if isinstance(lattices[0], FoldedTube):
         return _tube_table([x for x in lattices if isinstance(x, FoldedTube)], each, first)
-    heads = [first, "a", "b", "angle\n[deg]", "Poisson\nalong a", "along b"]
-    heads += ["stiffness\nalong a", "along b\n[N m/length^2]"]
+    heads = [first, "a", "b", "angle\n[deg]"]
+    heads += [f"{what}\nalong {x}" for what in ("Poisson", "stiffness") for x in "ab"]
     rows: list[list[Cell]] = []
     for number, one in zip(each, lattices, strict=False):
         assert isinstance(one, FoldedLattice)
@@ -151,14 +151,15 @@ def lattice_table(
             for x in one.stiffness
         ]
         rows.append(row)
-    title = "lattice vectors a and b of a cell; a force along one of them, the other free"
+    title = "lattice vectors a and b of a cell; a force along one of them, the other free; stiffness in N m/length^2"
     return Table(heads, rows, title, "rrrrrrrr", framed=False, narrow=True)
 
 
 def _tube_table(tubes: Sequence[FoldedTube], numbers: Sequence[str], first: str) -> Table:
     """Return the table of cells that are rolled up."""
-    heads = [first, "radius", "from", "to", "turn\nalong a", "along b\n[deg]"]
-    heads += ["advance\nalong a", "along b", "length\na cell"]
+    heads = [first, "radius", "from", "to"]
+    heads += [f"{what}\nalong {x}" for what in ("turn [deg]", "advance") for x in "ab"]
+    heads.append("length\na cell")
     rows: list[list[Cell]] = []
     for number, one in zip(numbers, tubes, strict=False):
         places = one.radius, *one.radii, *one.advances, one.length
