@@ -15,8 +15,16 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from origami_nlp.io import ShortRepr
+from origami_nlp.kkt.partings import (
+    CERTAIN,
+    MOST_CONFIRMED,
+    SECTIONS,
+    Parting,
+    listed,
+    tracked_partings,
+)
 from origami_nlp.kkt.terrain import Terrain
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
+from origami_nlp.numerics import NONZERO, SETTLED, coarse
 
 DescentPath: TypeAlias = Callable[[np.ndarray, Callable[[np.ndarray], bool]], np.ndarray]
 Method = Literal[
@@ -27,10 +35,6 @@ TREE: Final = "merge tree"
 BOUND: Final = "upper bound (descents)"
 OPEN: Final = "not determined"
 ALONE: Final = "isolated"
-SECTIONS, ROUNDS = 9, 2
-"""States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
-MOST_CONFIRMED = 5
-"""Escape paths from a state that are gone down carefully, the one of the least height first."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,11 +138,32 @@ def escape_paths(
     dict
         A way by number, where one was found.
     """
-    found = (
-        (k, next(ways, None))
-        for k, ways in escape_paths_of_each(terrain, which, sections, confirmed)
-    )
-    return {k: way for k, way in found if way is not None}
+    found = dict[int, EscapePath]()
+    for k, (least, states, to) in terrain.proved_paths(which).items():
+        over = highest(terrain, k, states)
+        if over is not None and over[0] <= max(least * (1 + CERTAIN), terrain.floor):
+            found[k] = EscapePath(over[0], over[1], to, over[2])
+    left = [k for k in which if k not in found]
+    for k, parts in tracked_partings(terrain, left, sections, confirmed):
+        # long steps first: where these lead nowhere else careful ones slide along what contacts leave open
+        descents = (terrain.quick_path_down, terrain.path_down)
+        ways = (_lowest_way(terrain, parts, path_down) for path_down in descents)
+        if (way := next(filter(None, ways), None)) is not None:
+            found[k] = way
+    return found
+
+
+def _lowest_way(
+    terrain: Terrain, parts: Sequence[Parting], path_down: DescentPath
+) -> EscapePath | None:
+    """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
+    best: EscapePath | None = None
+    for part in parts:
+        if best is not None and part.height >= best.height:
+            break
+        way = _way_by(terrain, part, path_down)
+        best = way if best is None or (way is not None and way.height < best.height) else best
+    return best
 
 
 def escape_paths_of_each(
@@ -148,142 +173,35 @@ def escape_paths_of_each(
     confirmed: int = MOST_CONFIRMED,
 ) -> Iterator[tuple[int, Iterator[EscapePath]]]:
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
-    partings = _partings(terrain, which, confirmed)
-    _sharpen(terrain, [p for parts in partings.values() for p in parts], sections)
-    for k, parts in partings.items():
-        found = (_way(terrain, part) for part in sorted(parts, key=_rank))
-        yield k, filter(None, found)
+    for k, parts in tracked_partings(terrain, which, sections, confirmed):
+        yield k, filter(None, (_way(terrain, part) for part in parts))
 
 
-@dataclass
-class _Parting:
-    """A ray of state k whose descents end there up to `low`, elsewhere from `high` on; before: its states up to `low`.
-
-    height: the largest energy up to `high`.
-    """
-
-    k: int
-    before: list[np.ndarray]
-    low: np.ndarray
-    high: np.ndarray
-    height: float
-
-
-def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[_Parting]]:
-    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first."""
-    rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
-    tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in rays]
-    ranks = [coarse(top[:, None])[:, 0] for top in tops]
-    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in rays]
-    # of each ray: its first state that is known to be away, or its length, and the first that was not descended from
-    first = [
-        int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, rays, strict=True)
-    ]
-    begin = [1] * len(rays)
-    while some := _next_descents(terrain, [k for k, _ in rays], ranks, first, begin, most):
-        away = _away(terrain, [(rays[r][0], rays[r][1][i]) for r, i in some])
-        for (r, i), gone in zip(some, away.tolist(), strict=True):
-            begin[r] = i + 1
-            first[r] = min(first[r], i) if gone else first[r]
-    out: dict[int, list[_Parting]] = {}
-    for (k, ray), top, at in zip(rays, tops, first, strict=True):
-        if at < len(ray):
-            part = _Parting(k, list(ray[:at]), ray[at - 1], ray[at], float(top[at]))
-            out.setdefault(k, []).append(part)
-    return {k: sorted(parts, key=_rank)[:most] for k, parts in out.items()}
-
-
-def _next_descents(
-    terrain: Terrain,
-    of: Sequence[int],
-    ranks: Sequence[np.ndarray],
-    first: Sequence[int],
-    begin: Sequence[int],
-    most: int,
-) -> list[tuple[int, int]]:
-    """Return states (ray, place) to descend from next: of rays of each state the lowest, up to its `most` partings."""
-    out: list[tuple[int, int]] = []
-    if terrain.together is None:
-        return [(r, i) for r, rank in enumerate(ranks) for i in range(begin[r], len(rank))]
-    for k in dict.fromkeys(of):
-        mine = [r for r, owner in enumerate(of) if owner == k]
-        known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
-        bar = known[most - 1] if len(known) >= most else math.inf
-        left = ((ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]))
-        some = sorted(state for state in left if state[0] <= bar)
-        out += [(r, i) for _, r, i in some[: terrain.together]]
-    return out
-
-
-def _rank(part: _Parting) -> float:
-    """Return the height, such that of those that are equal but for rounding the one found first comes first."""
-    return float(coarse(np.array([part.height]))[0])
-
-
-def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
-    """Return whether descents from them leave the state, of some number, for good."""
-    away = np.zeros(len(starts), dtype=bool)
-    of = np.array([k for k, _ in starts], dtype=int)
-    for k in dict.fromkeys(of.tolist()):
-        mine = np.flatnonzero(of == k).tolist()
-        away[mine] = terrain.are_lower(k, np.array([starts[i][1] for i in mine]))
-    todo = np.flatnonzero(~away).tolist()
-    if len(todo):
-        ends = terrain.land(np.array([starts[i][1] for i in todo]))
-        left = np.flatnonzero(~away)
-        for k in dict.fromkeys(of[left].tolist()):
-            mine = of[left] == k
-            away[left[mine]] = terrain.are_ways(k, ends[mine])
-    return away
-
-
-def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None:
-    """Cut the steps in which descents part finer, those of several states together."""
-    # each round cuts the step in which descents part into sections + 1
-    even = np.arange(1, sections + 1) / (sections + 1)
-    # what is left in the first step may be left much sooner
-    narrow = 4.0 ** np.arange(-sections, 0)
-    for _ in range(ROUNDS):
-        inner = {
-            i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)
-            for i, p in enumerate(parts)
-        }
-        cut = {i: x for i, x in inner.items() if x is not None}
-        away = iter(_away(terrain, [(parts[i].k, x) for i, xs in cut.items() for x in xs]).tolist())
-        for i, xs in cut.items():
-            p, points = parts[i], [parts[i].low, *xs, parts[i].high]
-            first = [False, *(next(away) for _ in xs), True].index(True)
-            p.low, p.high = points[first - 1], points[first]
-    for p in parts:
-        states = np.array([*p.before, p.low, p.high])
-        p.height = float(terrain.rise(p.k, states).max())
-
-
-CERTAIN = 1e-3
-"""The highest state of a path is located to this share of its height: printed are two digits."""
-MOST_CUTS, A_ROUND = 150, 16
+MOST_CUTS, A_ROUND = 400, 32
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
 """A step that is longer [rad] is cut in any case: whether it is a way at all."""
 
 
 def highest(
-    terrain: Terrain, k: int, states: np.ndarray
+    terrain: Terrain, k: int, states: np.ndarray, known: float = 0.0
 ) -> tuple[float, np.ndarray, np.ndarray] | None:
     """Return an upper bound of the energy along a way over state k, the highest state that was looked at, and all.
 
     Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope along what
-    moves: steps that may be higher than what was seen are cut until that is little.  None where a cut does not close,
-    is not admissible, or lies aside: then it is no way.
+    moves; where the step is half of one that hardly turns, the slope along its chord and a share of that across it.
+    Steps that may be higher than what was seen, or is `known`, are cut until that is little.  None where a cut does not
+    close, is not admissible, or lies aside: then it is no way.
     """
     # states in order along the way, their heights and torques; each cut puts one more in
     x, u = states, terrain.rise(k, states)
     torque, d = terrain.torque(x), terrain.distances(x[:-1], x[1:])
+    turns = np.full(len(d), math.inf)  # angle between the halves of the step that each is a half of
     cuts = 0
     while True:
-        most = (u[:-1] + u[1:] + LONGER * _slopes(x, torque) * d) / 2
+        most = (u[:-1] + u[1:] + _slopes(terrain, x, torque, turns) * d) / 2
         top = float(u.max())
-        enough = max(top * (1 + CERTAIN), terrain.floor)
+        enough = max(top * (1 + CERTAIN), terrain.floor, known)
         cut = np.flatnonzero(d > LONG)
         if not len(cut) and cuts < MOST_CUTS:
             high = np.flatnonzero(most > enough)
@@ -297,19 +215,31 @@ def highest(
         parts = np.array([terrain.distances(x[cut + e], halves) for e in (0, 1)])
         if (parts > ASIDE * d[cut]).any():
             return None
-        d[cut] = parts[0]
-        d = np.insert(d, cut + 1, parts[1])
+        ways = [terrain.problem.root * (b - a) for a, b in ((x[cut], halves), (halves, x[cut + 1]))]
+        turn = np.linalg.norm(np.subtract(*(_unit(way) for way in ways)), axis=1)
+        d[cut], turns[cut] = parts[0], turn
+        d, turns = np.insert(d, cut + 1, parts[1]), np.insert(turns, cut + 1, turn)
         u = np.insert(u, cut + 1, terrain.rise(k, halves))
         torque = np.insert(torque, cut + 1, terrain.torque(halves), axis=0)
         x = np.insert(x, cut + 1, halves, axis=0)
 
 
-def _slopes(x: np.ndarray, torque: np.ndarray) -> np.ndarray:
-    """Return the larger slope at the ends of each step along the angles that it changes: what it holds stays."""
+def _slopes(terrain: Terrain, x: np.ndarray, torque: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Return the largest slope along each step, times how much longer than its chord it may be: what it holds stays."""
     moves = x[:-1] != x[1:]
+    chord = _unit(terrain.problem.root * np.diff(x, axis=0))
     unit = 2.0 ** math.frexp(float(np.abs(torque).max()))[1]  # squares in N m may overflow
-    ends = [np.square(torque[e : len(moves) + e] / unit * moves).sum(axis=1) for e in (0, 1)]
-    return np.asarray(unit * np.sqrt(np.maximum(*ends)))
+    ends = [torque[e : len(moves) + e] / unit * moves for e in (0, 1)]
+    size = np.maximum(*(np.linalg.norm(end, axis=1) for end in ends))
+    along = np.maximum(*(np.abs(np.einsum("ki,ki->k", end, chord)) for end in ends))
+    turned = np.minimum(turns, 1.0)
+    least = np.minimum(LONGER * size, (along + size * turned) * (1 + turned))
+    return np.asarray(unit * np.where(np.isfinite(turns), least, LONGER * size))
+
+
+def _unit(ways: np.ndarray) -> np.ndarray:
+    """Return directions of steps [S, n]; of none nothing."""
+    return np.asarray(ways / np.maximum(np.linalg.norm(ways, axis=1), NONZERO)[:, None])
 
 
 LONGER = 2.0
@@ -320,7 +250,7 @@ ASIDE = 0.75
 """The middle of a step is nearer to either end than this share of the step."""
 
 
-def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
+def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
     """Follow the way over a parting, state by state; None where it does not lead elsewhere.
 
     Long steps first: where these do not lead elsewhere careful ones slide along what contacts leave open.
@@ -329,7 +259,7 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
     return next(filter(None, (_way_by(terrain, part, down) for down in descents)), None)
 
 
-def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapePath | None:
+def _way_by(terrain: Terrain, part: Parting, path_down: DescentPath) -> EscapePath | None:
     """Follow the way over a parting by one kind of descent."""
     k = part.k
     down = path_down(part.high, lambda x: terrain.is_lower(k, x))
@@ -337,10 +267,9 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
     # gaps alone do not see that layers have no order
     if lower and terrain.problem.refuses(down[-1]):
         return None
-    # it went on until it was lower: where that leads is what descents in batches say
     # lower than the state: any state that this descends to has been reached without climbing
-    last = terrain.land(down[-1:])[0] if lower else down[-1]
-    to = _listed(terrain, last) if np.isfinite(last).all() else -1
+    last = _end(terrain, down[-1]) if lower else down[-1]
+    to = listed(terrain, last) if np.isfinite(last).all() else -1
     if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
         return None
     # beside the state itself what closure and contacts leave open to rounding may be lower: that is nowhere else
@@ -351,7 +280,7 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
     best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
     if best is None or best[0] > terrain.worth:
         back = path_down(part.low, lambda x: False)
-        if _listed(terrain, back[-1]) == k:
+        if listed(terrain, back[-1]) == k:
             for states, meets in _over_passes(terrain, back, down):
                 over = highest(terrain, k, states)
                 if over is not None and (best is None or over[0] < best[0]):
@@ -359,23 +288,27 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
     if best is None:
         return None
     height, top, states = best
-    way = np.concatenate([states, down[after + 1 :]])
-    return EscapePath(height, top, -1 if to == k else to, way)
+    # what leads down: below the top already, but for what lies between its states
+    rest = highest(terrain, k, np.concatenate([states[-1:], down[after + 1 :]]), height)
+    if rest is None:
+        return None
+    way = np.concatenate([states, rest[2][1:]])
+    return EscapePath(max(height, rest[0]), top, -1 if to == k else to, way)
+
+
+def _end(terrain: Terrain, state: np.ndarray) -> np.ndarray:
+    """Return where a descent from a state ends whose steps are looked at, or, where there is none such, in batches."""
+    steps = terrain.quick_path_down(state, lambda _: False)
+    return steps[-1] if len(steps) > 1 else terrain.land(state[None])[0]
 
 
 def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Go down carefully to a listed state: states [S, n], and its number; None where that fails, or a step is long."""
     down = terrain.path_down(state, lambda _: False)
-    to = _listed(terrain, down[-1])
+    to = listed(terrain, down[-1])
     if to < 0 or any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
         return None
     return np.concatenate([down, terrain.minima[to][None]]), to
-
-
-def _listed(terrain: Terrain, x: np.ndarray) -> int:
-    apart = np.abs(terrain.minima - x).max(axis=1)
-    nearest = int(apart.argmin())
-    return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
 
 
 def _over_passes(

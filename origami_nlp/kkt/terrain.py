@@ -91,6 +91,13 @@ class Terrain(ABC):
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states near two states that go down to different sides."""
 
+    def proved_paths(self, which: Sequence[int]) -> dict[int, tuple[float, np.ndarray, int]]:
+        """Paths [S, n] from states of some numbers to listed ones, none of which can be left for climbing less.
+
+        With what that takes at least, and the number of the other: by number.  None where nothing is known of that.
+        """
+        return {}
+
     def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
         """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
         found = [self.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]

@@ -10,7 +10,7 @@ from .account import SearchReport as SearchReport
 from .compiled_descents import compiled as compiled
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
-from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
+from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
@@ -90,6 +90,7 @@ from .stability import (
 )
 from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
+from .terrain import VertexTerrain as VertexTerrain
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
 from .vertexwise import (
     VertexwiseMinima as VertexwiseMinima,

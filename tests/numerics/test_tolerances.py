@@ -34,7 +34,7 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
-        minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
+        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS friction/hinges.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
@@ -49,7 +49,7 @@ BESIDE_THE_TABLE = {
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
-        critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/escape.CERTAIN
+        critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE

@@ -1,0 +1,184 @@
+"""Where descents begin to end elsewhere: partings of rays, and the border that they lie on, followed down to a pass."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.kkt.terrain import Terrain
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, coarse
+
+SECTIONS, ROUNDS = 9, 2
+"""States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
+MOST_CONFIRMED = 5
+"""Partings from a state that are looked at, those of the least height."""
+MOST_TRACKED = 20
+"""Rounds in which the border between two descents is followed down."""
+BESIDE = 0.2
+"""States of two descents that are no further apart [rad] are beside each other."""
+CERTAIN = 1e-3
+"""The highest state of a path is located to this share of its height: printed are two digits."""
+
+
+@dataclass
+class Parting:
+    """A way from state k whose descents end there up to `low`, elsewhere from `high` on.
+
+    before: its states up to `low`.  height: the largest energy up to `high`, over that of the state.
+    """
+
+    k: int
+    before: list[np.ndarray]
+    low: np.ndarray
+    high: np.ndarray
+    height: float
+
+
+def tracked_partings(
+    terrain: Terrain, which: Sequence[int], sections: int, confirmed: int
+) -> Iterator[tuple[int, list[Parting]]]:
+    """Yield partings of each state, cut finer, and where the border that they lie on is lowest; the lowest first."""
+    partings = _partings(terrain, which, confirmed)
+    parts = [p for of in partings.values() for p in of]
+    _sharpen(terrain, parts, sections)
+    tracked = _track(terrain, parts, sections)
+    for k, of in partings.items():
+        yield k, sorted([*of, *(p for p in tracked if p.k == k)], key=_rank)
+
+
+def _track(terrain: Terrain, parts: Sequence[Parting], sections: int) -> list[Parting]:
+    """Follow the border between where descents end down, to where it is lowest: a pass.
+
+    From either side of the border a descent goes down beside it, and leaves it slowly; where both are still beside each
+    other the border is found anew between them (edge tracking: Skufca, Yorke and Eckhardt, Phys. Rev. Lett. 96, 2006).
+    Returns partings that are lower than those given, with a way up to them: a descent to their state, back.
+    """
+    lowest, live = list(parts), list(range(len(parts)))
+    for _ in range(MOST_TRACKED):
+        new = {i: p for i in live if (p := _further(terrain, lowest[i])) is not None}
+        away = _away(terrain, [(p.k, x) for p in new.values() for x in (p.low, p.high)])
+        parted = ~away[::2] & away[1::2]
+        new = {i: p for (i, p), good in zip(new.items(), parted, strict=True) if good}
+        _sharpen(terrain, list(new.values()), sections)
+        live = [i for i, p in new.items() if p.height < lowest[i].height * (1 - CERTAIN)]
+        for i in live:
+            lowest[i] = new[i]
+    found = list[Parting]()
+    for p in (p for p, first in zip(lowest, parts, strict=True) if p is not first):
+        back = terrain.quick_path_down(p.low, lambda _: False)
+        if listed(terrain, back[-1]) == p.k:
+            p.before = [terrain.minima[p.k], *back[::-1]]
+            found.append(p)
+    return found
+
+
+def _further(terrain: Terrain, part: Parting) -> Parting | None:
+    """Go down on both sides of a parting as long as both are beside each other; None where that leads nowhere."""
+    k = part.k
+    a = terrain.quick_path_down(part.low, lambda x: False)
+    b = terrain.quick_path_down(part.high, lambda x: terrain.is_lower(k, x))
+    apart = np.linalg.norm((a[:, None] - b[None]) * terrain.problem.root, axis=2)
+    heights = np.maximum(terrain.rise(k, a)[:, None], terrain.rise(k, b)[None])
+    heights[apart > max(BESIDE, float(apart[0, 0]))] = math.inf
+    i, j = np.unravel_index(int(heights.argmin()), heights.shape)
+    return Parting(k, [a[i]], a[i], b[j], float(heights[i, j])) if i + j else None
+
+
+def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[Parting]]:
+    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first."""
+    rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
+    tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in rays]
+    ranks = [coarse(top[:, None])[:, 0] for top in tops]
+    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in rays]
+    # of each ray: its first state that is known to be away, or its length, and the first that was not descended from
+    first = [
+        int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, rays, strict=True)
+    ]
+    begin = [1] * len(rays)
+    while some := _next_descents(terrain, [k for k, _ in rays], ranks, first, begin, most):
+        away = _away(terrain, [(rays[r][0], rays[r][1][i]) for r, i in some])
+        for (r, i), gone in zip(some, away.tolist(), strict=True):
+            begin[r] = i + 1
+            first[r] = min(first[r], i) if gone else first[r]
+    out: dict[int, list[Parting]] = {}
+    for (k, ray), top, at in zip(rays, tops, first, strict=True):
+        if at < len(ray):
+            part = Parting(k, list(ray[:at]), ray[at - 1], ray[at], float(top[at]))
+            out.setdefault(k, []).append(part)
+    return {k: sorted(parts, key=_rank)[:most] for k, parts in out.items()}
+
+
+def _next_descents(
+    terrain: Terrain,
+    of: Sequence[int],
+    ranks: Sequence[np.ndarray],
+    first: Sequence[int],
+    begin: Sequence[int],
+    most: int,
+) -> list[tuple[int, int]]:
+    """Return states (ray, place) to descend from next: of rays of each state the lowest, up to its `most` partings."""
+    out: list[tuple[int, int]] = []
+    if terrain.together is None:
+        return [(r, i) for r, rank in enumerate(ranks) for i in range(begin[r], len(rank))]
+    for k in dict.fromkeys(of):
+        mine = [r for r, owner in enumerate(of) if owner == k]
+        known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
+        bar = known[most - 1] if len(known) >= most else math.inf
+        left = ((ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]))
+        some = sorted(state for state in left if state[0] <= bar)
+        out += [(r, i) for _, r, i in some[: terrain.together]]
+    return out
+
+
+def _rank(part: Parting) -> float:
+    """Return the height, such that of those that are equal but for rounding the one found first comes first."""
+    return float(coarse(np.array([part.height]))[0])
+
+
+def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
+    """Return whether descents from them leave the state, of some number, for good."""
+    away = np.zeros(len(starts), dtype=bool)
+    of = np.array([k for k, _ in starts], dtype=int)
+    for k in dict.fromkeys(of.tolist()):
+        mine = np.flatnonzero(of == k).tolist()
+        away[mine] = terrain.are_lower(k, np.array([starts[i][1] for i in mine]))
+    todo = np.flatnonzero(~away).tolist()
+    if len(todo):
+        ends = terrain.land(np.array([starts[i][1] for i in todo]))
+        left = np.flatnonzero(~away)
+        for k in dict.fromkeys(of[left].tolist()):
+            mine = of[left] == k
+            away[left[mine]] = terrain.are_ways(k, ends[mine])
+    return away
+
+
+def _sharpen(terrain: Terrain, parts: Sequence[Parting], sections: int) -> None:
+    """Cut the steps in which descents part finer, those of several states together."""
+    # each round cuts the step in which descents part into sections + 1
+    even = np.arange(1, sections + 1) / (sections + 1)
+    # what is left in the first step may be left much sooner
+    narrow = 4.0 ** np.arange(-sections, 0)
+    for _ in range(ROUNDS):
+        inner = {
+            i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)
+            for i, p in enumerate(parts)
+        }
+        cut = {i: x for i, x in inner.items() if x is not None}
+        away = iter(_away(terrain, [(parts[i].k, x) for i, xs in cut.items() for x in xs]).tolist())
+        for i, xs in cut.items():
+            p, points = parts[i], [parts[i].low, *xs, parts[i].high]
+            first = [False, *(next(away) for _ in xs), True].index(True)
+            p.low, p.high = points[first - 1], points[first]
+    for p in parts:
+        states = np.array([*p.before, p.low, p.high])
+        p.height = float(terrain.rise(p.k, states).max())
+
+
+def listed(terrain: Terrain, x: np.ndarray) -> int:
+    """Return the number of the stable state at x [n], -1 for none."""
+    apart = np.abs(terrain.minima - x).max(axis=1)
+    nearest = int(apart.argmin())
+    return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
