@@ -36,7 +36,7 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, VertexTerrain, with_merge_tree
+from origami_nlp.minima import MinimaResult, VertexTerrain, canonical_states, with_merge_tree
 from origami_nlp.numerics import DUPLICATE_TOL, INPUT_TOL, coarse
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
@@ -79,7 +79,8 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
         return Barriers(result, (), ())
     soft = [m.softest_mode for m in result.minima]
     modes = [[model.reduce(np.array(mode))] if mode else [] for mode in soft]
-    terrain = VertexTerrain(model, minima, modes)
+    posed = canonical_states(model, minima, modes)
+    terrain = VertexTerrain(posed.model, posed.minima, posed.modes)
     exits = [flap_exit(scene, np.array(m.fold_angles)) for m in result.minima]
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
     ways, beyond = list[PathDown](), np.full(many, math.inf)
@@ -93,26 +94,28 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     for k in loose:
         if k not in left and result.minima[k].local_dimension == model.dof:
             ways += _along_rays(terrain, k)
-    tops = [np.zeros(model.size)] * (scene.vertex.flat and not model.refuses(np.zeros(model.size)))
+    flat = np.zeros(terrain.model.size)
+    tops = [flat] * (scene.vertex.flat and not terrain.model.refuses(flat))
     for k, one in enumerate(exits):
         if one is not None:
-            top = model.reduce(one.fold_angles)
+            top, end = posed.to(model.reduce(one.fold_angles)), terrain.minima[k]
             # the set is convex in its fold angles, and so is the energy on it
-            steps = np.linspace(0, 1, 2 + int(np.abs(top - minima[k]).max() / FIRST[1]))[:, None]
-            ways.append(PathDown(top + steps * (minima[k] - top), k))
+            steps = np.linspace(0, 1, 2 + int(np.abs(top - end).max() / FIRST[1]))[:, None]
+            ways.append(PathDown(top + steps * (end - top), k))
             tops.append(top)
     ways += _over_saddles(terrain, ways)
     for top in tops:
         ways += _ways_down(terrain, top)
+    ways = [w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in ways]
     whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "mesh")
     signs = _flat_bound(scene, result)
-    level = level_of(terrain.problem.energies(minima), energy_scale(np.array(scene.stiffness)))
+    level = level_of(model.energies(minima), energy_scale(np.array(scene.stiffness)))
     leave = [-math.inf if one is None else one.energy for one in exits]
     passes = tuple(_bounded(_rounded(p, result), result, signs, leave, level) for p in whole.passes)
     heights = np.full((many, many), math.inf)
     for p in passes:
         heights[p.from_state - 1, p.to_state - 1] = p.energy
-    listed = with_merge_tree(model, result.minima, heights, SHOWN, BOUND, beyond)
+    listed = with_merge_tree(model, result.minima, heights, SHOWN, BOUND, posed.unit * beyond)
     return replace(whole, result=replace(result, minima=tuple(listed)), passes=passes)
 
 

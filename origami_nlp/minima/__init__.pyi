@@ -7,6 +7,7 @@ from . import (
     table as table,
 )
 from .account import SearchReport as SearchReport
+from .canonical import canonical_states as canonical_states
 from .compiled_descents import compiled as compiled
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata

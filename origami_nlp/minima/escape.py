@@ -20,18 +20,15 @@ from origami_nlp.kkt import (
     energy_scale,
     escape_paths,
     level_of,
-    project,
 )
-from origami_nlp.minima.canonical import canonical_model
+from origami_nlp.minima.canonical import canonical_states
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
 from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import (
     DUPLICATE_TOL,
-    OUTSIDE,
     SHALLOW,
-    coarse,
 )
 from origami_nlp.pattern import Relabelling, symmetries
 from origami_nlp.problem import Model
@@ -40,8 +37,6 @@ MOST_STATES = 8
 """Minima out of which ways are sought: those of lowest energy."""
 MOST_VARIABLES = 12
 """Variables up to which escape paths are sought."""
-DIGITS = 11
-"""After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
 NOTHING_NEAR = "no other admissible state is near"
 
 
@@ -190,23 +185,10 @@ def _ways(
     model: Model, states: np.ndarray, modes: Sequence[list[np.ndarray]], which: Sequence[int]
 ) -> dict[int, EscapePath]:
     """Find escape paths from minima [M, n] of some numbers, under labels that do not depend on the scene's."""
-    posed = canonical_model(model)
-    if posed is None:
-        return escape_paths(VertexTerrain(model, states, modes), which)
-    other, labels = posed
-
-    def there(x: np.ndarray) -> np.ndarray:
-        return np.asarray(other.reduce(labels.sign * model.expand(x)[..., labels.creases]))
-
-    # to the last bit, whatever rounding left; creases that are flat or at a limit stay so
-    exact = there(states)
-    still = (other.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
-    exact = project(other, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
-    kept = [[coarse(there(m)) for m in of] for of in modes]
-    terrain = VertexTerrain(other, exact, kept)
-    unit = float(np.mean(model.scene.stiffness))
+    posed = canonical_states(model, states, modes)
+    terrain = VertexTerrain(posed.model, posed.minima, posed.modes)
     return {
-        k: EscapePath(unit * way.height, model.reduce(labels.back(other.expand(way.top))), way.to)
+        k: EscapePath(posed.unit * way.height, posed.back(way.top), way.to)
         for k, way in escape_paths(terrain, which).items()
     }
 

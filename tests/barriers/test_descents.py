@@ -12,6 +12,7 @@ from origami_nlp.problem import Model
 from tests.command_line import run
 from tests.independent import flood_three
 from tests.independent.links import corners, crosses
+from tests.kernels.answers import generic
 
 
 def drawn(degree, seed, **more):
@@ -147,3 +148,25 @@ def test_the_command_answers_with_files_and_a_picture(tmp_path):
     assert picture.stat().st_size > 10_000
     (legend,) = o.draw(again, tmp_path / "again.png").legends
     assert [text.get_text() for text in legend.texts] == ["interior", "pass: flat state"]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [generic(7, 8, "full"), pytest.param(generic(6, 2, "none"), marks=pytest.mark.slow)],
+    ids=["degree 7", "degree 6"],
+)
+def test_barriers_of_pairs_do_not_hang_on_labels(scene):
+    """Counted from the second crease, the other way round, paper turned over: they were up to 12 J apart."""
+    order, facets = (np.arange(1, 1 - scene.degree, -1), np.arange(0, -scene.degree, -1))
+    other = replace(
+        scene,
+        vertex=o.Vertex(tuple(np.array(scene.vertex.sector_angles)[facets])),
+        stiffness=tuple(np.array(scene.stiffness)[order]),
+        rest_angles=tuple(-np.array(scene.rest_angles)[order]),
+    )
+    found = []
+    for one in (scene, other):
+        result = o.find_minima(one, effort="quick", prove=False, escape=False)
+        found.append(o.find_barriers(one, result).matrix())
+    assert np.isfinite(found[0]).sum() > len(found[0])
+    assert found[0] == pytest.approx(found[1], rel=1e-11)

@@ -37,7 +37,7 @@ origami-nlp minima waterbomb.toml --noise 0.06
 
 A waterbomb, `origami_nlp.examples.waterbomb(symmetry="none")`, exact and with errors of 0.06 degrees of rest angles.
 "Before" is the count that a list without barriers gives. Energies in J, sum k pi^2 / 2 = 0.74 J; "<=" is an upper
-bound: an explicit escape path climbs so high. Lower ones may exist: of 28 bounds of four random vertices 3 are 1.05 to
+bound: an explicit escape path climbs so high. Lower ones may exist: of 29 bounds of four random vertices 3 are 1.05 to
 1.18 times the lowest that any numbering of their creases shows. So a state that is not called shallow may be.
 
 """
