@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.continuation.branch_point import refined
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.flat import AT_FLAT, crossing, flat_passage
 from origami_nlp.continuation.one_sided_branches import is_equilibrium, judged
@@ -137,7 +138,9 @@ def folds_and_branchings(
         if frame is not None and (a.index - b.index) % 2:
             out.append(found_at("fold", frame, frame.ahead))
         elif frame is not None:  # a pitchfork, passed along the branch that turns there
-            out.append(found_at("branching", _between(frame, a, b), frame.ahead))
+            there = refined(curve, _between(frame, a, b))
+            least = frame.ahead if there.system is frame.system else _smallest(there)
+            out.append(found_at("branching", there, least))
     crossing = range(min(a.index, b.index), max(a.index, b.index))
     # an odd number of eigenvalues passes zero where the parameter turns: the fold's own, and pairs beside it
     for k in crossing if not turns else crossing[1:]:
@@ -250,6 +253,11 @@ def _between(frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> Equilibrium:
     return Equilibrium(frame.x, along / np.linalg.norm(along), frame.system)
 
 
+def _smallest(frame: Equilibrium) -> float:
+    """Return the eigenvalue of the reduced Hessian that is nearest to zero."""
+    return float(min(frame.eigenvalues, key=abs, default=np.nan))
+
+
 def _eigenvalue_passes(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int
 ) -> LocatedEvent:
@@ -261,7 +269,8 @@ def _eigenvalue_passes(
     # next to a branch point the bordered matrix is all but singular
     frame = root_between(replace(curve, short=True), a, b, eigenvalue)
     if frame is not None and is_zero(eigenvalue, frame, a, b):
-        return found_at("branching", _between(frame, a, b), eigenvalue(frame))
+        there = refined(curve, _between(frame, a, b))
+        return found_at("branching", there, eigenvalue(there))
     fewer = min(a.index, b.index)  # one side has it as the largest, the other as the smallest
     return pole(curve, a, b, lambda f: float(f.eigenvalues[-1 if f.index == fewer else 0]))
 

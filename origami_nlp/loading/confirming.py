@@ -51,8 +51,10 @@ def _ahead(web: BifurcationDiagram, x: np.ndarray, s: float, t: float) -> np.nda
     """Return all fold angles at load t of the stable states that lead on from x at s; None where none do."""
     low, high = web.low, web.high
     web.low, web.high = min(s, t), max(s, t)
-    way = walk(web, x, s, t - s, t)
-    web.low, web.high = low, high
+    try:
+        way = walk(web, x, s, t - s, t)
+    finally:
+        web.low, web.high = low, high
     return None if way is None else _passed(web, way, t)
 
 

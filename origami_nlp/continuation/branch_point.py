@@ -1,0 +1,76 @@
+"""Branch points as regular solutions: Newton on an extended system, where the KKT system alone has no rank.
+
+At a branch point the derivative A of the KKT system F over (x, multipliers, s) has dependent rows: p'A = 0.  The system
+
+    F(z) + b q = 0,    A(z)'p = 0,    p'p = 1
+
+in z = (x, multipliers, s), p and b is regular at a simple one, with b = 0 there (Kuznetsov, Elements of Applied
+Bifurcation Theory, 10.2; Moore 1980).  Along a curve a branch point is known to the square or cube root of rounding;
+of this system it is known to rounding.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.numerics import EPS, STATIONARY
+
+STEPS = 8
+"""Of Newton: it converges quadratically, or is beside another kind of point."""
+DIFFERENCE = EPS ** (1 / 3)
+"""Of central differences: their error is its square."""
+FAR = 0.05
+"""A solution lies no further away [rad]."""
+CLOSE = 1e-10
+"""A last step of Newton's [rad]: what is left is its square, but for the error of differences times it."""
+
+
+def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
+    """Return the branch point beside a point of a curve, known to rounding; the point itself where Newton finds none.
+
+    Its tangent is that of `frame`.  Where several eigenvalues vanish together, as symmetry makes them, the extended
+    system has no rank either: then nothing is gained.
+    """
+    system = frame.system
+    if system.problem.redundant:
+        return frame
+    n, root = len(system.imbalance), curve.root
+    z = np.concatenate([frame.x, system.multipliers])
+    q = np.linalg.svd(system.matrix.T)[2][-1]
+    p, b, many = q, 0.0, len(q)
+    scale = np.concatenate([root[:-1], np.ones(many - n), root[-1:]])  # of (x, multipliers, s)
+
+    def seen(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        at = curve.system(z[: n + 1], z[n + 1 :])
+        return np.concatenate([at.imbalance, at.values]), at.matrix
+
+    def moved(z: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Add a step over (y, multipliers, w s)."""
+        step = step / scale
+        return z + np.concatenate([step[:n], step[-1:], step[n:-1]])
+
+    for _ in range(STEPS):
+        values, matrix = seen(z)
+        ways = DIFFERENCE * np.eye(many + 1)
+        curved = [(seen(moved(z, e))[1] - seen(moved(z, -e))[1]).T @ p for e in ways]
+        whole = np.zeros((2 * many + 2,) * 2)
+        whole[:many, : many + 1], whole[:many, -1] = matrix, q
+        whole[many:-1, : many + 1] = np.array(curved).T / (2 * DIFFERENCE)
+        whole[many:-1, many + 1 : -1], whole[-1, many + 1 : -1] = matrix.T, p
+        right = np.concatenate([values + b * q, matrix.T @ p, [0.5 * (p @ p - 1.0)]])
+        try:
+            step = np.linalg.solve(whole, -right)
+        except np.linalg.LinAlgError:
+            return frame
+        if not np.abs(step[:n]).max() <= FAR:
+            return frame
+        z, p, b = moved(z, step[: many + 1]), p + step[many + 1 : -1], b + float(step[-1])
+        if np.abs(step[: many + 1]).max() <= CLOSE:
+            break
+    else:
+        return frame
+    found = curve.system(z[: n + 1])
+    near = float(np.linalg.norm(root * (z[: n + 1] - frame.x))) <= FAR
+    known = abs(b) <= STATIONARY and found.residual <= STATIONARY
+    return Equilibrium(z[: n + 1], frame.tangent, found) if near and known else frame
