@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.numerics import EPS, STATIONARY
+from origami_nlp.numerics import DUPLICATE_TOL, EPS, STATIONARY
 
 STEPS = 8
 """Of Newton: it converges quadratically, or is beside another kind of point."""
@@ -22,8 +22,6 @@ DIFFERENCE = EPS ** (1 / 3)
 """Of central differences: their error is its square."""
 FAR = 0.05
 """A solution lies no further away [rad]."""
-CLOSE = 1e-10
-"""A last step of Newton's [rad]: what is left is its square, but for the error of differences times it."""
 
 
 def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
@@ -66,7 +64,7 @@ def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
         if not np.abs(step[:n]).max() <= FAR:
             return frame
         z, p, b = moved(z, step[: many + 1]), p + step[many + 1 : -1], b + float(step[-1])
-        if np.abs(step[: many + 1]).max() <= CLOSE:
+        if np.abs(step[: many + 1]).max() <= DUPLICATE_TOL:  # its square is rounding
             break
     else:
         return frame
