@@ -37,7 +37,8 @@ BESIDE_THE_TABLE = {
         minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS friction/hinges.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
-        continuation/branch_point.FAR continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
+        continuation/branch_point.FAR
+        continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.APART
         pattern_states/contact_descents.NEAR pattern_states/contact_descents.REACH
