@@ -443,5 +443,5 @@ def test_an_axis_is_logarithmic_where_the_sweep_asks_for_it(tmp_path):
         ratios = {"set": "ratio", "from": 0.1, "to": 10, "count": 2, "scale": scale}
         one = {"example": "degree6"}
         sweep = parse_sweep({"scene": one, "axes": [ratios], "search": {"max_starts": 4}})
-        run_sweep(sweep, tmp_path / scale, workers=1)
+        run_sweep(sweep, tmp_path / scale, executor=Inline())
         assert draw_sweep(tmp_path / scale).axes[0].get_xscale() == scale
