@@ -407,7 +407,7 @@ def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
     tables = []
     for follows in (False, True):
         sweep = parse_sweep({"scene": scene, "axes": [axis], "search": {"follow": follows}})
-        run_sweep(sweep, tmp_path / str(follows), workers=1)
+        run_sweep(sweep, tmp_path / str(follows), executor=Inline())
         tables.append(read_table(tmp_path / str(follows), "states"))
     (names, searched), (same, followed) = tables
     assert names == same and len(searched) == len(followed)

@@ -10,6 +10,7 @@ import origami_nlp as o
 from origami_nlp.bifurcation import family_of, parse_parameter_range, with_generic_symmetry
 from origami_nlp.pattern import with_symmetry_of
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
+from tests.sweep.test_sweep import Inline
 
 THROUGH = """
 [scene]
@@ -36,7 +37,7 @@ def test_a_larger_symmetry_of_one_value_is_not_imposed(tmp_path):
     kept = [sweep.scene(k).group for k in range(3)]
     assert [g.name for g in kept] == ["D1"] * 3
     assert len({frozenset(g.elements) for g in kept}) == 1
-    run_sweep(sweep, tmp_path, workers=1)
+    run_sweep(sweep, tmp_path, executor=Inline())
     counts = np.bincount(load_states(tmp_path).scene)
     options = {"full": False, "prove": False, "escape": False}
     imposed = o.find_minima(alone[1], **options)
