@@ -13,9 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product as cartesian
+from math import comb
 from typing import Any
 
 import sympy as sp
+from sympy.polys.fields import FracField
+from sympy.polys.polyerrors import CoercionFailed
 
 from .rotations import Pair, rational_pair
 
@@ -104,21 +107,22 @@ def reduce(expr: Any, circles: Sequence[Circle]) -> sp.Poly:
     pass.  Coefficients may contain further symbols (stiffnesses, signs) and algebraic numbers.
     """
     gens = [g for circ in circles for g in circ.pair]
-    poly = sp.Poly(sp.expand(expr), *gens)
-    out = sp.Poly(0, *gens)
-    lift: dict[tuple[int, int], sp.Poly] = {}
-    for powers, coefficient in poly.terms():
-        low = list(powers)
-        factor = sp.Poly(1, *gens)
-        for i, circ in enumerate(circles):
-            half, low[2 * i + 1] = divmod(powers[2 * i + 1], 2)
-            if half:
-                key = (i, half)
-                if key not in lift:
-                    lift[key] = sp.Poly((1 - circ.c**2) ** half, *gens)
-                factor = factor * lift[key]
-        out = out + factor * sp.Poly({tuple(low): coefficient}, *gens)
-    return out
+    poly = sp.Poly(expr, *gens)
+    terms = _on_circles(poly.as_dict(native=True), len(circles), poly.domain.zero)
+    return sp.Poly.from_dict(terms, *gens, domain=poly.domain)
+
+
+def _on_circles(terms: Mapping[tuple[int, ...], Any], many: int, zero: Any) -> dict[Any, Any]:
+    """Normal form of terms, coefficients by powers: c and s of each circle in turn, then others."""
+    for i in range(many):
+        out: dict[tuple[int, ...], Any] = {}
+        for powers, coefficient in terms.items():
+            half, odd = divmod(powers[2 * i + 1], 2)
+            for k in range(half + 1):  # the binomial theorem for (1 - c^2)^half
+                low = (*powers[: 2 * i], powers[2 * i] + 2 * k, odd, *powers[2 * i + 2 :])
+                out[low] = out.get(low, zero) + (-1) ** k * comb(half, k) * coefficient
+        terms = out
+    return {powers: c for powers, c in terms.items() if c != zero}
 
 
 def vanishes(expr: Any, circles: Sequence[Circle]) -> bool:
@@ -127,9 +131,15 @@ def vanishes(expr: Any, circles: Sequence[Circle]) -> bool:
     A rational function is brought over one denominator first; the identity is then meant wherever
     the denominator does not vanish.
     """
-    numerator, _ = sp.fraction(sp.together(to_circles(expr, circles)))
-    poly = reduce(numerator, circles)
-    return all(sp.expand(c) == 0 or _algebraic_zero(c) for c in poly.coeffs())
+    expr = to_circles(expr, circles)
+    gens = [g for circ in circles for g in circ.pair]
+    others = sorted(expr.free_symbols - set(gens), key=str)
+    try:  # rational coefficients: other symbols are variables as well
+        numerator = FracField([*gens, *others], sp.QQ).from_expr(expr).numer
+    except (ValueError, CoercionFailed):
+        poly = reduce(sp.fraction(sp.together(expr))[0], circles)
+        return all(sp.expand(c) == 0 or _algebraic_zero(c) for c in poly.coeffs())
+    return not _on_circles(numerator, len(circles), sp.QQ.zero)
 
 
 def _algebraic_zero(coefficient: Any) -> bool:
