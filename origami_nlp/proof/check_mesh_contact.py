@@ -18,6 +18,7 @@ import numpy as np
 from flint import arb, arb_series
 
 from origami_nlp.proof.check_layers import FlatLayers, LayersUnclear
+from origami_nlp.proof.check_folded_edges import FoldedEdges
 from origami_nlp.proof.check_lists import precision
 from origami_nlp.proof.check_mesh import ZERO, MeshCheck, RowGroup, _sign
 from origami_nlp.proof.check_points import Refused
@@ -29,6 +30,8 @@ NARROWEST = 2.0**-40
 """Width of T or 1/T below which an interval is left open."""
 NEAR = 2.0**-6
 """Width of T or 1/T above which no first touch is looked for: such intervals are cut first."""
+FARTHEST = 2.0**-4
+"""Width of 1/T up to which sides that fold onto one line are asked about."""
 LOOKED = 4_000
 """Intervals of a curve that are looked at, at most."""
 MOST_FOLDED = 4_096
@@ -131,12 +134,12 @@ class MeshContactCheck(MeshCheck):
                 (group,) = moving
                 yield group
 
-    def _folds(self, group: RowGroup, side: int) -> Callable[[Any], list[Any]]:
+    def _folds(self, group: RowGroup, side: int) -> Callable[..., list[Any]]:
         """Return the folds of all creases as series, by T, or on a side of 180 degrees by 1/T."""
 
-        def folds(t: Any) -> list[Any]:
-            x = arb_series([t, 1], 2)
-            found = [arb_series([(s or 0) * arb.pi()], 2) for s in self._still]
+        def folds(t: Any, terms: int = 2) -> list[Any]:
+            x = arb_series([t, 1], terms)
+            found = [arb_series([(s or 0) * arb.pi()], terms) for s in self._still]
             for c, _, sign, powers in group.creases:
                 m = self._value(powers)
                 fold = side * arb.pi() - 2 * (x / m).atan() if side else 2 * (m * x).atan()
@@ -218,10 +221,12 @@ class MeshContactCheck(MeshCheck):
                 ball.folds = [arb(side * turns.get(c, 0)) for c in range(len(self.row))]
                 self._blow_up(ball, 1 if a == 0 else -1)
             kind, slope, touches = self._kind(group, side, ball, a, b, end)
+            if kind == UNKNOWN and end and b - a <= FARTHEST:
+                kind = self._edge_to_edge(ball, FoldedEdges(self.contact, folds, a, b))
             if kind == UNKNOWN and b - a > NARROWEST and looked < LOOKED:
                 middle = 0.5 * (a + b)
                 front += [(middle, b), (a, middle)]
-            elif out and out[-1].kind == kind and kind in (APART, CROSSING):
+            elif out and out[-1].kind == kind != TOUCHING:
                 out[-1] = out[-1]._replace(high=b)
             else:
                 out.append(ContactStretch(a, b, kind, slope, touches))
@@ -241,6 +246,12 @@ class MeshContactCheck(MeshCheck):
             balls = [[(x, y, -z) for x, y, z in p] for p in balls]
             middle = [p * (1.0, 1.0, -1.0) for p in middle]
         ball.corners = balls, series, middle
+
+    def _edge_to_edge(self, ball: CurveBall, edges: FoldedEdges) -> int:
+        """Return what facets do up to the end of a curve, given those whose sides fold onto one line there."""
+        over: Any = ball
+        known = [edges.known(*pair) for pair in self.contact.open_pairs(over, weakly=True)]
+        return CROSSING if False in known else UNKNOWN if None in known else APART
 
     def _kind(
         self, group: RowGroup, side: int, ball: CurveBall, a: float, b: float, end: bool

@@ -130,9 +130,9 @@ class CheckedContact:
         """
         return not any(True for p in self._not_apart(over, weakly) if p not in but)
 
-    def open_pairs(self, over: ThetaBall) -> list[tuple[int, int]]:
-        """Return the pairs that are not certainly apart over a box."""
-        return list(self._not_apart(over, False))
+    def open_pairs(self, over: ThetaBall, weakly: bool = False) -> list[tuple[int, int]]:
+        """Return the pairs that are not certainly apart over a box, weakly as `apart`."""
+        return list(self._not_apart(over, weakly))
 
     def _not_apart(self, over: ThetaBall, weakly: bool) -> Iterator[tuple[int, int]]:
         balls, _, middle = self._over(over)

@@ -23,6 +23,7 @@ from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.ball_vectors import part
 from origami_nlp.proof.balls import Ball, Jet, exact
 from origami_nlp.proof.flat_sheets import SheetMinimum
+from origami_nlp.proof.folded_edges import FoldedEdges
 from origami_nlp.proof.mesh_curves import QUARTER, CurveEnergy, fold
 from origami_nlp.proof.mesh_states import Curve, FoldingMesh, as_folding_mesh
 from origami_nlp.proof.strip_contact import (
@@ -40,6 +41,8 @@ from origami_nlp.proof.strips import along_curves
 
 MOST_BOXES = 4_000
 """Of a curve: facets that meet all but together at its end would take any number."""
+FARTHEST = 2.0**-4
+"""From the end of a curve, up to which what folds edge to edge is decided there [rad]."""
 MOST_FOLDED = 4_096
 """Ways to fold all creases to +-180 degrees, at most."""
 
@@ -142,7 +145,8 @@ class FoldingStates:
         self.outside = np.zeros(theta.centre.shape, bool)
         beyond = np.abs(theta.centre) + theta.radius >= math.nextafter(QUARTER, 0.0)
         self.ends = np.where(beyond, np.sign(theta.centre), 0.0)
-        self.turns = curve.turns
+        self.from_end = QUARTER - (np.abs(theta.centre) - theta.radius) + 8 * UNIT
+        self.curve, self.turns = curve, curve.turns
 
     @property
     def narrow(self) -> np.ndarray:
@@ -173,6 +177,7 @@ class FoldingContact(StripContact):
         super().__init__(pattern, pairs)
         size = float(np.ptp(pattern.corners, axis=0).max())
         self._room = 16 * len(pattern.polygons) * size * deviation
+        self._size, self._deviation, self.deviation = size, deviation, deviation
 
     def facets(
         self, at: FoldStates, box: FoldStates, angles: dict[int, Ball], half: np.ndarray
@@ -182,7 +187,7 @@ class FoldingContact(StripContact):
         speed = sum(np.abs(s.value.centre) + s.value.radius for s in box.slopes.values())
         assert isinstance(box, FoldingStates)
         ends = box.ends != 0
-        self._ends, self._turns = box.ends, box.turns
+        self._ends, self._turns, self._states = box.ends, box.turns, box
         middle, over = [], []
         for m, x in zip(found.middle, found.over, strict=True):
             value = x.value.widened(np.asarray(self._room))
@@ -221,7 +226,22 @@ class FoldingContact(StripContact):
                 if c not in (a, b) and (known[k] == UNKNOWN).any():
                     one, other = (self._beyond(facets, p, c) for p in (a, b))
                     known[k][(known[k] == UNKNOWN) & (one * other < 0)] = APART
+        for box in np.flatnonzero(self._ends).tolist():
+            self._at_end(known[:, box], int(self._ends[box]), float(self._states.from_end[box]))
         return known
+
+    def _at_end(self, known: np.ndarray, side: int, reach: float) -> None:
+        """Decide pairs that fold edge to edge at the end of a curve, given how far theta is from it."""
+        left = np.flatnonzero(known == UNKNOWN)
+        if not len(left) or reach > FARTHEST:
+            return
+        curve = self._states.curve
+        # tan x <= x + x^3 up to there
+        edges = FoldedEdges(
+            self, curve.rows, curve.still, side, reach + reach**3, self._deviation
+        )
+        known[left] = [edges.pair(*self.pairs[k]) for k in left]
+        self.deviation = max(self.deviation, edges.off / self._size)
 
     def _beyond(self, facets: Facets, p: int, c: int) -> np.ndarray:
         """Return on which side of the plane of polygon c polygon p is, but for corners that both have, [K]."""
@@ -250,7 +270,8 @@ class MeshContact:
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self.maxima = self.boxes = self.folded = 0
         self._facets = FoldingContact(pattern, mesh.deviation)
-        self._flat: list[bool] = []
+        # whether the flat state is a minimum of each curve, None where it is not certain that facets let it fall
+        self._flat: list[bool | None] = []
         # of states at the ends of curves: which way the energy goes there, None where facets cross before it
         self._ways: dict[tuple[int, ...], list[int | None]] = {}
         with np.errstate(all="ignore"):
@@ -260,8 +281,8 @@ class MeshContact:
         flat = np.zeros(mesh.creases)
         if all(self._flat):
             self.minima.append(SheetMinimum(flat, 0.0))
-        elif any(self._flat):
-            self.open.append((flat, flat, "the flat state is a minimum of some of its curves only"))
+        elif False not in self._flat:
+            self.open.append((flat, flat, "whether facets let the energy fall from the flat state"))
 
     def _along(self, rows: Curve) -> None:
         """Add the minima inside a curve, and note what is known of its ends."""
@@ -272,7 +293,12 @@ class MeshContact:
         ends, claims, examined = along_curves(energy, self._facets, left, self.until)
         self.boxes += examined
         self.maxima += ends.maxima
-        flat = False
+        near = {
+            claim in ("crossing", "open", "touching")
+            for low, high, claim in zip(claims[0].ends, claims[0].ends[1:], claims[0].claims, strict=False)
+            if low <= 0 <= high
+        }
+        flat = None if True in near else False
         for one in ends.minima():
             if one.at_limit:
                 continue  # the states that are folded flat are asked by themselves

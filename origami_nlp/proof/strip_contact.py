@@ -122,7 +122,7 @@ class StripContact:
     def __init__(self, pattern: Pattern, pairs: list[tuple[int, int]] | None = None) -> None:
         self.pattern, self.pairs = pattern, _far_pairs(pattern) if pairs is None else pairs
         self._between = [_between(pattern, a, b) for a, b in self.pairs]
-        self._walk = [(*step, _turning(pattern, *step[2:])) for step in _walk(pattern)]
+        self.steps = [(*step, _turning(pattern, *step[2:])) for step in _walk(pattern)]
 
     def facets(
         self, at: FoldStates, box: FoldStates, angles: dict[int, Ball], half: np.ndarray
@@ -142,7 +142,7 @@ class StripContact:
         zero = exact(np.zeros((3, 1, many)))
         turn = {0: Jet(unit, exact(np.zeros((3, 3, many))))}
         shift = {0: Jet(zero, zero)}
-        for facet, before, crease, _, (once, twice) in self._walk:
+        for facet, before, crease, _, (once, twice) in self.steps:
             rate = states.slopes[crease].value
             s, c = angles[crease].sine(), angles[crease].cosine()
             sine, versed = Jet(s, c * rate), (Jet(-c, s * rate)).plus(exact(1.0))
