@@ -1,7 +1,7 @@
 """Facets whose sides fold onto one line just as a curve ends folded flat, for the check of a proof.
 
-With t = 1/T, volumes that corners span are odd in t: v(t) = v'(x) t, and v(t) = v'''(x) t^3/6 for corners on one line at
-t = 0, with x between 0 and t.  Derivatives are enclosed over all of that by power series.
+With t = 1/T, volumes that corners span are odd in t: v(t) = v'(x) t, and v(t) = v'''(x) t^3/6 for corners on one line
+at t = 0, with x between 0 and t.  Derivatives are enclosed over all of that by power series.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import arb, ctx
 
+from origami_nlp.proof.check_layers import GRAZING
 from origami_nlp.proof.check_strip_contact import (
     CheckedContact,
     Point,
@@ -25,11 +26,9 @@ from origami_nlp.proof.check_strip_contact import (
 
 TERMS = 4
 """Of power series: to third derivatives."""
-IN_LINE = 1e-12
-"""How far from one line corners may fold that are meant to fold onto it, over the size of the sheet."""
 
 
-class FoldedEdges:
+class CheckedEdges:
     """Facets over an interval of t with 0 at one end, all in one plane there.
 
     Parameters
@@ -43,7 +42,11 @@ class FoldedEdges:
     """
 
     def __init__(
-        self, contact: CheckedContact, folds: Callable[[Any, int], list[Any]], low: float, high: float
+        self,
+        contact: CheckedContact,
+        folds: Callable[[Any, int], list[Any]],
+        low: float,
+        high: float,
     ) -> None:
         before, ctx.cap = ctx.cap, TERMS
         try:
@@ -52,7 +55,7 @@ class FoldedEdges:
         finally:
             ctx.cap = before
         self.flat = [[complex(float(x.mid()), float(y.mid())) for x, y, _ in p] for p in flat]
-        self.room = IN_LINE * max(abs(z - p[0]) for p in self.flat for z in p)
+        self.room = GRAZING * max(abs(z - p[0]) for p in self.flat for z in p)
 
     def known(self, a: int, b: int) -> bool | None:
         """Return whether two facets are apart, or cross, all over the interval; None: not certain."""
@@ -72,9 +75,7 @@ class FoldedEdges:
         return [
             (i, j)
             for (i, (p, q)), (j, (r, s)) in itertools.product(*map(enumerate, sides))
-            if max(
-                abs(((q - p).conjugate() * (z - p)).imag / abs(q - p)) for z in (r, s)
-            )
+            if max(abs(((q - p).conjugate() * (z - p)).imag / abs(q - p)) for z in (r, s))
             <= self.room
             and max(abs(((s - r).conjugate() * (z - r)).imag / abs(s - r)) for z in (p, q))
             <= self.room

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_series
 
+from origami_nlp.proof.check_folded_edges import CheckedEdges
 from origami_nlp.proof.check_layers import FlatLayers, LayersUnclear
-from origami_nlp.proof.check_folded_edges import FoldedEdges
 from origami_nlp.proof.check_lists import precision
 from origami_nlp.proof.check_mesh import ZERO, MeshCheck, RowGroup, _sign
 from origami_nlp.proof.check_points import Refused
@@ -222,7 +222,7 @@ class MeshContactCheck(MeshCheck):
                 self._blow_up(ball, 1 if a == 0 else -1)
             kind, slope, touches = self._kind(group, side, ball, a, b, end)
             if kind == UNKNOWN and end and b - a <= FARTHEST:
-                kind = self._edge_to_edge(ball, FoldedEdges(self.contact, folds, a, b))
+                kind = self._edge_to_edge(ball, CheckedEdges(self.contact, folds, a, b))
             if kind == UNKNOWN and b - a > NARROWEST and looked < LOOKED:
                 middle = 0.5 * (a + b)
                 front += [(middle, b), (a, middle)]
@@ -247,7 +247,7 @@ class MeshContactCheck(MeshCheck):
             middle = [p * (1.0, 1.0, -1.0) for p in middle]
         ball.corners = balls, series, middle
 
-    def _edge_to_edge(self, ball: CurveBall, edges: FoldedEdges) -> int:
+    def _edge_to_edge(self, ball: CurveBall, edges: CheckedEdges) -> int:
         """Return what facets do up to the end of a curve, given those whose sides fold onto one line there."""
         over: Any = ball
         known = [edges.known(*pair) for pair in self.contact.open_pairs(over, weakly=True)]

@@ -7,10 +7,8 @@ one there (`check_layers`): about the line of a crease that moves, paper goes on
 Then
 
 - two parts on both sides of the line of all creases that move are in two half planes: they do not cross;
-- three parts in a row between parallel lines: if the outer ones are no wider than the middle one, and share no less
-  where they are nearer to it, no contact holds a state as long as the energy falls from all folds of 90 to 180 degrees
-  (the triangle of the two lines and the place where they cross has angles below 90 degrees at these; as both grow by
-  their sines, both its sides grow);
+- three parts in a row between parallel lines, the outer two convex, are asked about over both folds
+  (`check_row_pairs`);
 - else intervals of T decide (`check_mesh_contact`), of facets that lie on each other all over one for all.
 
 A state is a minimum if facets can be as they are, and the energy falls into no set where they do not cross.
@@ -19,7 +17,6 @@ A state is a minimum if facets can be as they are, and the energy falls into no 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -29,12 +26,13 @@ from flint import arb
 from origami_nlp.proof.check_layers import GRAZING, FlatLayers, LayersUnclear, Point
 from origami_nlp.proof.check_mesh import FREE, TURNED, RowGroup, _sign
 from origami_nlp.proof.check_mesh_contact import APART, CROSSING, UNKNOWN, MeshContactCheck
+from origami_nlp.proof.check_row_pairs import CheckedPair, CheckedRow, crossing
 from origami_nlp.proof.check_strip_contact import CheckedContact
 
 Still: TypeAlias = tuple[int | None, ...]
 """Of each crease: 0, or +-1 at +-180 degrees; None where it moves."""
-QUARTER = math.nextafter(0.5 * math.pi, 0.0)
-"""Not above pi/2: folds are below it where the energy is least [rad]."""
+Moving: TypeAlias = tuple[RowGroup, int, Any]
+"""Rows that move as one, on a side of T = 0, and how far they are folded: 0 or pi beside these."""
 
 
 class StackCheck(MeshContactCheck):
@@ -49,6 +47,7 @@ class StackCheck(MeshContactCheck):
         self._far = self.contact.pairs
         self._layers: dict[frozenset[int], FlatLayers | None] = {}
         self._stacks: dict[Still, int] = {}
+        self._pairs: dict[tuple[Still, tuple[tuple[RowGroup, int], ...]], CheckedPair | int] = {}
         self._ways_of: dict[tuple[Still, RowGroup], dict[int, int]] = {}
         total = 3 ** len(self.rows)
         for done, kinds in enumerate(itertools.product(range(3), repeat=len(self.rows))):
@@ -58,21 +57,43 @@ class StackCheck(MeshContactCheck):
     def _set(self, kinds: Sequence[int]) -> Iterator[list[Any]]:
         for along, moving in self._signed(kinds):
             if moving:
-                self._touches(kinds, along, moving)
+                self._found += list(self._touches(kinds, along, moving))
         yield from super()._set(kinds)
 
-    def _touches(self, kinds: Sequence[int], along: dict[int, int], moving: list[RowGroup]) -> None:
-        """Leave open whether touching facets hold a state of a set, unless they certainly do not."""
+    def _touches(
+        self, kinds: Sequence[int], along: dict[int, int], moving: list[RowGroup]
+    ) -> Iterator[list[Any]]:
+        """Yield the states of a set that touching facets hold; leave open what is not decided."""
         turned = [r for r, k in enumerate(kinds) if k == TURNED]
+        why = "whether facets that touch hold a state while rows move"
         for sides in itertools.product((1, -1), repeat=len(turned)):
             at = dict(zip(turned, sides, strict=True))
             still = tuple(
                 None if kinds[r] == FREE else at.get(r, 0) * along.get(c, 0)
                 for c, r in enumerate(self.row)
             )
-            found = {self._facets(still, [(g, s) for g in moving]) for s in (1, -1)}
-            if UNKNOWN in found or len(found) > 1:
-                self.open.append("whether facets that touch hold a state while rows move")
+            if len(moving) == 1:
+                found = {self._facets(still, [(moving[0], s, None)]) for s in (1, -1)}
+                if UNKNOWN in found or len(found) > 1:
+                    self.open.append(why)
+                continue
+            for ways in itertools.product((1, -1), repeat=len(moving)):
+                pair = self._pair(still, list(zip(moving, ways, strict=True)))
+                if not isinstance(pair, CheckedPair):
+                    self.open += [why] * (pair == UNKNOWN)
+                    continue
+                held, whole = pair.held()
+                self.open += [why] * (not whole)
+                for both in held:
+                    folds = [arb(0) if s is None else s * arb.pi() for s in still]
+                    for group, side, fold in zip(moving, ways, both, strict=True):
+                        for c, _, sign, _ in group.creases:
+                            folds[c] = side * sign * fold
+                    if any(slope <= 0 for slope, *_ in self._all_leaving(kinds, folds)):
+                        self.open.append("whether rows leave a state that facets hold")
+                    else:
+                        self._closes(folds)
+                        yield folds
 
     def _stays(
         self, kinds: Sequence[int], folds: Sequence[Any], moving: Sequence[RowGroup] = ()
@@ -82,39 +103,87 @@ class StackCheck(MeshContactCheck):
         still = tuple(
             None if kinds[r] == FREE else _sign(f) for r, f in zip(self.row, folds, strict=True)
         )
-        own = [(g, _sign(folds[g.creases[0][0]]) * g.creases[0][2]) for g in moving]
+        own: list[Moving] = [
+            (g, _sign(folds[g.creases[0][0]]) * g.creases[0][2], abs(folds[g.creases[0][0]]))
+            for g in moving
+        ]
         certain = True
         leaving = list(self._all_leaving(kinds, folds))
         for slope, group, sides in leaving:
             if slope > 0:
                 continue
-            beside = list(still)
-            for c, *_ in group.creases:
-                beside[c] = None
+            beside = _without(still, group)
             for side in sides:
-                facets = self._facets(tuple(beside), [*own, (group, side)])
+                border = abs(folds[group.creases[0][0]])
+                facets = self._facets(beside, [*own, (group, side, border)])
                 if slope and facets == APART:
                     return False
-                # where others move as well, facets may be apart
-                alone = not own and all(_share(group, other) for _, other, _ in leaving)
-                certain &= bool(slope) and facets == CROSSING and alone
+                certain &= bool(slope) and facets == CROSSING
+        for one, two in itertools.combinations(leaving, 2):
+            if certain and min(one[0], two[0]) < 0 and not _share(one[1], two[1]):
+                falls = self._falls_at_once(kinds, folds, still, (one[1], two[1]))
+                if falls:
+                    return False
+                certain &= falls is not None
         facets = self._facets(still, own)
         if facets != CROSSING and not (certain and facets == APART):
             self.open.append("whether facets let the energy fall from a state along a curve")
         return certain and facets == APART
 
-    def _facets(self, still: Still, moving: Sequence[tuple[RowGroup, int]]) -> int:
-        """Return what facets do where groups of rows move, on a side of T = 0 each; of two groups in part of that."""
+    def _falls_at_once(
+        self, kinds: Sequence[int], folds: Sequence[Any], still: Still, groups: Sequence[RowGroup]
+    ) -> bool | None:
+        """Return whether the energy falls from a state as two groups of rows leave it at once; None: not certain."""
+        rows = {r for g in groups for _, r, *_ in g.creases}
+        free = [FREE if r in rows else k for r, k in enumerate(kinds)]
+        beside = _without(_without(still, groups[0]), groups[1])
+        if not any(
+            all(any(_alike(g, m) for m in moving) for g in groups)
+            and all(
+                len({_sign(folds[c]) * along[c] for c, x in enumerate(self.row) if x == r}) == 1
+                for r, k in enumerate(free)
+                if k == TURNED
+            )
+            for along, moving in self._signed(free)
+        ):
+            return False
+        corner, ways = [], []
+        for g in groups:
+            signs = {_sign(folds[c]) * sign for c, _, sign, _ in g.creases}
+            if len(signs) > 1:
+                return False
+            corner.append(int(signs == {0}))
+            ways.append((1, -1) if signs == {0} else tuple(signs))
+        found = set()
+        for sides in itertools.product(*ways):
+            pair = self._pair(beside, list(zip(groups, sides, strict=True)))
+            if isinstance(pair, CheckedPair):
+                found.add(pair.falls((corner[0], corner[1])))
+            else:
+                found.add(False if pair == CROSSING else None)
+        return True if True in found else None if None in found else False
+
+    def _facets(self, still: Still, moving: Sequence[Moving]) -> int:
+        """Return what facets do where groups of rows move, on a side of T = 0, two at these folds or beside them."""
         if len(moving) == 1:
-            ((group, side),) = moving
+            ((group, side, _),) = moving
             if (still, group) not in self._ways_of:
                 self._ways_of[still, group] = self._both_sides(still, group)
             return self._ways_of[still, group][side]
-        layers = self._stacked(still)
-        if not moving or layers != APART:
-            return layers
-        groups = [g for g, _ in moving]
-        return APART if len(groups) == 2 and self._open_up(still, groups) else UNKNOWN
+        if not moving:
+            return self._stacked(still)
+        pair = self._pair(still, [(g, s) for g, s, _ in moving])
+        if not isinstance(pair, CheckedPair):
+            return pair
+        return {-1: APART, 1: CROSSING}.get(pair.known(*(x for *_, x in moving)), UNKNOWN)
+
+    def _pair(self, still: Still, moving: Sequence[tuple[RowGroup, int]]) -> CheckedPair | int:
+        """Return two rows that move, on these sides; CROSSING or UNKNOWN where layers decide, or nothing does."""
+        key = still, tuple(moving)
+        if key not in self._pairs:
+            layers = self._stacked(still)
+            self._pairs[key] = self._in_a_row(still, moving) if layers == APART else layers
+        return self._pairs[key]
 
     def _flat(self, still: Still) -> FlatLayers:
         """Return the sheet in the plane, creases that move at 0."""
@@ -197,7 +266,7 @@ class StackCheck(MeshContactCheck):
 
     def _in_frame(
         self, still: Still
-    ) -> tuple[dict[int, list[Point]], list[list[list[Point]]], float]:
+    ) -> tuple[dict[int, list[Point]], dict[int, list[list[Point]]], float]:
         """Return creases that move, and distinct facets of each part, with the first such crease on the real axis."""
         layers, part = self._flat(still), self._parts(still)
         moving = {c: layers.creases[c][2] for c, s in enumerate(still) if s is None}
@@ -207,52 +276,85 @@ class StackCheck(MeshContactCheck):
         parts: dict[int, list[list[Point]]] = {}
         for f in self._distinct(still):
             parts.setdefault(part[f], []).append([turn * (z - a) for z in layers.rings[f]])
-        return lines, list(parts.values()), GRAZING * layers.size
+        return lines, parts, GRAZING * layers.size
 
     def _about_one_line(self, still: Still) -> bool:
         """Return whether two parts lie on both sides of one line with all creases that move."""
         lines, parts, room = self._in_frame(still)
-        off = sorted(_heights(p) for p in parts)
+        off = sorted(_heights(p) for p in parts.values())
         one = all(abs(z.imag) <= room for ends in lines.values() for z in ends)
         return one and len(off) == 2 and off[0][1] <= room and off[1][0] >= -room
 
-    def _open_up(self, still: Still, groups: Sequence[RowGroup]) -> bool:
-        """Return whether no contact holds a state in which these two groups move, each a row by itself."""
-        for group in groups:
-            k = [Fraction(self.said.stiffness[c]) for c, *_ in group.creases]
-            torques = (
-                x * s * Fraction(self.said.rest[c])
-                for x, (c, _, s, _) in zip(k, group.creases, strict=True)
-            )
-            load = sum(torques, Fraction(0))
-            alone = not any(powers for *_, powers in group.creases)
-            total = sum(k, Fraction(0))
-            if not (alone and total and abs(load / total) < Fraction(QUARTER)):
-                return False
+    def _in_a_row(self, still: Still, moving: Sequence[tuple[RowGroup, int]]) -> CheckedPair | int:
+        """Return what is known of three parts between two parallel lines, if they are such, else UNKNOWN."""
+        if len(moving) != 2 or any(powers for g, _ in moving for *_, powers in g.creases):
+            return UNKNOWN
+        layers, part = self._flat(still), self._parts(still)
         pairs = itertools.combinations(self._distinct(still), 2)
-        if any(pair in self._flat(still).pairs for pair in pairs):
-            return False
+        if any(pair in layers.pairs for pair in pairs):
+            return UNKNOWN
         lines, parts, room = self._in_frame(still)
         far = max((z.imag for ends in lines.values() for z in ends), key=abs)
         if far < 0:
-            parts = [[[z.conjugate() for z in ring] for ring in p] for p in parts]
+            parts = {k: [[z.conjugate() for z in ring] for ring in p] for k, p in parts.items()}
             lines = {c: [z.conjugate() for z in ends] for c, ends in lines.items()}
             far = -far
-        rows = [_heights([[z for c, *_ in g.creases for z in lines[c]]]) for g in groups]
-        parts.sort(key=_heights)
-        if len(parts) != 3 or any(high - low > room for low, high in rows):
-            return False
-        (low, one), (two, three), (four, high) = map(_heights, parts)
-        inside = one <= room and two >= -room and three <= far + room and four >= far - room
-        if not inside or max(-low, high - far) > far + room:
-            return False
-        below = _outline([[complex(z.real, -z.imag) for z in ring] for ring in parts[0]], room)
-        above = _outline([[z - 1j * far for z in ring] for ring in parts[2]], room)
-        return bool(below and above) and _nearer_shares_more(below, above, room)
+        low, middle, high = sorted(parts, key=lambda k: _heights(parts[k]))[:3] + [0] * (
+            3 - len(parts)
+        )
+        rows = [_heights([[z for c, *_ in g.creases for z in lines[c]]]) for g, _ in moving]
+        ends = [_heights(parts[k]) for k in (low, middle, high)]
+        ordered = ends[0][1] <= room and ends[1][0] >= -room and ends[1][1] <= far + room
+        if len(parts) != 3 or far <= room or not ordered or ends[2][0] < far - room:
+            return UNKNOWN
+        if any(b - a > room for a, b in rows) or abs(rows[0][0] - rows[1][0]) < far - room:
+            return UNKNOWN
+        below = _outline([[complex(z.real, -z.imag) for z in ring] for ring in parts[low]], room)
+        above = _outline([[z - 1j * far for z in ring] for ring in parts[high]], room)
+        faces = {
+            side
+            * sign
+            * (
+                -1
+                if layers.over[next(f for f in layers.creases[c][:2] if part[f] == middle)]
+                else 1
+            )
+            for g, side in moving
+            for c, _, sign, _ in g.creases
+        }
+        if not below or not above:
+            return UNKNOWN
+        first_below = abs(rows[0][0]) <= room
+        one, two = (below, above) if first_below else (above, below)
+        apart = [{(0, 0): arb(-1)}]
+        found = crossing(far, one, two, room) if len(faces) == 1 else apart
+        return CheckedPair(found, (self._row_energy(*moving[0]), self._row_energy(*moving[1])))
+
+    def _row_energy(self, group: RowGroup, side: int) -> CheckedRow:
+        k, load = Fraction(0), Fraction(0)
+        for c, _, sign, _ in group.creases:
+            own = Fraction(self.said.stiffness[c])
+            k, load = k + own, load + own * side * sign * Fraction(self.said.rest[c])
+        return CheckedRow(k, load)
+
+
+def _without(still: Still, group: RowGroup) -> Still:
+    """Return what is still where a group moves as well."""
+    moved = {c for c, *_ in group.creases}
+    return tuple(None if c in moved else s for c, s in enumerate(still))
 
 
 def _share(one: RowGroup, two: RowGroup) -> bool:
     return bool({r for _, r, *_ in one.creases} & {r for _, r, *_ in two.creases})
+
+
+def _alike(one: RowGroup, two: RowGroup) -> bool:
+    """Return whether the same creases move, to the same sides or all to the others."""
+    signs = [{c: sign for c, _, sign, _ in g.creases} for g in (one, two)]
+    return (
+        signs[0].keys() == signs[1].keys()
+        and len({signs[0][c] * signs[1][c] for c in signs[0]}) == 1
+    )
 
 
 def _heights(rings: Sequence[Sequence[Point]]) -> tuple[float, float]:
@@ -291,32 +393,3 @@ def _outline(rings: list[list[Point]], room: float) -> list[Point]:
     filled = sum(abs(_area(ring)) for ring in rings)
     size = max(abs(z - hull[0]) for z in hull)
     return hull if abs(filled - _area(hull)) <= room * size else []
-
-
-def _section(hull: list[Point], height: float) -> tuple[float, float]:
-    """Return between which real parts a convex polygon is at a height."""
-    found = []
-    for a, b in zip(hull, [*hull[1:], hull[0]], strict=True):
-        if min(a.imag, b.imag) <= height <= max(a.imag, b.imag):
-            ends = (a.real, b.real) if a.imag == b.imag else ()
-            share = 0.0 if a.imag == b.imag else (height - a.imag) / (b.imag - a.imag)
-            found += [*ends] or [a.real + share * (b.real - a.real)]
-    return min(found), max(found)
-
-
-def _nearer_shares_more(below: list[Point], above: list[Point], room: float) -> bool:
-    """Return whether two convex polygons over the real axis share paper at lower sections if they do at higher ones."""
-    tables = [
-        [_section(hull, h) for h in sorted({z.imag for z in hull})] for hull in (below, above)
-    ]
-    for one, two in (tables, tables[::-1]):
-        # what a section of one reaches beyond the beginning of one of the other: concave, linear between corners
-        reach = [[high - low for low, _ in two] for _, high in one]
-        values = [x for row in reach for x in row]
-        if min(values) > room or max(values) <= room:
-            continue
-        falls = [b - a for row in reach for a, b in itertools.pairwise(row)]
-        falls += [y - x for a, b in itertools.pairwise(reach) for x, y in zip(a, b, strict=True)]
-        if max(falls) > room:
-            return False
-    return True

@@ -91,7 +91,10 @@ class FoldedEdges:
         reach: float,
         deviation: float,
     ) -> None:
-        self.off, self.room = 0.0, CLOSURE_TOL * float(np.ptp(contact.pattern.corners, axis=0).max())
+        self.off, self.room = (
+            0.0,
+            CLOSURE_TOL * float(np.ptp(contact.pattern.corners, axis=0).max()),
+        )
         self.contact, self.deviation = contact, np.asarray(4 * deviation)
         self._still = {c: (_constant(0.0), _constant(-1.0 if s else 1.0)) for c, s in still.items()}
         self._rows = [(k, s * side, creases) for k, s, creases in rows]
@@ -132,9 +135,7 @@ class FoldedEdges:
                 continue
             e, f = x[1] + -x[0], y[1] + -y[0]
             gap = _sign(e, f, y[0] + -x[0], 3)
-            below, above = (
-                {_sign(e, f, z + -p[0]) for z in p[2:]} for p in (x, y)
-            )
+            below, above = ({_sign(e, f, z + -p[0]) for z in p[2:]} for p in (x, y))
             if gap and above == {gap} and below == {-gap}:
                 return APART
             if gap and (_passes(x, y, -gap) or _passes(y, x, -gap)):
@@ -189,7 +190,8 @@ def _passes(x: list[Taylor], y: list[Taylor], gap: int) -> bool:
     """Return whether the first side of x goes through polygon y inside, and past its first side in this sense."""
     n = len(y)
     plane = [y[k] + -y[0] for k in (n // 3, 2 * n // 3)]
-    if _sign(*plane, x[0] + -y[0]) * _sign(*plane, x[1] + -y[0]) >= 0:
+    ends = [_sign(plane[0], plane[1], z + -y[0]) for z in x[:2]]
+    if ends[0] * ends[1] >= 0:
         return False
     e = x[1] + -x[0]
     past = {_sign(e, y[k] + -x[0], y[(k + 1) % n] + -x[0]) for k in range(1, n)}

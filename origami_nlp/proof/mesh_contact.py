@@ -237,9 +237,7 @@ class FoldingContact(StripContact):
             return
         curve = self._states.curve
         # tan x <= x + x^3 up to there
-        edges = FoldedEdges(
-            self, curve.rows, curve.still, side, reach + reach**3, self._deviation
-        )
+        edges = FoldedEdges(self, curve.rows, curve.still, side, reach + reach**3, self._deviation)
         known[left] = [edges.pair(*self.pairs[k]) for k in left]
         self.deviation = max(self.deviation, edges.off / self._size)
 
@@ -260,6 +258,8 @@ class MeshContact:
         As those of `MeshProof`.
     folded
         States that are folded flat.
+    deviation
+        As that of `MeshMinima`.
     """
 
     def __init__(
@@ -278,6 +278,7 @@ class MeshContact:
             for curve in curves:
                 self._along(curve)
             self._fold()
+        self.deviation = self._facets.deviation
         flat = np.zeros(mesh.creases)
         if all(self._flat):
             self.minima.append(SheetMinimum(flat, 0.0))
@@ -295,7 +296,9 @@ class MeshContact:
         self.maxima += ends.maxima
         near = {
             claim in ("crossing", "open", "touching")
-            for low, high, claim in zip(claims[0].ends, claims[0].ends[1:], claims[0].claims, strict=False)
+            for low, high, claim in zip(
+                claims[0].ends, claims[0].ends[1:], claims[0].claims, strict=False
+            )
             if low <= 0 <= high
         }
         flat = None if True in near else False

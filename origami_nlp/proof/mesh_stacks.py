@@ -8,12 +8,8 @@ and is asked at one state (`pattern_problem.order_layers`).  Facets of different
 - they lie within different sectors of a vertex that closes as paper (`strip_contact`);
 - intervals say so, as of meshes without creases in line (`mesh_contact`).
 
-Two rows that move by themselves join three blocks by two parallel lines.  Seen along these, with angles p and q between
-the outer blocks and the middle one, of width w, they cross at distances s = w sin q / sin(p + q) and t = w sin p /
-sin(p + q) from the lines, for p + q < pi, if these are within their widths and both have paper in one place there.  Of
-outer blocks no wider than w that is so for p, q < pi/2 alone.  (p', q') = (sin p, sin q) lets s and t grow; so
-blocks that share no less where s and t are less never cross on this way from a state in which they do not, and no state
-is held by their contact if the energy falls as p and q grow up to pi/2.
+Two rows that move by themselves join three blocks by two parallel lines: where these meet is decided over both folds
+(`row_pairs`).
 """
 
 from __future__ import annotations
@@ -27,8 +23,11 @@ import numpy as np
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem, order_layers
+from origami_nlp.proof.balls import exact
 from origami_nlp.proof.mesh_contact import FoldingContact, FoldingCurve, FoldingEnergy
+from origami_nlp.proof.mesh_curves import CurveEnergy
 from origami_nlp.proof.mesh_states import Curve, FoldingMesh
+from origami_nlp.proof.row_pairs import Condition, RowEnergy, RowPair, condition
 from origami_nlp.proof.strip_contact import APART, CROSSING, UNKNOWN
 from origami_nlp.proof.strips import along_curves
 
@@ -58,6 +57,7 @@ class MeshStacks:
         self.deviation, self.boxes = 0.0, 0
         self._known: dict[tuple[Still, Curve], list[tuple[float, float, int]]] = {}
         self._blocks: dict[tuple[bool | None, ...], Blocks] = {}
+        self._pairs: dict[tuple[Still, tuple[tuple[Curve, int], ...]], RowPair | int] = {}
 
     def blocks(self, still: Still) -> Blocks:
         """Return the blocks of facets that move as one."""
@@ -103,6 +103,7 @@ class MeshStacks:
             energy = FoldingEnergy(one, self.pattern, turns)
             _, (claims,), examined = along_curves(energy, facets, left, self.until)
             self.boxes += examined
+            self.deviation = max(self.deviation, facets.deviation)
             kinds = {"crossing": CROSSING, "open": UNKNOWN, "touching": UNKNOWN}
             found = [
                 (low, high, kinds.get(claim, APART))
@@ -123,15 +124,33 @@ class MeshStacks:
         found = {s for a, b, s in self.along(still, curve) if a < high and b > low}
         return found.pop() if len(found) == 1 else UNKNOWN
 
-    def together(self, still: Still, moving: Sequence[tuple[Curve, int]], rests: bool) -> int:
-        """Return what facets do where two curves move by themselves; `rests`: theta < pi/4 where each is least.
-
-        APART: they cross in part of these states only, and hold none.
+    def pair(self, still: Still, moving: Sequence[tuple[Curve, int]]) -> RowPair | int:
+        """Return two curves that move by themselves, on these sides of their flat states; where the order of layers
+        decides, or nothing does, CROSSING or UNKNOWN.
         """
-        layers = self.ordered(still, self.sample(still, moving))
-        if layers != APART or (rests and self.blocks(still).open_up(*(c for c, _ in moving))):
-            return layers
-        return UNKNOWN
+        key = still, tuple(moving)
+        if key not in self._pairs:
+            layers = self.ordered(still, self.sample(still, moving))
+            self._pairs[key] = self._pair(still, moving) if layers == APART else layers
+        return self._pairs[key]
+
+    def _pair(self, still: Still, moving: Sequence[tuple[Curve, int]]) -> RowPair | int:
+        if len(moving) != 2 or any(len(curve) > 1 for curve, _ in moving):
+            return UNKNOWN
+        rows = []
+        for curve, side in moving:
+            energy = CurveEnergy(self.mesh, curve, self.pattern.stiffness, self.pattern.rest)
+            ((_, k, load),) = energy.rows
+            rows.append(RowEnergy(k, exact(float(side)) * load))
+        folded = [
+            {c: side * s * m.sign for m in curve for c, s in m.creases} for curve, side in moving
+        ]
+        found = self.blocks(still).parallel(folded[0], folded[1])
+        if found is None:
+            return UNKNOWN
+        conditions, off = found
+        self.deviation = max(self.deviation, off / self.size)
+        return RowPair(conditions, (rows[0], rows[1]), CLOSURE_TOL * self.size)
 
 
 class Blocks:
@@ -226,49 +245,62 @@ class Blocks:
                 found.append(k)
         return found
 
-    def open_up(self, one: Curve, two: Curve) -> bool:
-        """Return whether two rows that move join three blocks, of which the outer ones are no wider and share no less
-        where they are nearer.
+    def parallel(
+        self, one: dict[int, int], two: dict[int, int]
+    ) -> tuple[list[Condition], float] | None:
+        """Return when outer blocks cross that two rows of creases join to one between them, folded to these sides.
+
+        None where blocks are no trapezia between parallel lines; and by how much lengths are not what is meant.
         """
-        rows = [[c for m in curve for c, _ in m.creases] for curve in (one, two)]
-        sides = [{frozenset(self.of[k] for k in self.beside[c]) for c in row} for row in rows]
+        sides = [{frozenset(self.of[k] for k in self.beside[c]) for c in row} for row in (one, two)]
         if len(set(self.of.values())) != 3 or any(len(s) != 1 or len(*s) != 2 for s in sides):
-            return False
+            return None
         (first,), (second,) = sides
         middle = first & second
-        if len(middle) != 1 or len(one) > 1 or len(two) > 1:
-            return False
+        if len(middle) != 1:
+            return None
         (m,) = middle
-        along, width = self._axis(rows[0][0], m), 0.0
-        bounds = []
-        for row, block in zip(rows, (first, second), strict=True):
+        along = self._axis(next(iter(one)), m)
+        bounds, width, faces = [], 0.0, set()
+        for row, block in ((one, first), (two, second)):
             (outer,) = block - middle
             lines = [self._axis(c, m) for c in row]
             # all in one line, parallel to the other row
             off = [abs(np.conj(along[1]) * d).imag for _, d in lines]
             off += [abs(_beyond(a, *_ends(*lines[0]))) for a, _ in lines]
             if max(off) > self.room:
-                return False
+                return None
             width = max(width, float(abs(_beyond(lines[0][0], *_ends(*along)))))
             origin, heading = lines[0]
             sense = (np.conj(along[1]) * heading).real
             shift = (np.conj(along[1]) * (origin - along[0])).real
-            found = self._bounds(outer, self._axis(row[0], outer))
+            found = self._bounds(outer, self._axis(next(iter(row)), outer))
             if found is None:
-                return False
+                return None
             wide, low, high = found
             ends = np.sort(np.array([shift + sense * low, shift + sense * high]), axis=0)
             bounds.append((wide, *ends))
-        (w, low, high), (v, below, above) = bounds
-        if max(w, v) > width + self.room:
-            return False
-        # overlap while high - below > 0 and above - low > 0, each linear over the widths
-        for top, bottom in ((high, below), (above, low)):
-            room = top[:, None] - bottom[None]
-            falls = top[1] <= top[0] + self.room and bottom[1] >= bottom[0] - self.room
-            if not (falls or room.min() > self.room or room.max() <= self.room):
-                return False
-        return True
+            faces.add(frozenset(s * self._turned(c, m) for c, s in row.items()))
+        own = np.concatenate([z for k, z in enumerate(self.corners) if self.of[k] == m])
+        inside = _beyond(own, *_ends(*along))
+        if (
+            width <= self.room
+            or np.ptp(inside) > width + self.room
+            or any(len(f) > 1 for f in faces)
+        ):
+            return None
+        if len(faces) > 1:
+            return [
+                Condition([(-1.0, 0, 0, 0)], frozenset())
+            ], 0.0  # on both sides of the block between
+        return _crossing(width, bounds[0], bounds[1], self.room)
+
+    def _turned(self, crease: int, block: int) -> int:
+        """Return -1 if the facet of a block beside a crease is turned over in its plane."""
+        k = next(k for k in self.beside[crease] if self.of[k] == block)
+        flat = self.pattern.corners[list(self.pattern.polygons[k]), :2] @ (1, 1j)
+        areas = [(np.conj(z) * np.roll(z, -1)).imag.sum() for z in (flat, self.corners[k])]
+        return 1 if areas[0] * areas[1] > 0 else -1
 
     def _axis(self, crease: int, block: int) -> tuple[complex, complex]:
         """Return a point and the direction of a crease that moves, in the plane of a block."""
@@ -303,6 +335,22 @@ class Blocks:
                 return None
             total[:, 1] = np.fmax(total[:, 1], span[:, 1])
         return width, total[:, 0], total[:, 1]
+
+
+def _crossing(
+    width: float,
+    one: tuple[float, np.ndarray, np.ndarray],
+    two: tuple[float, np.ndarray, np.ndarray],
+    room: float,
+) -> tuple[list[Condition], float]:
+    """Return when two trapezia cross beside a block: of each its width, and its ends at its row and far away."""
+    (a, low, high), (b, below, above) = one, two
+    found = [condition(a, -width, 0.0, room), condition(b, 0.0, -width, room)]
+    for sign, of_one, of_two in ((1.0, high, below), (-1.0, low, above)):
+        # sign (one(s) - two(t)) > 0, times sin(p + q)
+        share = sign * width * np.diff(of_one)[0] / a, -sign * width * np.diff(of_two)[0] / b
+        found.append(condition(sign * (of_one[0] - of_two[0]), *share, room))
+    return [f for f, _ in found], max(off for _, off in found)
 
 
 def _beyond(x: np.ndarray | complex, a: complex, b: complex) -> np.ndarray:
