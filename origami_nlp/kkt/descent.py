@@ -96,6 +96,7 @@ def follow(
     longest: float = LONGEST,
     most_steps: int = 2000,
     most_rescues: int = 12,
+    most_ways: int | None = None,
     until: Callable[[np.ndarray], bool] | None = None,
     leads: Callable[[np.ndarray, np.ndarray], bool] | None = None,
     known: Callable[[np.ndarray], bool] | None = None,
@@ -107,7 +108,8 @@ def follow(
     shorter.  An end of which `known` says that it is a minimum is not judged again: it is `KNOWN`.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
-    admissible neighbour is searched on small spheres, at most `most_rescues` times.
+    admissible neighbour is searched on small spheres, at most `most_rescues` times.  Of the ways that
+    a step may go on pieces that meet at a state `most_ways` are tried; None: all.
 
     Raises
     ------
@@ -127,7 +129,7 @@ def follow(
             path = np.array(states)
             return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
-        moved = _step(State(model, x, SLIDES), length, curved, leads)
+        moved = _step(State(model, x, SLIDES), length, curved, leads, most_ways)
         if moved is not None:
             x, taken = moved
             states.append(x)
@@ -253,6 +255,7 @@ def _step(
     length: float,
     curved: bool,
     leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+    most_ways: int | None = None,
 ) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`, by a backtracking line search; None where no step is
     lower."""
@@ -261,7 +264,7 @@ def _step(
     for ahead in (near, ()) if near else ((),):
         best: _Found | None = None
         waiting = list[Iterator[_Found | None]]()
-        for rows, d, held in _ways_down(state, ahead, curved):
+        for rows, d, held in itertools.islice(_ways_down(state, ahead, curved), most_ways):
             if best is not None and (rows in listed or not state.contacts.few):
                 break  # of the pieces themselves the first that leads down
             if _length(d, curved) < ROUNDED:

@@ -221,7 +221,7 @@ class _Search(Scouting):
                 break
         self.part(Signed.name, self.sign, pattern)
         self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
-        self.go_on(asked, starts)
+        self.go_on(asked, starts, rng)
         self.part(IMAGES, self.add_images)
 
     def settle(self, phi: np.ndarray) -> None:

@@ -1,5 +1,5 @@
 """Starts that follow from what was found: signs that no minimum has, and of minima their images, vertices popped,
-hinges in other wells, creases pushed, two combined."""
+hinges in other wells, any changes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import islice, product
+from itertools import islice
 
 import numpy as np
 
@@ -20,21 +20,17 @@ from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
     MOST_SIGNED,
     POPPED,
-    PUSHED,
-    Combined,
+    Changed,
     FoldedVertices,
     Listed,
     OtherWells,
     Popped,
-    Pushed,
     SearchOptions,
     Signed,
     hinge_rests,
 )
 
 IMAGES = "images of minima under symmetries"
-ONE_START = 0.1
-"""Two minima combined that are no further from another start of that kind [rad] are not started from."""
 
 
 class FromMinima(Parts):
@@ -60,6 +56,10 @@ class FromMinima(Parts):
     @abstractmethod
     def foresee_apart(self, phi: np.ndarray) -> None:
         """Go downhill from a closed state along states that do not cross, and judge what is reached."""
+
+    @abstractmethod
+    def look_ahead(self, start: np.ndarray) -> None:
+        """Go down from a start, closed first; where scouts can be sent, only if one comes to an end."""
 
     @abstractmethod
     def beside(self, phi: np.ndarray) -> np.ndarray:
@@ -139,15 +139,15 @@ class FromMinima(Parts):
                 problem.check_time()
                 self._start_apart(FoldedVertices.name, start)
 
-    def go_on(self, options: SearchOptions, starts: int) -> None:
+    def go_on(self, options: SearchOptions, starts: int, rng: np.random.Generator) -> None:
         """Start from minima, and from what that leads to, until nothing new comes; `starts` multiplies limits."""
         longest, known = options.most_on * starts, None
         while known != (known := self.count()):
             self.part(IMAGES, self.add_images)
             self.part(OtherWells.name, self.snap, options.most_popped * starts, longest)
             self.part(Popped.name, self.pop, options.most_popped * starts, longest)
-            self.part(Combined.name, self.combine, options.most_combined * starts, longest)
-            self.part(Pushed.name, self.push, options.most_pushed * starts, longest)
+            given = options.most_changed * starts, options.most_drawn * starts
+            self.part(Changed.name, self.change, rng, *given)
 
     def _start_apart(self, family: str, start: np.ndarray) -> None:
         """Go down from a start along states that do not cross."""
@@ -172,45 +172,31 @@ class FromMinima(Parts):
             ways = [partial(OtherWells, pattern, labels)]
             self._go_on(OtherWells.name, ways, most, longest)
 
-    def push(self, most: int, longest: int) -> None:
-        """Start from each minimum of several degrees of freedom with one crease pushed either way.
+    def change(self, rng: np.random.Generator, most: int, longest: int) -> None:
+        """Start from minima changed at random, those among them that this leads to.
 
-        There may be more minima than one with the same signs of vertices: no pop leads from one to another.
-        A single vertex has a search of its own.
+        Until `most` starts in a row led to no other minimum, or after `longest` in all.  A single vertex has a search
+        of its own, and where branches are enumerated these lead to what the starts would.
         """
-        problem = self.problem
-        if self.contact and problem.size <= MOST_DENSE and len(problem.pattern.vertices) > 1:
-            all_ = product(PUSHED, range(problem.size))
-            ways = [partial(Pushed, problem, self.labels, size=a, only=k) for a, k in all_]
-            self._go_on(Pushed.name, ways, most, longest, least=2)
-
-    def combine(self, most: int, longest: int) -> None:
-        """Start from minima with the folds round one vertex as others have them, what that leads to among them.
-
-        Until `most` starts in all led to no other minimum, or after `longest`.  Of starts beside each other, or beside
-        images of each other, one is enough.  Not where branches are enumerated: these lead to what the starts would.
-        """
-        problem, name, counts = self.problem, Combined.name, self._counts[Combined.name]
-        done = self.tally.lines or self.tally.families or not most
-        while not done and name not in self.tally.cut:
-            states = np.array([self.beside(s.phi) for s in self.minima if s.phi.any()])
-            before, done = self.count(), True
-            for start in Combined(problem.pattern, self.labels, states).states():
-                problem.check_time()
-                [made] = self._gone.setdefault(name, [np.empty((0, problem.size))])
-                if (np.abs(made - start).max(axis=1) < ONE_START).any():
-                    continue
-                if counts["idle"] == most or counts["made"] == longest:
-                    self.tally.cut = (*self.tally.cut, name)
-                    break
-                images = [image(symmetry, start) for symmetry in self._symmetries]
-                self._gone[name] = [np.vstack([made, start, *images])]
-                self._start_apart(name, start)
-                counts["made"] += 1
-                if self.count() != before:  # combined with the others as well
-                    done = False
-                    break
-                counts["idle"] += 1
+        problem, name, counts = self.problem, Changed.name, self._counts[Changed.name]
+        alone = len(problem.pattern.vertices) < 2 or problem.size > MOST_DENSE
+        if alone or not (most and self.contact) or self.tally.lines or self.tally.families:
+            return
+        known, quiet = -1, 0
+        while quiet < most and name not in self.tally.cut:
+            problem.check_time()
+            if known != (known := self.count()[0]):
+                states = [self.beside(s.phi) for s in self.minima if s.phi.any()]
+                family = Changed(problem, self.labels, np.array(states).reshape(-1, problem.size))
+                quiet = 0
+            if not states:
+                return
+            self.begin(name)
+            self.attempt(self.look_ahead, family.draw(rng, 1).x[0])
+            counts["made"] += 1
+            quiet += 1
+            if counts["made"] == longest:
+                self.tally.cut = (*self.tally.cut, name)
 
     def _go_on(
         self,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
@@ -15,6 +17,8 @@ SAME = 3e-4
 """Ends of scouts that are as near to each other are one [rad]: of one minimum they agree to 1e-6, and minima of
 waterbomb:2x2 lie 0.009 apart."""
 
+EVERY = 4
+"""Steps of a descent from one scout on its way to the next."""
 BESIDE = 0.01
 """Largest distance of such an end from its minimum at which that is started from in its place [rad]."""
 
@@ -26,6 +30,7 @@ class Scouting(FromMinima):
         super().__init__()
         self._ends: list[np.ndarray] = []
         self._led: list[set[int]] = []
+        self._nowhere: list[np.ndarray] = []
 
     @cached_property
     def scouts(self) -> Scouts:
@@ -49,6 +54,35 @@ class Scouting(FromMinima):
             held = None
         ends = None if held is None else [(held[0], True)]
         self._follow(ends, lambda: self._press(phi))
+
+    def look_ahead(self, start: np.ndarray) -> None:
+        """Go down from a start, closed first; where scouts can be sent, only if one comes to an end."""
+        if not self.goes_ahead:
+            self._kept_apart(start)
+        elif (phi := self._begun(start)) is not None:
+            if self.problem.crossings.find(phi):
+                phi = less_folded(self.problem, phi)
+            held = None if phi is None else self.scouts.descend(phi, True)
+            if held is not None and _nearest(self._nowhere, held[0])[1] > SAME:
+                self._follow(
+                    [(held[0], True)], lambda: self._nowhere.append(held[0]), self._look_on
+                )
+
+    def _look_on(self, phi: np.ndarray) -> None:
+        """Follow a descent along states that do not cross, until scouts end from it where earlier ones did.
+
+        A scout keeps creases at the fold limits that it begins at, which the first step may leave.  What is left on its
+        way or where many pieces meet is not judged.
+        """
+        steps = itertools.count()
+
+        def leave(x: np.ndarray) -> bool:
+            held = self.scouts.descend(x, True) if next(steps) % EVERY == 1 else None
+            return held is not None and self._is_foreseen(held[0])
+
+        end = contact_descent(self.problem, phi, True, self.known_minima, leave)
+        if end.arrived:
+            self.contact_descent(end)
 
     def _press(self, phi: np.ndarray) -> None:
         self.contact_descent(contact_descent(self.problem, phi, True, self.known_minima))
@@ -83,18 +117,18 @@ class Scouting(FromMinima):
 
     def _is_foreseen(self, end: np.ndarray) -> bool:
         """Return whether an earlier scout ended there: what its descent led to is reached again."""
-        if not self._ends:
-            return False
-        far = np.abs(np.array(self._ends) - end).max(axis=1)
-        k = int(far.argmin())
-        if far[k] > SAME:
+        k, far = _nearest(self._ends, end)
+        if far > SAME:
             return False
         for j in self._led[k]:
             self._reach(j)
         return True
 
     def _follow(
-        self, ends: Sequence[tuple[np.ndarray, bool]] | None, decide: Callable[[], None]
+        self,
+        ends: Sequence[tuple[np.ndarray, bool]] | None,
+        decide: Callable[[], None],
+        press: Callable[[np.ndarray], None] | None = None,
     ) -> None:
         """Follow the descents from where scouts ended that no other did; where one is in doubt, from the start.
 
@@ -107,9 +141,17 @@ class Scouting(FromMinima):
         self.tally.foreseen += not new
         for end, apart in new:
             self._met.clear()
-            (self._press if apart else self.settle)(end)
+            ((press or self._press) if apart else self.settle)(end)
             if not self._met:
                 decide()
                 return
             self._ends.append(end)
             self._led.append(set(self._met))
+
+
+def _nearest(states: list[np.ndarray], phi: np.ndarray) -> tuple[int, float]:
+    """Return the number of the nearest of some states to one [n], and how far it is; infinitely where there is none."""
+    if not states:
+        return -1, math.inf
+    far = np.abs(np.array(states) - phi).max(axis=1)
+    return int(far.argmin()), float(far.min())

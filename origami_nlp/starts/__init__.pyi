@@ -34,13 +34,11 @@ from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
 from .of_patterns import (
     POPPED as POPPED,
-    PUSHED as PUSHED,
-    Combined as Combined,
+    Changed as Changed,
     Given as Given,
     Grown as Grown,
     OtherWells as OtherWells,
     Popped as Popped,
-    Pushed as Pushed,
     Uniform as Uniform,
     UniformFolded as UniformFolded,
     creases_around as creases_around,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations, permutations, product
+from itertools import combinations, cycle, islice, permutations, product
 
 import numpy as np
 
@@ -185,95 +185,83 @@ class Popped(Listed):
                 yield start
 
 
-PUSHED = 1.0, 1.8
-"""By how much the fold angle that moves the most is pushed [rad]."""
-ALIKE = 0.95
-"""Cosine from which directions lead the same way."""
+WALKED, MOST_WALKED = 0.3, 14
+"""Steps of a walk [rad], and fewer of them than this."""
 
 
-class Pushed(Listed):
-    """A state with each crease pushed towards valley and towards mountain, the others as closure takes them along.
+class Changed(StartFamily):
+    """States of a list changed at random, in one way after the other.
+
+    With the creases round each vertex, or each crease, as one of two states has them; with one crease flat, fully
+    folded or turned round; or at the end of a walk along a random motion, kept within fold limits, before facets cross.
 
     Parameters
     ----------
     problem
         Of the pattern.
     labels
-        The order of its creases.
-    phi
-        The state, [n] [rad].
-    size
-        One of `PUSHED`.
-    only
-        Number of the direction (from 0) that is wanted alone; None: all.
-    """
-
-    name = "minima with a crease pushed"
-    sentence = "a minimum with one crease pushed towards valley or mountain"
-
-    def __init__(
-        self,
-        problem: PatternProblem,
-        labels: CanonicalLabelling,
-        phi: np.ndarray,
-        size: float,
-        only: int | None = None,
-    ) -> None:
-        self.size, self._problem, self._labels = problem.size, problem, labels
-        self._phi, self._far, self._only = phi, size, only
-
-    def states(self) -> Iterator[np.ndarray]:
-        """Yield them, none closed yet; of creases that move alike one."""
-        taken: list[np.ndarray] = []
-        for i in self._labels.order:
-            d = self._problem.along(self._phi, np.eye(self.size)[i])
-            size = float(np.linalg.norm(d))
-            if size < RESOLVED or any(abs(d @ x) > ALIKE * size for x in taken):
-                continue
-            taken.append(d / size)
-            if self._only is not None and len(taken) != self._only + 1:
-                continue
-            d = self._labels.sign * self._far * d / np.abs(d).max()
-            limits = self._problem.fold_limits
-            yield from (limits.clip(self._phi + d), limits.clip(self._phi - d))
-
-
-COMBINED = 0.3
-"""Minima that are combined differ by at least as much round the vertex, and a start from every minimum [rad]."""
-
-
-class Combined(Listed):
-    """States of a list with the folds round one vertex as another of the list has them, the others kept.
-
-    Parameters
-    ----------
-    pattern, labels
-        The pattern, and the order of its creases.
+        Of the pattern: changes are drawn in the order of its creases.
     states
         The list, [m, n] [rad].
     """
 
-    name = "minima combined"
-    sentence = "a minimum with the folds round one vertex as another minimum has them"
+    name = "minima changed at random"
+    sentence = (
+        "a minimum crossed with another, with one crease folded otherwise, or left along a motion"
+    )
 
-    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, states: np.ndarray) -> None:
-        self.size, self._states = pattern.creases, states
-        self._around = creases_around(pattern, labels)
+    def __init__(
+        self, problem: PatternProblem, labels: CanonicalLabelling, states: np.ndarray
+    ) -> None:
+        self._problem, self._labels, self._states = problem, labels, states
+        self._around = creases_around(problem.pattern, labels)
+        self._ways = cycle((self._by_vertex, self._one_crease, self._walked, self._by_crease))
 
-    def states(self) -> Iterator[np.ndarray]:
-        """Yield them, none closed yet: pairs in an order drawn once, each with another vertex in each round."""
-        states, around = self._states, self._around
-        pairs = np.random.default_rng(0).permutation(len(states) ** 2)
-        for first in range(len(around)):
-            for k, pair in enumerate(pairs):
-                creases = around[(first + k) % len(around)]
-                one, other = states[pair // len(states)], states[pair % len(states)]
-                if np.abs(other[creases] - one[creases]).max() < COMBINED:
-                    continue
-                start = one.copy()
-                start[creases] = other[creases]
-                if np.abs(states - start).max(axis=1).min() >= COMBINED:
-                    yield start
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Draw states one after the other; none where the list is empty."""
+        x, limits = [], self._problem.fold_limits
+        for way in islice(self._ways, many if len(self._states) else 0):
+            one, other = self._states[rng.integers(len(self._states), size=2)]
+            x.append(way(rng, one.copy(), other))
+        return Samples.at_limits(limits.clip(np.array(x).reshape(-1, self._problem.size)), limits)
+
+    def _by_vertex(
+        self, rng: np.random.Generator, one: np.ndarray, other: np.ndarray
+    ) -> np.ndarray:
+        for creases in self._around:
+            if rng.random() < 0.5:
+                one[creases] = other[creases]
+        return one
+
+    def _by_crease(
+        self, rng: np.random.Generator, one: np.ndarray, other: np.ndarray
+    ) -> np.ndarray:
+        taken = rng.random(len(one))[np.argsort(self._labels.order)] < 0.5
+        return np.where(taken, one, other)
+
+    def _one_crease(self, rng: np.random.Generator, one: np.ndarray, _: np.ndarray) -> np.ndarray:
+        i = self._labels.order[rng.integers(len(one))]
+        sign = self._labels.sign
+        one[i] = sign * (-math.pi, 0.0, math.pi, -sign * one[i])[rng.integers(4)]
+        return one
+
+    def _walked(self, rng: np.random.Generator, one: np.ndarray, _: np.ndarray) -> np.ndarray:
+        problem, limits = self._problem, self._problem.fold_limits
+        way = problem.along(one, self._labels.drawn(rng.normal(size=len(one))))
+        for _step in range(int(rng.integers(2, MOST_WALKED))):
+            if (size := np.abs(way).max()) < RESOLVED:
+                break
+            ahead = limits.clip(one + WALKED * way / size)
+            new, residual = problem.project(ahead, limits.room(ahead) <= 0.0)
+            if (
+                residual > CLOSURE_TOL
+                or not limits.inside(new).all()
+                or not problem.closure.lifts_to_one(new)
+                or problem.crossings.find(new)
+            ):
+                break
+            one, way = new, problem.along(new, way)
+        return one
 
 
 class OtherWells(Listed):

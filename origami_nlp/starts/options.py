@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last ten of a pattern.
+    The first twelve are of a vertex, the last nine of a pattern.
 
     Attributes
     ----------
@@ -50,10 +50,8 @@ class SearchOptions:
     most_popped
         Starts from minima with a vertex popped, or a hinge in another well of its law, that find nothing new, over
         `in_a_row`; then that part ends.
-    most_pushed
-        The same of starts with a crease pushed: of thorough searches.
-    most_combined
-        The same of starts from a minimum with the folds round one vertex as another minimum has them.
+    most_changed
+        Starts from minima changed at random in a row that find nothing new, over `in_a_row`; `most_drawn` in all.
     most_on
         Starts of one of these kinds in all, over `in_a_row`.
     most_folded
@@ -92,8 +90,7 @@ class SearchOptions:
     scouted: int = 10
     most_drawn: int = 10
     most_popped: int = 1
-    most_pushed: int = 0
-    most_combined: int = 3
+    most_changed: int = 2
     most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250
@@ -102,7 +99,7 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_popped", "most_pushed", "most_combined", "most_on"),
+            *("in_a_row", "most_popped", "most_changed", "most_on"),
             *("most_folded", "most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
@@ -156,8 +153,7 @@ EFFORTS = {
         quiet=4,
         in_a_row=160,
         most_popped=10,
-        most_pushed=10,
-        most_combined=5,
+        most_changed=10,
         most_folded=1,
     ),
 }

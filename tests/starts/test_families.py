@@ -58,8 +58,7 @@ def pattern_families():
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
-        starts.Pushed(problem, labels, phi, 1.0),
-        starts.Combined(pattern, labels, np.array([phi, -phi])),
+        starts.Changed(problem, labels, np.array([phi, -phi])),
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
@@ -138,36 +137,25 @@ def test_starts_of_vertices_close_and_hold_what_they_say(name):
     assert len(s) or name in ("RestState", "RigidStates")
 
 
-def test_creases_are_pushed_along_closed_states_whatever_their_numbers():
-    pattern = examples.pattern("yoshimura", 2, 2)
+def test_minima_are_changed_in_four_ways_in_turn():
+    pattern = examples.pattern("yoshimura", 2, 3)
     problem, labels = PatternProblem(pattern), find_labels(pattern)
-    phi = starts.Grown(problem, labels).draw(np.random.default_rng(1), 1).x[0]
-    pushed = np.array(list(starts.Pushed(problem, labels, phi, 0.01).states())) - phi
-    assert len(pushed) > 2 and np.abs(pushed).max(axis=1) == pytest.approx(0.01)
-    jacobian = np.asarray(problem.closure.jacobian(phi))
-    assert np.abs(jacobian @ pushed.T).max() < 1e-10  # no push opens a vertex to first order
-    # as many directions as degrees of freedom at least: nothing that closure leaves free is left out
-    assert np.linalg.matrix_rank(pushed, tol=1e-8) == pattern.creases - np.linalg.matrix_rank(
-        jacobian, tol=1e-8
-    )
-
-
-def test_minima_are_combined_round_each_vertex_once_where_they_differ_there():
-    pattern = examples.pattern("yoshimura", 3, 3)
-    labels, n = find_labels(pattern), pattern.creases
-    states = np.array([np.full(n, 1.0), np.full(n, -1.0), np.full(n, 1.0)])
-    states[2, 0] = 1.2  # too near the first to be combined with it
-    around = starts.creases_around(pattern, labels)
-    wanted = set()
-    for one in states:
-        for other in states:
-            for creases in around:
-                new = one.copy()
-                new[creases] = other[creases]
-                if np.abs(new - one).max() > 0.3 and np.abs(states - new).max(axis=1).min() > 0.3:
-                    wanted.add(tuple(new))
-    made = [tuple(x) for x in starts.Combined(pattern, labels, states).states()]
-    assert set(made) == wanted and len(wanted) > 4
+    rng = np.random.default_rng(1)
+    states = starts.Grown(problem, labels).draw(rng, 3).x
+    drawn = starts.Changed(problem, labels, states).draw(rng, 48).x
+    same = np.abs(drawn[:, None] - states) == 0  # [48, 3, n]
+    pairs = [same[:, a] | same[:, b] for a, b in itertools.combinations(range(3), 2)]
+    of_two = np.any([pair.all(axis=1) for pair in pairs], axis=0)
+    assert (
+        of_two[0::4].all() and of_two[3::4].all()
+    )  # round vertices, or at each crease, as one of two has them
+    counts = same.sum(axis=2).max(axis=1)[1::4]
+    assert (counts >= pattern.creases - 1).all() and counts.min() == pattern.creases - 1
+    walked = drawn[2::4]
+    assert max(map(problem.residual, walked)) <= 1e-9 and problem.fold_limits.inside(walked).all()
+    assert not any(map(problem.crossings.find, walked))
+    assert np.median(np.abs(walked[:, None] - states).max(axis=2).min(axis=1)) > 0.3
+    assert len(starts.Changed(problem, labels, states[:0]).draw(rng, 3)) == 0
 
 
 def test_a_hinge_goes_to_each_of_its_other_wells_and_to_a_limit_that_it_is_pushed_to():

@@ -11,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, Scouts
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, Combined, FoldedVertices, Popped, Pushed, SearchOptions
+from origami_nlp.starts import EFFORTS, Changed, FoldedVertices, Popped, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
@@ -72,11 +72,11 @@ def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
         options = SearchOptions(**{**once, **changed})
         return o.find_minima("yoshimura:2x3", options=options, escape=False).search
 
-    name = Pushed.name
-    assert name not in search(most_pushed=0).by_source
-    few, more = search(most_pushed=3), search(most_pushed=9, most_on=5)
-    assert few.by_source[name] >= 3 and more.by_source[name] == 5
-    assert name in few.cut and any(f"{name}: " in s and "could be made" in s for s in few.words())
+    name = Changed.name
+    assert name not in search(most_changed=0).by_source
+    few, more = search(most_changed=3, most_drawn=50), search(most_changed=9, most_drawn=5)
+    assert few.by_source[name] >= 3 and name not in few.cut and more.by_source[name] == 5
+    assert name in more.cut and any(f"{name}: " in s and "could be made" in s for s in more.words())
 
 
 def test_more_starts_are_made_where_it_is_foreseen_where_they_lead(monkeypatch):
@@ -89,17 +89,6 @@ def test_more_starts_are_made_where_it_is_foreseen_where_they_lead(monkeypatch):
     monkeypatch.undo()
     if Scouts(PatternProblem(as_pattern("yoshimura:2x2"))).usable:
         assert search(8).drawn == 8 * search(1).drawn and search(8).foreseen
-
-
-def test_minima_are_combined_where_that_is_asked_for():
-    def search(**changed):
-        options = SearchOptions(in_a_row=4, scouted=1, most_drawn=1, most_popped=0, **changed)
-        return o.find_minima("yoshimura:2x3", options=options, escape=False).search
-
-    name = Combined.name
-    assert name not in search(most_combined=0).by_source
-    few, more = search(most_combined=1, most_on=1), search(most_combined=5)
-    assert few.by_source[name] <= 4 < more.by_source[name]
 
 
 def test_vertices_are_almost_folded_where_that_is_asked_for():
