@@ -38,6 +38,7 @@ class FromMinima(Parts):
 
     contact: bool
     _symmetries: list[tuple[np.ndarray, float]]
+    _changed: Changed
 
     def __init__(self) -> None:
         super().__init__()
@@ -182,17 +183,21 @@ class FromMinima(Parts):
         alone = len(problem.pattern.vertices) < 2 or problem.size > MOST_DENSE
         if alone or not (most and self.contact) or self.tally.lines or self.tally.families:
             return
+        [gone] = self._gone.setdefault(name, [np.empty((0, problem.size))])
         known, quiet = -1, 0
         while quiet < most and name not in self.tally.cut:
             problem.check_time()
             if known != (known := self.count()[0]):
-                states = [self.beside(s.phi) for s in self.minima if s.phi.any()]
-                family = Changed(problem, self.labels, np.array(states).reshape(-1, problem.size))
                 quiet = 0
-            if not states:
+                for phi in (s.phi for s in self.minima if s.phi.any()):
+                    if not are_among(phi[None], gone)[0]:
+                        images = [image(symmetry, phi) for symmetry in self._symmetries]
+                        gone = self._gone[name][0] = np.vstack([gone, phi, *images])
+                        self._changed.add(self.beside(phi), images)
+            if not len(start := self._changed.draw(rng, 1).x):
                 return
             self.begin(name)
-            self.attempt(self.look_ahead, family.draw(rng, 1).x[0])
+            self.attempt(self.look_ahead, start[0])
             counts["made"] += 1
             quiet += 1
             if counts["made"] == longest:

@@ -9,9 +9,10 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.pattern_problem import PopSigns, Scouts
-from origami_nlp.pattern_states.contact_descents import contact_descent, less_folded
+from origami_nlp.pattern_problem import PopSigns, Scouts, image
+from origami_nlp.pattern_states.contact_descents import LEFT, contact_descent, less_folded
 from origami_nlp.pattern_states.from_minima import FromMinima
+from origami_nlp.starts import Changed
 
 SAME = 3e-4
 """Ends of scouts that are as near to each other are one [rad]: of one minimum they agree to 1e-6, and minima of
@@ -63,26 +64,38 @@ class Scouting(FromMinima):
             if self.problem.crossings.find(phi):
                 phi = less_folded(self.problem, phi)
             held = None if phi is None else self.scouts.descend(phi, True)
-            if held is not None and _nearest(self._nowhere, held[0])[1] > SAME:
-                self._follow(
-                    [(held[0], True)], lambda: self._nowhere.append(held[0]), self._look_on
-                )
+            if held is None:
+                return
+            # where an image of the end is foreseen, so is what images of minima are added for
+            ends = [held[0], *self._images(held[0])]
+            if any(_nearest(self._nowhere, end)[1] <= SAME for end in ends):
+                return
+            if any(map(self._is_foreseen, ends)):
+                self.tally.foreseen += 1
+            else:
+                self._follow([(held[0], True)], lambda: self._nowhere.append(held[0]))
 
-    def _look_on(self, phi: np.ndarray) -> None:
-        """Follow a descent along states that do not cross, until scouts end from it where earlier ones did.
+    def _images(self, phi: np.ndarray) -> list[np.ndarray]:
+        """Return the images of a state [n] under symmetries of the sheet with its springs."""
+        return [image(symmetry, phi) for symmetry in self._symmetries]
 
-        A scout keeps creases at the fold limits that it begins at, which the first step may leave.  What is left on its
-        way or where many pieces meet is not judged.
+    def _look_on(self, phi: np.ndarray) -> bool:
+        """Follow a short descent along states that do not cross, until scouts end from it where earlier ones did.
+
+        A scout keeps creases at the fold limits that it begins at, which the first step may leave.  Return whether it
+        came to no end of its own; of minima changed at random such ends are many, and they are not judged.
         """
         steps = itertools.count()
 
         def leave(x: np.ndarray) -> bool:
             held = self.scouts.descend(x, True) if next(steps) % EVERY == 1 else None
-            return held is not None and self._is_foreseen(held[0])
+            ends = [] if held is None else [held[0], *self._images(held[0])]
+            return any(map(self._is_foreseen, ends))
 
         end = contact_descent(self.problem, phi, True, self.known_minima, leave)
-        if end.arrived:
+        if end.arrived or (end.why != LEFT and self.family != Changed.name):
             self.contact_descent(end)
+        return not end.arrived
 
     def _press(self, phi: np.ndarray) -> None:
         self.contact_descent(contact_descent(self.problem, phi, True, self.known_minima))
@@ -128,7 +141,6 @@ class Scouting(FromMinima):
         self,
         ends: Sequence[tuple[np.ndarray, bool]] | None,
         decide: Callable[[], None],
-        press: Callable[[np.ndarray], None] | None = None,
     ) -> None:
         """Follow the descents from where scouts ended that no other did; where one is in doubt, from the start.
 
@@ -141,8 +153,8 @@ class Scouting(FromMinima):
         self.tally.foreseen += not new
         for end, apart in new:
             self._met.clear()
-            ((press or self._press) if apart else self.settle)(end)
-            if not self._met:
+            left = self._look_on(end) if apart else self.settle(end)
+            if not (left or self._met):
                 decide()
                 return
             self._ends.append(end)

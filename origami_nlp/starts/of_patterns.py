@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations, cycle, islice, permutations, product
+from typing import Any
 
 import numpy as np
 
@@ -194,6 +195,7 @@ class Changed(StartFamily):
 
     With the creases round each vertex, or each crease, as one of two states has them; with one crease flat, fully
     folded or turned round; or at the end of a walk along a random motion, kept within fold limits, before facets cross.
+    Each state has as many starts as the others: those that were added last catch up.
 
     Parameters
     ----------
@@ -201,8 +203,6 @@ class Changed(StartFamily):
         Of the pattern.
     labels
         Of the pattern: changes are drawn in the order of its creases.
-    states
-        The list, [m, n] [rad].
     """
 
     name = "minima changed at random"
@@ -210,19 +210,27 @@ class Changed(StartFamily):
         "a minimum crossed with another, with one crease folded otherwise, or left along a motion"
     )
 
-    def __init__(
-        self, problem: PatternProblem, labels: CanonicalLabelling, states: np.ndarray
-    ) -> None:
-        self._problem, self._labels, self._states = problem, labels, states
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        self._problem, self._labels = problem, labels
+        self._states, self._others, self._made = [list[Any]() for _ in range(3)]
         self._around = creases_around(problem.pattern, labels)
         self._ways = cycle((self._by_vertex, self._one_crease, self._walked, self._by_crease))
 
+    def add(self, phi: np.ndarray, images: Sequence[np.ndarray] = ()) -> None:
+        """Add a state [n], and its images under symmetries: with these others are crossed."""
+        self._states.append(phi)
+        self._others += [phi, *images]
+        self._made.append(0)
+
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
-        """Draw states one after the other; none where the list is empty."""
+        """Draw states one after the other; none where there is none to be changed."""
         x, limits = [], self._problem.fold_limits
-        for way in islice(self._ways, many if len(self._states) else 0):
-            one, other = self._states[rng.integers(len(self._states), size=2)]
-            x.append(way(rng, one.copy(), other))
+        for way in islice(self._ways, many if self._states else 0):
+            k = self._made.index(min(self._made))
+            self._made[k] += 1
+            x.append(
+                way(rng, self._states[k].copy(), self._others[rng.integers(len(self._others))])
+            )
         return Samples.at_limits(limits.clip(np.array(x).reshape(-1, self._problem.size)), limits)
 
     def _by_vertex(

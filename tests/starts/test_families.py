@@ -52,13 +52,15 @@ def pattern_families():
     pattern = examples.pattern("metasheet", 2, 2)
     labels, problem = find_labels(pattern), PatternProblem(pattern)
     phi = starts.Grown(problem, labels).draw(np.random.default_rng(2), 1).x[0]
+    changed = starts.Changed(problem, labels)
+    changed.add(phi, [-phi])
     return [
         starts.Given(pattern),
         starts.Grown(problem, labels),
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
-        starts.Changed(problem, labels, np.array([phi, -phi])),
+        changed,
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
@@ -142,7 +144,11 @@ def test_minima_are_changed_in_four_ways_in_turn():
     problem, labels = PatternProblem(pattern), find_labels(pattern)
     rng = np.random.default_rng(1)
     states = starts.Grown(problem, labels).draw(rng, 3).x
-    drawn = starts.Changed(problem, labels, states).draw(rng, 48).x
+    family = starts.Changed(problem, labels)
+    assert len(family.draw(rng, 3)) == 0
+    for phi in states:
+        family.add(phi)
+    drawn = family.draw(rng, 48).x
     same = np.abs(drawn[:, None] - states) == 0  # [48, 3, n]
     pairs = [same[:, a] | same[:, b] for a, b in itertools.combinations(range(3), 2)]
     of_two = np.any([pair.all(axis=1) for pair in pairs], axis=0)
@@ -155,7 +161,6 @@ def test_minima_are_changed_in_four_ways_in_turn():
     assert max(map(problem.residual, walked)) <= 1e-9 and problem.fold_limits.inside(walked).all()
     assert not any(map(problem.crossings.find, walked))
     assert np.median(np.abs(walked[:, None] - states).max(axis=2).min(axis=1)) > 0.3
-    assert len(starts.Changed(problem, labels, states[:0]).draw(rng, 3)) == 0
 
 
 def test_a_hinge_goes_to_each_of_its_other_wells_and_to_a_limit_that_it_is_pushed_to():
