@@ -23,7 +23,7 @@ UNTOLD = "facets meet at borders or face to face, where no single gap distinguis
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 LEFT = "it was left on its way"
 """Why a descent ends where it was asked to."""
-SHORT = {"most_steps": 30, "most_rescues": 1, "most_ways": 32}
+SHORT = {"most_steps": 30, "most_rescues": 1, "most_ways": 16}
 """Of a descent that may be left: where hundreds of pieces meet at a state of resch:1x2 one took 37 s for 0.1 s."""
 NEAR = 0.05
 """Largest change of a fold angle to a known minimum to which a straight way down is looked for [rad].  Minima of

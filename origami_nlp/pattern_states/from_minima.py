@@ -238,7 +238,8 @@ class FromMinima(Parts):
                     self.tally.cut = (*self.tally.cut, name)
                     break
                 before = self.count()
-                self._start_apart(name, start)
+                self.begin(name)
+                self.attempt(self.look_ahead, start)
                 counts["made"] += 1
                 counts["idle"] += self.count() == before
 
