@@ -62,7 +62,6 @@ from origami_nlp.pattern_states.scouting import Scouting
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
     OWN,
-    Changed,
     FoldedVertices,
     Given,
     OtherWells,
@@ -197,7 +196,6 @@ class _Search(Scouting):
         self.judged, self._traced = list[JudgedState](), 0
         self.completeness: Completeness | None = None
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
-        self._changed = Changed(self.problem, self.labels)
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from itertools import islice
 
 import numpy as np
@@ -38,7 +38,6 @@ class FromMinima(Parts):
 
     contact: bool
     _symmetries: list[tuple[np.ndarray, float]]
-    _changed: Changed
 
     def __init__(self) -> None:
         super().__init__()
@@ -71,6 +70,10 @@ class FromMinima(Parts):
 
     @abstractmethod
     def _enter(self, phi: np.ndarray) -> None: ...
+
+    @cached_property
+    def _changed(self) -> Changed:
+        return Changed(self.problem, self.labels)
 
     @property
     def known_minima(self) -> np.ndarray:
