@@ -73,6 +73,7 @@ class Scouting(FromMinima):
             if any(map(self._is_foreseen, ends)):
                 self.tally.foreseen += 1
             else:
+                self._counts[self.family]["followed"] += 1
                 self._follow([(held[0], True)], lambda: self._nowhere.append(held[0]))
 
     def _images(self, phi: np.ndarray) -> list[np.ndarray]:
