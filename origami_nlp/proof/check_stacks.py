@@ -31,7 +31,7 @@ from origami_nlp.proof.check_strip_contact import CheckedContact
 
 Still: TypeAlias = tuple[int | None, ...]
 """Of each crease: 0, or +-1 at +-180 degrees; None where it moves."""
-Moving: TypeAlias = tuple[RowGroup, int, Any]
+MovingRows: TypeAlias = tuple[RowGroup, int, Any]
 """Rows that move as one, on a side of T = 0, and how far they are folded: 0 or pi beside these."""
 
 
@@ -103,7 +103,7 @@ class StackCheck(MeshContactCheck):
         still = tuple(
             None if kinds[r] == FREE else _sign(f) for r, f in zip(self.row, folds, strict=True)
         )
-        own: list[Moving] = [
+        own: list[MovingRows] = [
             (g, _sign(folds[g.creases[0][0]]) * g.creases[0][2], abs(folds[g.creases[0][0]]))
             for g in moving
         ]
@@ -163,7 +163,7 @@ class StackCheck(MeshContactCheck):
                 found.add(False if pair == CROSSING else None)
         return True if True in found else None if None in found else False
 
-    def _facets(self, still: Still, moving: Sequence[Moving]) -> int:
+    def _facets(self, still: Still, moving: Sequence[MovingRows]) -> int:
         """Return what facets do where groups of rows move, on a side of T = 0, two at these folds or beside them."""
         if len(moving) == 1:
             ((group, side, _),) = moving
