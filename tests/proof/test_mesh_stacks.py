@@ -26,14 +26,14 @@ SHEETS = {
         f"{m}x{n}, random springs {k}": (
             lambda m=m, n=n, k=k: sprung(o.examples.pattern("miura", m, n), k)
         )
-        for m, n, k in [*((2, 3, k) for k in (0, 2, 4, 5, 9)), *((3, 2, k) for k in (0, 1, 4, 5))]
+        for m, n, k in [*((2, 3, k) for k in (0, 2, 4, 5)), *((3, 2, k) for k in (0, 1, 4, 5))]
     },
 }
 PRESSED = "2x3, random springs 0"
 """Springs press flaps onto each other: two of its minima are held by them."""
 MINIMA = {
     "2x3": 4, "3x2": 10, "3x3": 54, PRESSED: 12, "2x3, random springs 4": 12,
-    "2x3, random springs 5": 12, "2x3, random springs 9": 14,
+    "2x3, random springs 5": 12,
 }  # fmt: skip
 QUICK = ("2x3", "3x2", PRESSED)
 ALL = [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in SHEETS]
