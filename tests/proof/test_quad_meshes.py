@@ -90,8 +90,7 @@ def without(certificate, k):
     "seed",
     [
         28,  # this state is near a fold limit: values beyond it must say nothing of states before it
-        0,
-        *(pytest.param(s, marks=pytest.mark.slow) for s in range(1, 41)),
+        *(pytest.param(s, marks=pytest.mark.slow) for s in range(41) if s != 28),
     ],
 )
 def test_generic_meshes_have_flat_and_rigid_states_alone(seed):

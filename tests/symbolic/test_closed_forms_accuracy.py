@@ -116,7 +116,7 @@ def _wedge_sample(n, near, count=120, seed=3):
 @pytest.mark.parametrize(
     "near", ["flat", "branches meet", pytest.param("", marks=pytest.mark.slow)]
 )
-@pytest.mark.parametrize("n", [2, 3, 5])
+@pytest.mark.parametrize("n", [2, pytest.param(3, marks=pytest.mark.slow), 5])
 def test_wedge3_values(n, near):
     alpha, v, fold = _wedge_sample(n, near)
     coordinates = np.stack([v, fold], axis=-1)
