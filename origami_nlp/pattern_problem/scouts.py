@@ -2,7 +2,7 @@
 
 A barrier keeps facets apart, and fold angles within their limits, at a distance that falls in `SHARES`; what is left of
 it at the end is the same each time, so that two ends are compared, not an end with a minimum: ends of one minimum agree
-to some 1e-6 rad, and are 1e-4 to 5e-3 rad from it.
+to some 1e-6 rad, and are some 1e-4 rad from it, further where springs are soft.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 MOST_CREASES, MOST_PAIRS = 64, 2_000
 """Creases, and pairs of pieces that may touch, up to which scouts are made."""
-SHARES = 0.1, 0.003
+SHARES = 0.1, 0.003, 0.0001
 """Reach of barriers, stage by stage: [rad], and of the mean side of facets."""
 STRENGTH = 0.1
 """Of barriers, over their reach: a unit torque is held at about this share of it."""

@@ -9,7 +9,7 @@ from origami_nlp.pattern_states.closed import close
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.starts import families_in_turn
 
-BIAS = 0.02
+BIAS = 0.005
 """Barriers keep ends off minima in contact by less [rad]."""
 
 
