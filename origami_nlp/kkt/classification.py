@@ -312,9 +312,10 @@ def _is_isolated(state: State) -> bool:
     """Return whether contacts close every direction that closure leaves to second order."""
     if state.regular:
         return False
-    cone = state.tangent_cone
-    rows = state.on(state.contacts.base).slopes
-    return not cone.reason and cone.slopes(state.gradient, rows)[2] == 0
+    cone, contacts = state.tangent_cone, state.contacts
+    # pieces hold all states beside this one, and perhaps more
+    pieces = state.pieces if contacts.few else [contacts.base]
+    return not cone.reason and all(cone.is_point(state.on(rows).slopes) for rows in pieces)
 
 
 def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classification:

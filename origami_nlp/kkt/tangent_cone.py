@@ -117,6 +117,17 @@ class TangentCone:
                 falling.append(down)
         return rises, falling, dimension
 
+    def is_point(self, rows: np.ndarray) -> bool:
+        """Return whether contacts with slopes [r, n], which stay open, leave no direction at all."""
+        lengths = np.linalg.norm(rows, axis=1)
+        along = self.lines @ rows.T
+        if not all((d < -RISES * lengths).any(axis=1).all() for d in (along, -along)):
+            return False
+        return all(
+            _only_zero(rows @ basis / np.maximum(lengths, NONZERO)[:, None])
+            for basis in self.families
+        )
+
 
 def tangent_cone(
     loops: Sequence[LoopClosure], n: int, check: Callable[[], None] = lambda: None
@@ -356,6 +367,15 @@ def _distinct(bases: np.ndarray, seen: np.ndarray, check: Callable[[], None]) ->
         np.minimum.at(first, one[equal], other[equal])
         np.minimum.at(first, other[equal], one[equal])
     return np.flatnonzero(first == np.arange(len(bases)))
+
+
+def _only_zero(rows: np.ndarray) -> bool:
+    """Return whether rows y >= 0, [r, k], for y = 0 alone: rows that span, with weights > 0, sum to 0 (Stiemke)."""
+    rows = rows[np.linalg.norm(rows, axis=1) > SAME_DIRECTION]
+    k = rows.shape[1]
+    if len(rows) <= k or np.linalg.svd(rows, compute_uv=False)[-1] < RISES:
+        return False
+    return _rises_on(rows, np.zeros(k), 1.0)
 
 
 def _rises_on(rows: np.ndarray, gradient: np.ndarray, steep: float) -> bool:

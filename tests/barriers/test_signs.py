@@ -13,6 +13,8 @@ import origami_nlp as o
 from origami_nlp.barriers.passes import LISTED, RIGID, SIGNED
 from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, classify
+from origami_nlp.kkt.certificates import BY_SECOND_ORDER
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, flat_with, least_flat_energy
 from origami_nlp.pattern_states import list_flat_vertices
@@ -86,6 +88,22 @@ def test_a_twist_passes_through_its_flat_state():
         assert near.sum() > 30 and math.isinf(m.escape.barrier if m.escape else math.inf)
         within = near & (np.abs(states) <= math.pi + 1e-9).all(axis=1)
         assert (np.abs(states[within] - m.phi).max(axis=1) < 1e-3).all()
+
+
+@pytest.mark.parametrize("signs", ["-++-+-+++-++", "-++-+--+++--"])
+def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
+    """Planes of motions that closure leaves to second order are shut as well; what closes there is beyond limits."""
+    pattern = as_pattern("miura:3x3")
+    phi = np.array([math.pi if c == "+" else -math.pi for c in signs])
+    what = classify(State(PatternProblem(pattern), phi))
+    assert (what.verdict, what.local_dimension, what.reason) == ("minimum", 0, BY_SECOND_ORDER)
+    rng = np.random.default_rng(0)
+    inward = -np.sign(phi) * rng.uniform(0, 0.1, (1000, len(phi)))
+    inward *= rng.uniform(size=inward.shape) < 0.5
+    states, closed = sheet_of(pattern).closed(phi + inward, 30)
+    near = closed & (np.abs(states - phi).max(axis=1) < 0.3)
+    assert near.sum() > 900
+    assert (np.abs(states[near]).max(axis=1) > math.pi + 1e-6).all()
 
 
 def test_which_creases_are_flat_with_a_vertex():
