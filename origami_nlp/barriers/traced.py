@@ -6,6 +6,7 @@ of the curves, cut where the energy is stationary, holds the lowest pass between
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import Any
@@ -82,9 +83,9 @@ def passes_over(
     otherwise: PassKind = "corner",
 ) -> Barriers:
     """Return the passes over a graph of states; unit: of their energies; otherwise: regular tops that are no saddle."""
-    many = len(result.minima)
+    many, known = len(result.minima), _Steps()
     passes = tuple(
-        _between(problem, found, unit, i, j, why, otherwise)
+        _between(problem, found, unit, i, j, why, otherwise, known)
         for i in range(many)
         for j in range(i + 1, many)
     )
@@ -97,24 +98,38 @@ def passes_over(
     return Barriers(result, passes, tuple(merges), None)
 
 
-def _filled(problem: Any, states: np.ndarray) -> np.ndarray:
-    """Add states between those of a path that are further apart than `APART`; admissible as the stretch is."""
-    out = [states[0]]
-    waiting = list(states[:0:-1])
-    while waiting:
-        a, b = out[-1], waiting[-1]
-        size = float(np.linalg.norm(problem.root * (b - a)))
-        try:
-            middle, residual = project(problem, (a + b) / 2)
-        except OutOfTime:
-            return np.array([*out, *waiting[::-1]])
-        longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
-        # a projection that goes far aside has come to another curve
-        if size > APART and residual <= CLOSURE_TOL and longer < ASIDE * size:
-            waiting.append(middle)
-        else:
-            out.append(waiting.pop())
-    return np.array(out)
+_Steps = dict[bytes, np.ndarray]
+
+
+def _filled(problem: Any, states: np.ndarray, known: _Steps) -> np.ndarray:
+    """Add states between those of a path that are further apart than `APART`; admissible as the stretch is.
+
+    known: what was added between two states, which many paths pass, both ways.
+    """
+    out = [states[:1]]
+    for k, (a, b) in enumerate(itertools.pairwise(states)):
+        key = a.tobytes() + b.tobytes()
+        if key not in known:
+            try:
+                known[key] = _filled_step(problem, a, b)
+            except OutOfTime:
+                return np.concatenate([*out, states[k + 1 :]])
+            known[b.tobytes() + a.tobytes()] = np.concatenate([known[key][-2::-1], a[None]])
+        out.append(known[key])
+    return np.concatenate(out)
+
+
+def _filled_step(problem: Any, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return states between two and the second, [S, n], as `_filled`."""
+    size = float(np.linalg.norm(problem.root * (b - a)))
+    if size <= APART:
+        return b[None]
+    middle, residual = project(problem, (a + b) / 2)
+    longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
+    # a projection that goes far aside has come to another curve
+    if residual > CLOSURE_TOL or not longer < ASIDE * size:
+        return b[None]
+    return np.concatenate([_filled_step(problem, *ends) for ends in ((a, middle), (middle, b))])
 
 
 def _between(
@@ -125,6 +140,7 @@ def _between(
     j: int,
     why: Callable[[int, int, float], str],
     otherwise: PassKind,
+    known: _Steps,
 ) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
     merge = found.tree.barrier(i, j)
@@ -146,7 +162,7 @@ def _between(
         kind = "singular"  # a state from which ways go down to both sides: none was cut
     way = found.tree.path(first + i, first + j)
     assert way is not None
-    states = _filled(problem, found.states[way[0]])
+    states = _filled(problem, found.states[way[0]], known)
     energies = problem.energies(states)
     return Pass(
         i + 1,
