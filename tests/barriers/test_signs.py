@@ -14,7 +14,6 @@ from origami_nlp.barriers.passes import LISTED, RIGID, SIGNED
 from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.kkt.certificates import BY_SECOND_ORDER
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, flat_with, least_flat_energy
 from origami_nlp.pattern_states import list_flat_vertices
@@ -96,7 +95,8 @@ def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
     pattern = as_pattern("miura:3x3")
     phi = np.array([math.pi if c == "+" else -math.pi for c in signs])
     what = classify(State(PatternProblem(pattern), phi))
-    assert (what.verdict, what.local_dimension, what.reason) == ("minimum", 0, BY_SECOND_ORDER)
+    assert (what.verdict, what.local_dimension) == ("minimum", 0)
+    assert what.reason.startswith("isolated: contact closes every direction that closure leaves to")
     rng = np.random.default_rng(0)
     inward = -np.sign(phi) * rng.uniform(0, 0.1, (1000, len(phi)))
     inward *= rng.uniform(size=inward.shape) < 0.5
