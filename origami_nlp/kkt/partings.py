@@ -17,7 +17,7 @@ MOST_CONFIRMED = 5
 """Partings from a state that are looked at, those of the least height."""
 MOST_TRACKED = 20
 """Rounds in which the border between two descents is followed down."""
-BESIDE = 0.2
+NEIGHBOURING = 0.2
 """States of two descents that are no further apart [rad] are beside each other."""
 CERTAIN = 1e-3
 """The highest state of a path is located to this share of its height: printed are two digits."""
@@ -82,7 +82,7 @@ def _further(terrain: Terrain, part: Parting) -> Parting | None:
     b = terrain.quick_path_down(part.high, lambda x: terrain.is_lower(k, x))
     apart = np.linalg.norm((a[:, None] - b[None]) * terrain.problem.root, axis=2)
     heights = np.maximum(terrain.rise(k, a)[:, None], terrain.rise(k, b)[None])
-    heights[apart > max(BESIDE, float(apart[0, 0]))] = math.inf
+    heights[apart > max(NEIGHBOURING, float(apart[0, 0]))] = math.inf
     i, j = np.unravel_index(int(heights.argmin()), heights.shape)
     return Parting(k, [a[i]], a[i], b[j], float(heights[i, j])) if i + j else None
 
