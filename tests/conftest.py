@@ -7,16 +7,11 @@ property test with random examples; what fails there is kept as an `@example` of
 import gc
 import importlib
 import os
-import sys
 
 # small matrices: threads of linear algebra only get into each other's way, here and in started processes;
 # said before NumPy loads
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
-
-# what one process has compiled serves those that tests start, and the next run: a third of the time of collection
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-sys.dont_write_bytecode = False
 
 import pytest  # noqa: E402
 from hypothesis import HealthCheck, settings  # noqa: E402

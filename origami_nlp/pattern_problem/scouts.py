@@ -27,7 +27,7 @@ SHARES = 0.1, 0.003, 0.0001
 """Reach of barriers, stage by stage: [rad], and of the mean side of facets."""
 STRENGTH = 0.1
 """Of barriers, over their reach: a unit torque is held at about this share of it."""
-TOUCHES = 1e-6
+AT_LIMIT = 1e-6
 """Nearer to a fold limit a crease is held there [rad]."""
 PULLS = 1e-6
 """Torque over the mean stiffness from which on it opens a crease that is at a limit."""
@@ -191,7 +191,7 @@ class Scouts:
         problem = self._problem
         problem.check_time()
         given, limits, made = self._given, problem.fold_limits, self._tables
-        held = limits.room(phi) <= TOUCHES
+        held = limits.room(phi) <= AT_LIMIT
         made["stays"][:] = held
         end, shares = np.array(phi, np.float64), np.array(SHARES)
         last, pulls, ends = np.empty(len(end)), np.empty(len(end)), np.zeros(4)
@@ -205,7 +205,7 @@ class Scouts:
         )
         if ends[0]:
             return None
-        side = np.where(limits.high - phi <= TOUCHES, 1.0, -1.0)
+        side = np.where(limits.high - phi <= AT_LIMIT, 1.0, -1.0)
         opens = held & (side * pulls > PULLS)
         if apart or not opens.any():
             return end, last, bool(ends[3])

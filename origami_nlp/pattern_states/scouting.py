@@ -14,13 +14,13 @@ from origami_nlp.pattern_states.contact_descents import LEFT, contact_descent, l
 from origami_nlp.pattern_states.from_minima import FromMinima
 from origami_nlp.starts import Changed
 
-SAME = 3e-4
+ONE_END = 3e-4
 """Ends of scouts that are as near to each other are one [rad]: of one minimum they agree to 1e-6, and minima of
 waterbomb:2x2 lie 0.009 apart."""
 
 EVERY = 4
 """Steps of a descent from one scout on its way to the next."""
-BESIDE = 0.01
+BESIDE_END = 0.01
 """Largest distance of such an end from its minimum at which that is started from in its place [rad]."""
 
 
@@ -68,7 +68,7 @@ class Scouting(FromMinima):
                 return
             # where an image of the end is foreseen, so is what images of minima are added for
             ends = [held[0], *self._images(held[0])]
-            if any(_nearest(self._nowhere, end)[1] <= SAME for end in ends):
+            if any(_nearest(self._nowhere, end)[1] <= ONE_END for end in ends):
                 return
             if any(map(self._is_foreseen, ends)):
                 self.tally.foreseen += 1
@@ -104,7 +104,7 @@ class Scouting(FromMinima):
     def beside(self, phi: np.ndarray) -> np.ndarray:
         """Return the end of a scout near a minimum [n]; the minimum itself where none is known."""
         for end in self._ends:
-            if np.abs(end - phi).max() <= BESIDE:
+            if np.abs(end - phi).max() <= BESIDE_END:
                 return end
         return phi
 
@@ -132,7 +132,7 @@ class Scouting(FromMinima):
     def _is_foreseen(self, end: np.ndarray) -> bool:
         """Return whether an earlier scout ended there: what its descent led to is reached again."""
         k, far = _nearest(self._ends, end)
-        if far > SAME:
+        if far > ONE_END:
             return False
         for j in self._led[k]:
             self._reach(j)
