@@ -174,7 +174,7 @@ class MeshMinima:
             if pair == UNKNOWN:
                 self._leave(None, "facets that meet where two rows fold by themselves")
             return
-        held = pair.held()
+        held = pair.held(self.until)
         self.boxes += held.boxes
         if held.open:
             self._leave(None, "facets that meet where two rows fold by themselves")

@@ -20,6 +20,7 @@ Where lengths are equal f vanishes at a border, x = 0 or y = 0, and a factor sin
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import add
@@ -189,14 +190,17 @@ class RowPair:
                 found.append(True if -1 in (axis, way) else False if way else None)
         return True if True in found else None if None in found else False
 
-    def held(self) -> HeldStates:
-        """Find the states where blocks meet, both rows between 0 and 180 degrees, in which the energy is least."""
+    def held(self, until: float = math.inf) -> HeldStates:
+        """Find the states where blocks meet, both rows between 0 and 180 degrees, in which the energy is least.
+
+        After `until` (`time.monotonic`) what is left is open.
+        """
         found = HeldStates()
         ends = np.linspace(0.0, QUARTER, FIRST + 1)
         low, high = (np.stack(np.meshgrid(e, e), -1).reshape(-1, 2) for e in (ends[:-1], ends[1:]))
         with np.errstate(all="ignore"):
             while len(low):
-                stop = found.boxes + len(low) > MOST_BOXES
+                stop = found.boxes + len(low) > MOST_BOXES or time.monotonic() > until
                 found.boxes += len(low)
                 left = self._undecided(low, high)
                 more = []

@@ -5,6 +5,7 @@ try steps at random.  The check's polynomials are held against both.
 """
 
 import math
+import time
 from fractions import Fraction
 
 import numpy as np
@@ -157,3 +158,10 @@ def test_the_check_finds_the_same_by_polynomials(which):
 
 def test_some_pairs_are_held():
     assert all(len(held_of(Plates(k, k % 4 == 0))) == 1 for k in HELD[:2])
+
+
+def test_what_is_left_when_time_is_over_is_open():
+    pair = Plates(HELD[0]).prover()
+    assert not pair.held().open
+    late = pair.held(until=time.monotonic())
+    assert late.open and late.boxes < pair.held().boxes
