@@ -27,6 +27,8 @@ SHARES = 0.1, 0.003, 0.0001
 """Reach of barriers, stage by stage: [rad], and of the mean side of facets."""
 STRENGTH = 0.1
 """Of barriers, over their reach: a unit torque is held at about this share of it."""
+GRID = 2.0**-33
+"""Of fold angles that a scout begins at, before it closes them [rad]: less than what counts as touching."""
 AT_LIMIT = 1e-6
 """Nearer to a fold limit a crease is held there [rad]."""
 PULLS = 1e-6
@@ -193,7 +195,10 @@ class Scouts:
         given, limits, made = self._given, problem.fold_limits, self._tables
         held = limits.room(phi) <= AT_LIMIT
         made["stays"][:] = held
-        end, shares = np.array(phi, np.float64), np.array(SHARES)
+        # of starts that rounding has moved, all kernels of linear algebra make one
+        side = np.where(limits.high - phi <= AT_LIMIT, 1.0, -1.0)
+        end = limits.hold(limits.clip(np.round(phi / GRID) * GRID), held * side)
+        shares = np.array(SHARES)
         last, pulls, ends = np.empty(len(end)), np.empty(len(end)), np.zeros(4)
         call = self._library.scout
         if not call.argtypes:
@@ -205,7 +210,6 @@ class Scouts:
         )
         if ends[0]:
             return None
-        side = np.where(limits.high - phi <= AT_LIMIT, 1.0, -1.0)
         opens = held & (side * pulls > PULLS)
         if apart or not opens.any():
             return end, last, bool(ends[3])

@@ -263,12 +263,13 @@ class Changed(StartFamily):
             new, residual = problem.project(ahead, limits.room(ahead) <= 0.0)
             if (
                 residual > CLOSURE_TOL
-                or not limits.inside(new).all()
+                or not limits.inside(new, CLOSURE_TOL).all()
                 or not problem.closure.lifts_to_one(new)
                 or problem.crossings.find(new)
             ):
                 break
-            one, way = new, problem.along(new, way)
+            one = limits.clip(new)
+            way = problem.along(one, way)
         return one
 
 

@@ -59,8 +59,8 @@ BESIDE_THE_TABLE = {
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
-        pattern_problem/scouts.SHARES pattern_problem/scouts.AT_LIMIT pattern_states/scouting.BESIDE_END
-        pattern_states/scouting.ONE_END
+        pattern_problem/scouts.SHARES pattern_problem/scouts.AT_LIMIT
+        pattern_states/scouting.BESIDE_END pattern_states/scouting.ONE_END
     """,
     "nodes at which a series is checked": """
         minima/curve.CHECKS

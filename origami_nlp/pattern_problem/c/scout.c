@@ -307,6 +307,8 @@ void scout(const Scout *s, double *phi, int64_t pairs, int64_t stages, const dou
   Near *near = s->near, *other = near + s->room;
   int crossed = 0;
   ends[0] = 3, ends[1] = ends[2] = ends[3] = 0.0;
+  project(p, phi, s->stays, MOST_CORRECTIONS, 0, s->place, residual);
+  if (!(residual[0] <= CLOSURE_TOL)) return;
   carry_all(s, phi, &here);
   memcpy(last, phi, n * sizeof(double));
   if (!pairs) crossed = crosses(s, &here);
