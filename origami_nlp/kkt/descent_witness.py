@@ -26,12 +26,14 @@ from origami_nlp.numerics import (
 from origami_nlp.problem import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
-"""How far [rad] a direction is followed; shorter ones hide in the snapping of contacts."""
+"""How far [rad] a direction is followed; what is lower at short ones must be admissible at `SHOWN` as well."""
 BENDS = 0.3
 """Share of a distance by which a way bends at most, as far as `FAR` goes."""
 KANTOROVICH = 10.0
 """Times the residual, less than the square of the smallest singular value: 2 times a bound of second derivatives."""
-FAR = (1e-4, 1e-3, 1e-2, 1e-1)
+SHOWN = 1e-3
+"""Step [rad] at which facets that cross do so by `DEEP`, to third order; beside the state they seem to touch only."""
+FAR = (SHOWN, 1e-2, 1e-1)
 """Steps where pieces hold more than the feasible set, so that a lower state alone refutes: descents go on there."""
 DRAWN, DOWN = 8, 1e-3
 """Directions of descent that are drawn there, and their slope over the steepest one that closure allows."""
@@ -244,6 +246,19 @@ def _follow(
     good &= (change < 0.1 * step * slope) & (slope < 0)
     good[good] = model.admissible(y[good])
     for k in np.flatnonzero(good):
-        if not model.refuses(y[k]) and _closes(state, y[k], still[k]):
+        if model.refuses(y[k]) or not _shows(state, directions[k], still[k], held, step):
+            continue
+        if _closes(state, y[k], still[k]):
             return DescentWitness(directions[k], step, -float(change[k]), y[k])
     return None
+
+
+def _shows(
+    state: State, d: np.ndarray, still: np.ndarray, held: tuple[Contact, ...], step: float
+) -> bool:
+    """Return whether a unit direction [n] is admissible as far as facets that cross would show, see `_follow`."""
+    if step >= SHOWN:
+        return True
+    y, residual = project(state.problem, state.x + SHOWN * d, held, frozen=still)
+    near = np.linalg.norm(y - state.x) < 3 * SHOWN
+    return bool(residual <= FOLLOWED and near) and not state.problem.refuses(y)

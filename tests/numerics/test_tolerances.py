@@ -30,7 +30,7 @@ BESIDE_THE_TABLE = {
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
-        kkt/descent_witness.STEPS
+        kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
         landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
