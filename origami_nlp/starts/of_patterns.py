@@ -186,15 +186,11 @@ class Popped(Listed):
                 yield start
 
 
-WALKED, MOST_WALKED = 0.3, 14
-"""Steps of a walk [rad], and fewer of them than this."""
-
-
 class Changed(StartFamily):
     """States of a list changed at random, in one way after the other.
 
-    With the creases round each vertex, or each crease, as one of two states has them; with one crease flat, fully
-    folded or turned round; or at the end of a walk along a random motion, kept within fold limits, before facets cross.
+    With the creases round each vertex, or each crease, as one of two states has them; or with one crease flat, fully
+    folded or turned round: changes that rounding does not decide, as it does where a walk ends before facets cross.
     Each state has as many starts as the others: those that were added last catch up.
 
     Parameters
@@ -206,15 +202,13 @@ class Changed(StartFamily):
     """
 
     name = "minima changed at random"
-    sentence = (
-        "a minimum crossed with another, with one crease folded otherwise, or left along a motion"
-    )
+    sentence = "a minimum crossed with another, or with one crease folded otherwise"
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         self._problem, self._labels = problem, labels
         self._states, self._others, self._made = [list[Any]() for _ in range(3)]
         self._around = creases_around(problem.pattern, labels)
-        self._ways = cycle((self._by_vertex, self._one_crease, self._walked, self._by_crease))
+        self._ways = cycle((self._by_vertex, self._one_crease, self._by_crease))
 
     def add(self, phi: np.ndarray, images: Sequence[np.ndarray] = ()) -> None:
         """Add a state [n], and its images under symmetries: with these others are crossed."""
@@ -251,25 +245,6 @@ class Changed(StartFamily):
         i = self._labels.order[rng.integers(len(one))]
         sign = self._labels.sign
         one[i] = sign * (-math.pi, 0.0, math.pi, -sign * one[i])[rng.integers(4)]
-        return one
-
-    def _walked(self, rng: np.random.Generator, one: np.ndarray, _: np.ndarray) -> np.ndarray:
-        problem, limits = self._problem, self._problem.fold_limits
-        way = problem.along(one, self._labels.drawn(rng.normal(size=len(one))))
-        for _step in range(int(rng.integers(2, MOST_WALKED))):
-            if (size := np.abs(way).max()) < RESOLVED:
-                break
-            ahead = limits.clip(one + WALKED * way / size)
-            new, residual = problem.project(ahead, limits.room(ahead) <= 0.0)
-            if (
-                residual > CLOSURE_TOL
-                or not limits.inside(new, CLOSURE_TOL).all()
-                or not problem.closure.lifts_to_one(new)
-                or problem.crossings.find(new)
-            ):
-                break
-            one = limits.clip(new)
-            way = problem.along(one, way)
         return one
 
 
