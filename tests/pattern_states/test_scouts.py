@@ -1,5 +1,9 @@
 """Scouts end beside the states that descents end at: closed, without crossings, on other code; nothing without C."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -64,3 +68,23 @@ def test_without_a_compiler_nothing_is_foreseen(monkeypatch):
     monkeypatch.setenv("ORIGAMI_NLP_COMPILED", "0")
     problem = PatternProblem(as_pattern("yoshimura:2x2"))
     assert not Scouts(problem).usable
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["yoshimura:3x3", "waterbomb:2x2"])
+def test_two_kernels_of_linear_algebra_list_the_same(name):
+    ask = (
+        "import sys; from origami_nlp.pattern_states import find_states; "
+        "print(*(f'{m.energy:.9f}' for m in find_states(sys.argv[1], escape=False).minima))"
+    )
+    listed = [
+        subprocess.run(
+            [sys.executable, "-c", ask, name],
+            env=os.environ | {"OPENBLAS_CORETYPE": kernel, "OPENBLAS_NUM_THREADS": "1"},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+        for kernel in ("Prescott", "Haswell")
+    ]
+    assert listed[0] == listed[1] and len(listed[0]) > 50

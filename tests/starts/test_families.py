@@ -139,7 +139,7 @@ def test_starts_of_vertices_close_and_hold_what_they_say(name):
     assert len(s) or name in ("RestState", "RigidStates")
 
 
-def test_minima_are_changed_in_four_ways_in_turn():
+def test_minima_are_changed_in_three_ways_in_turn():
     pattern = examples.pattern("yoshimura", 2, 3)
     problem, labels = PatternProblem(pattern), find_labels(pattern)
     rng = np.random.default_rng(1)
@@ -152,15 +152,10 @@ def test_minima_are_changed_in_four_ways_in_turn():
     same = np.abs(drawn[:, None] - states) == 0  # [48, 3, n]
     pairs = [same[:, a] | same[:, b] for a, b in itertools.combinations(range(3), 2)]
     of_two = np.any([pair.all(axis=1) for pair in pairs], axis=0)
-    assert (
-        of_two[0::4].all() and of_two[3::4].all()
-    )  # round vertices, or at each crease, as one of two has them
-    counts = same.sum(axis=2).max(axis=1)[1::4]
+    # round vertices, or at each crease, as one of two has them
+    assert of_two[0::3].all() and of_two[2::3].all()
+    counts = same.sum(axis=2).max(axis=1)[1::3]
     assert (counts >= pattern.creases - 1).all() and counts.min() == pattern.creases - 1
-    walked = drawn[2::4]
-    assert max(map(problem.residual, walked)) <= 1e-9 and problem.fold_limits.inside(walked).all()
-    assert not any(map(problem.crossings.find, walked))
-    assert np.median(np.abs(walked[:, None] - states).max(axis=2).min(axis=1)) > 0.3
 
 
 def test_a_hinge_goes_to_each_of_its_other_wells_and_to_a_limit_that_it_is_pushed_to():
