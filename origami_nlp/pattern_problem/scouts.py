@@ -195,7 +195,7 @@ class Scouts:
         given, limits, made = self._given, problem.fold_limits, self._tables
         held = limits.room(phi) <= AT_LIMIT
         made["stays"][:] = held
-        # of starts that rounding has moved, all kernels of linear algebra make one
+        # starts that rounding has moved are one start, but for those beside a border of the grid
         side = np.where(limits.high - phi <= AT_LIMIT, 1.0, -1.0)
         end = limits.hold(limits.clip(np.round(phi / GRID) * GRID), held * side)
         shares = np.array(SHARES)

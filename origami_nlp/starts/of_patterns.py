@@ -190,7 +190,7 @@ class Changed(StartFamily):
     """States of a list changed at random, in one way after the other.
 
     With the creases round each vertex, or each crease, as one of two states has them; or with one crease flat, fully
-    folded or turned round: changes that rounding does not decide, as it does where a walk ends before facets cross.
+    folded or turned round.  Walks along motions are none of the ways: rounding decides where facets begin to cross.
     Each state has as many starts as the others: those that were added last catch up.
 
     Parameters

@@ -113,6 +113,22 @@ def folded_flat(pattern):
             yield signs
 
 
+def assert_folded_flat_but(left, sheet, proof):
+    """Of states folded flat, by signs of their folds, those are proved whose layers have an order, but `left`."""
+    problem = PatternProblem(sheet)
+    paper = {
+        s
+        for s in folded_flat(sheet)
+        if order_layers(problem, math.pi * np.array(s)).verdict == "ordered"
+    }
+    folded = {
+        tuple(np.sign(m.fold_angles).astype(int).tolist())
+        for m in proof.minima
+        if np.abs(m.fold_angles).min() > 3.14
+    }
+    assert folded == paper - left
+
+
 @pytest.mark.parametrize(
     "name", ["touches", *(pytest.param(n, marks=pytest.mark.slow) for n in list(ROWS)[1:])]
 )
@@ -126,18 +142,7 @@ def test_lists_are_those_of_a_scan_with_collisions(name):
     far = np.abs(inside[:, None] - seen[None]).max(axis=2)
     assert len(inside) == len(seen)
     assert far.min(axis=0).max() < 1e-3 and far.min(axis=1).max() < 1e-3
-    problem = PatternProblem(sheet)
-    paper = {
-        s
-        for s in folded_flat(sheet)
-        if order_layers(problem, math.pi * np.array(s)).verdict == "ordered"
-    }
-    folded = {
-        tuple(np.sign(m.fold_angles).astype(int).tolist())
-        for m in proof.minima
-        if np.abs(m.fold_angles).min() > 3.14
-    }
-    assert folded == paper - left
+    assert_folded_flat_but(left, sheet, proof)
     said = certificate_of_mesh(sheet, proof)
     found = check_proof(mesh_from_dict(mesh_to_dict(said)))
     assert found.lines[0].startswith("checked: complete"), found.lines[0]
@@ -262,18 +267,7 @@ def test_the_square_twist_is_that_of_a_scan_with_collisions(seed):
     inside = np.array([m.fold_angles for m in proof.minima if np.abs(m.fold_angles).max() < 3.14])
     far = np.abs(inside[:, None] - seen[None]).max(axis=2)
     assert far.min(axis=0).max() < 1e-3 and far.min(axis=1).max() < 1e-3
-    problem = PatternProblem(sheet)
-    paper = {
-        s
-        for s in folded_flat(sheet)
-        if order_layers(problem, math.pi * np.array(s)).verdict == "ordered"
-    }
-    folded = {
-        tuple(np.sign(m.fold_angles).astype(int).tolist())
-        for m in proof.minima
-        if np.abs(m.fold_angles).min() > 3.14
-    }
-    assert folded == paper - left
+    assert_folded_flat_but(left, sheet, proof)
     assert check_proof(said).lines[0].startswith("checked: complete")
 
 
