@@ -117,7 +117,7 @@ def minima(
 
 def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip, why_no_strip_contact
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
 
     reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
     if all(reasons):
@@ -126,8 +126,7 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
             f"--certificate = {file!r}: the list of a pattern is proved of strips ({strip}), of meshes "
             f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
         )
-    generic = reasons[0] and not reasons[2]
-    if generic and contact == "full" and not why_no_strip_contact(pattern):
+    if reasons[0] and contact == "full":
         raise OptionError(
             "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
         )
@@ -164,7 +163,6 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
         prove_mesh,
         prove_quad_mesh,
         prove_strip,
-        why_no_mesh_contact,
         why_no_quad_mesh,
         why_no_strip,
         why_no_strip_contact,
@@ -174,9 +172,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
     contact = getattr(result.search, "contact", "full") == "full"
     if why_no_strip(result.pattern):
         generic = not why_no_quad_mesh(result.pattern)
-        facets = contact and not generic and not why_no_mesh_contact(result.pattern)
-        prover = prove_quad_mesh if generic else prove_mesh
-        mesh = prover(result.pattern, contact=facets, boxes=boxes)
+        mesh = (prove_quad_mesh if generic else prove_mesh)(result.pattern, boxes=boxes)
         write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
         return
     facets = contact and not why_no_strip_contact(result.pattern)

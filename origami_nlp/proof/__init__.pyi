@@ -27,7 +27,6 @@ from .mesh_certificate import (
     mesh_from_dict as mesh_from_dict,
     mesh_to_dict as mesh_to_dict,
 )
-from .mesh_contact import why_no_mesh_contact as why_no_mesh_contact
 from .mesh_states import why_no_mesh as why_no_mesh
 from .meshes import (
     MeshProof as MeshProof,

@@ -186,7 +186,6 @@ def _check_sheet(
     from origami_nlp.proof.check_mesh import MeshCheck
     from origami_nlp.proof.check_points import Refused
     from origami_nlp.proof.check_quads import QuadCheck
-    from origami_nlp.proof.check_stacks import StackCheck
     from origami_nlp.proof.check_strips import StripCheck
 
     check: StripCheck | MeshCheck | QuadCheck
@@ -207,13 +206,9 @@ def _check_sheet(
             "quaternions",
         ]
     else:
-        check = (StackCheck if said.contact else MeshCheck)(said, progress)
+        check = MeshCheck(said, progress)
         about = [
-            "facets round a vertex that closes with q = +1 do not cross, being convex"
-        ] * said.contact
-        about += [
-            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)"
-            + ", and so are lengths, to 1e-12 of its size" * said.contact,
+            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
             "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
             "proportional, or creases in one line are at +-180 degrees, or those across are 0",
         ]

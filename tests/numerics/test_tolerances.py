@@ -112,7 +112,6 @@ BESIDE_THE_TABLE = {
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
         proof/strip_states.REACHES proof/check_strip_sheet.NEAR proof/check_strip_sheet.FLAT proof/strip_ends.WIDEST
-        proof/check_layers.DEEP proof/check_layers.GRAZING
         proof/check_strips.STATED proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
     "bounds on rounding in proofs": """
