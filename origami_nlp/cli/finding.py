@@ -133,7 +133,7 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
-    """Prove again, with the tree of boxes on record, and write it down."""
+    """Prove again, and write down what is proved."""
     from origami_nlp.problem import Model
     from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
 
@@ -145,14 +145,7 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
         _write_pattern_certificate(result, found.boxes, file)
         return
     models = [Model(one) for one in result.scene.of_each_winding]
-    proofs = [
-        prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
-    ]
-    if any(proof.tree is None for proof in proofs):
-        raise OptionError(
-            "--certificate: a proof with full contact has no boxes on record that could be checked; it is written for "
-            "contact = 'fold-limits'"
-        )
+    proofs = [prove(model, options=ProofOptions(boxes=found.boxes)) for model in models]
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
@@ -182,7 +175,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
 
 @writes("json", "bibtex")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
-    """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
+    """Check a proof that the list of minima of a strip or a mesh is complete, claim by claim, in ball arithmetic.
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
@@ -194,12 +187,11 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
     )
 
     certificate = read_certificate(proof)
+    size = 0
     if isinstance(certificate, StripCertificate):
         size = sum(len(curve.claims) for curve in certificate.curves)
     elif isinstance(certificate, MeshCertificate):
         size = len(certificate.minima)
-    else:
-        size = len(certificate.nodes.kind)
     with progress(f"check of {proof}", size) as report:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)

@@ -214,7 +214,7 @@ ProveChecks = Annotated[
     ),
 ]
 CertificateFile = Annotated[
-    str | None, typer.Option(metavar="FILE", help="Write the proof, for check-proof.")
+    str | None, typer.Option(metavar="FILE", help="Write the proof (of a sheet, for check-proof).")
 ]
 Effort = Annotated[
     str,

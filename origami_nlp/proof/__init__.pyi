@@ -19,7 +19,6 @@ from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
 from .document import certificate_of as certificate_of
-from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .flat_sheets import SheetMinimum as SheetMinimum, SheetProof as SheetProof
 from .mesh_certificate import (
@@ -52,4 +51,3 @@ from .strips import (
     prove_strip as prove_strip,
 )
 from .touches import prove as prove, why_not as why_not
-from .tree import NodeKind as NodeKind, Recorder as Recorder, Tree as Tree

@@ -187,10 +187,7 @@ class VertexForms(Enclosed):
         )
         self._pose_triples()
         self._pose_minors()
-        self.minor_count = len(self.fours)
-        self.minor_creases = tuple(map(tuple, self.fours.tolist()))
         self.twin_rule = collinear_creases_of_loop(self.sectors, doubt)
-        self.twins = tuple(t.creases for t in self.twin_rule)
 
     @property
     def geometry(self) -> tuple[Hashable, ...]:

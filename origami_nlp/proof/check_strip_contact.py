@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_sheet import FlatDisk
 from origami_nlp.proof.strip_certificate import CertifiedTouch

@@ -93,9 +93,7 @@ class WedgeForms(Enclosed):
         self.linear = slice(1, 3) if order == 1 else slice(0, 1)
         many = 3 if order == 1 else 2
         self.minor_creases = tuple(itertools.combinations(range(n), many))
-        self.minor_count = len(self.minor_creases)
         self.twin_rule = collinear_creases_of_wedge(self.sectors, crease, doubt)
-        self.twins = tuple(t.creases for t in self.twin_rule)
         self.ray_of = [r for r, c in enumerate(crease) if c is not None]
 
     @property

@@ -125,8 +125,6 @@ class TouchedWedge(Enclosed):
         self.size = piece.size
         self.pivots = min(piece.equations + len(touches), self.size)
         self.linear = slice(0, self.pivots)
-        self.minor_creases: tuple[tuple[int, ...], ...] = ()
-        self.twins: tuple[tuple[int, ...], ...] = ()
         self.minor_count = 1 if piece.equations + len(touches) < self.size else 0
         self.kite = None
         a = piece.sectors
@@ -199,8 +197,7 @@ class TouchedVertex(VertexForms):
     ) -> None:
         super().__init__(sectors, stiffness, rest, laws=laws)
         self.touches = touches
-        self.number = {f: i for i, f in enumerate(self.minor_creases)}
-        self.minor_creases = ()
+        self.number = {tuple(f): i for i, f in enumerate(self.fours.tolist())}
         self.minor_count = 1 if 3 + len(touches) < self.size else 0
 
     def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:

@@ -106,8 +106,8 @@ BESIDE_THE_TABLE = {
         minima/full_space.KEPT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
-        proof/compiled_boxes.WIDER proof/compiled_boxes.EXACT proof/check_bounds.BLUNT
-        proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
+        proof/compiled_boxes.WIDER proof/compiled_boxes.EXACT
+        proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
@@ -115,7 +115,7 @@ BESIDE_THE_TABLE = {
         proof/check_strips.STATED proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
     "bounds on rounding in proofs": """
-        proof/check_bounds.TINY proof/check_whole.AGREES proof/flat.CLEAR
+        proof/flat.CLEAR
         proof/touching_rows.COSINE
     """,
     "room for rounding": """

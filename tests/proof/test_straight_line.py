@@ -11,11 +11,10 @@ from origami_nlp import Model, Scene, Vertex, examples
 from origami_nlp.numerics import SWITCH
 from origami_nlp.proof import compiled_boxes, prove
 from origami_nlp.proof.angles import Angles
-from origami_nlp.proof.boxes import BEYOND, prune, strata
+from origami_nlp.proof.boxes import BEYOND
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.straight_line import straight_line
 from origami_nlp.proof.touches import contact_strata
-from origami_nlp.proof.tree import Recorder
 from tests.computed_once import thinned
 
 PANELS = examples.panels()
@@ -135,17 +134,3 @@ def assert_same(scene, monkeypatch):
     assert [c.stratum for c in one.singular] == [c.stratum for c in other.singular]
     for a, b in zip(one.points, other.points, strict=True):
         assert np.abs(np.subtract(a.x, b.x)).max() <= a.radius + b.radius
-
-
-@pytest.mark.parametrize("scene", [SCENES[0], SCENES[4], SCENES[6]], ids=["D", "degree 5", "full"])
-def test_boxes_with_and_without_a_tree_are_the_same(scene):
-    """A tree is kept in NumPy; without one boxes are shrunk and halved in C: the same numbers, in the same order."""
-    for forms in forms_of(scene):
-        start = strata(forms.size)
-        some = {"flat": 0.01, "most": 20_000}
-        plain = prune(forms, start, **some)
-        kept = prune(forms, start, recorder=Recorder(len(start)), **some)
-        assert (plain.boxes, plain.flat) == (kept.boxes, kept.flat) and plain.boxes > 1000
-        for one, other in ((plain.candidates, kept.candidates), (plain.open, kept.open)):
-            for a, b in zip(one.parts, other.parts, strict=True):
-                np.testing.assert_array_equal(a, b)
