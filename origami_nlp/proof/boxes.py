@@ -24,25 +24,25 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, address, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
-from origami_nlp.proof.compiled_boxes import (
-    EXACT,
-    GRID,
-    KEPT,
-    OFF,
-    WIDER,
-    Parts,
-    halved,
-    library,
-    settled,
-)
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 
 BEYOND = math.nextafter(math.pi, 4.0)
 """The double above pi: free angles range to it."""
+EXACT = 1e-3
+"""Least squares take no row to be more accurate than this, relative to its slopes: its square is what they miss by, and
+one over that their condition."""
+WIDER = 1e-9
+"""Share of its half width by which a contracted box is left wider than computed: more than rounding."""
+GRID = 2.0**-12
+"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
+OFF = 0.3
+"""Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
+KEPT = 0.9
+"""A contraction that leaves more than this share of every side is not carried out."""
 
 
 class BoxProblem(Protocol):
@@ -73,11 +73,6 @@ class Boxes:
     lower: np.ndarray
     upper: np.ndarray
     pins: np.ndarray
-
-    @property
-    def parts(self) -> Parts:
-        """Lower and upper bounds, and pins."""
-        return self.lower, self.upper, self.pins
 
     def __len__(self) -> int:
         return self.lower.shape[1]
@@ -207,8 +202,6 @@ def prune(
 
 def _cut_to(wanted: int, batch: Boxes, small: float) -> Boxes:
     """Cut a small batch until it has so many boxes: rows of a few take as long as rows of a hundred."""
-    if library():
-        return Boxes(*halved(batch.parts, wanted, small))
     while len(batch) < wanted and (wide := batch.widths.max(axis=0, initial=0.0) >= small).any():
         batch = joined([batch[~wide], *_halves(batch[wide])])
     return batch
@@ -234,12 +227,9 @@ def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes
     """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
     rows = posed.rows(batch.lower, batch.upper, batch.pins)
     # a row that differs from zero all over a box: no state there, or no critical one on this stratum
-    out = _nonzero(rows.closure).any(axis=0)
-    no = (_nonzero(rows.critical) & rows.asked).any(axis=0)
+    out = rows.closure.nonzero().any(axis=0)
+    no = (rows.critical.nonzero() & rows.asked).any(axis=0)
     keep = np.flatnonzero(~(out | no))
-    if library():
-        done, again = settled(batch.parts, keep, *_bounds(posed, rows, keep), small)
-        return Boxes(*done), Boxes(*again)
     batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
     share = _shares(batch, lower, upper)
     carried = ~empty & (share.min(axis=0) < KEPT)
@@ -287,48 +277,7 @@ def _contracted(
     return batch, lower, upper, empty
 
 
-def _nonzero(rows: Affine) -> np.ndarray:
-    """Return where rows certainly differ from zero, as `Affine.nonzero`."""
-    c = library()
-    if c is None:
-        return rows.nonzero()
-    count, n, boxes = rows.slopes.shape
-    parts = [np.ascontiguousarray(v) for v in (rows.centre, rows.slopes, rows.error)]
-    out = np.empty((count, boxes), dtype=bool)
-    room = 1 + 4 * (n + 4) * UNIT  # as `Affine.radius`
-    c.nonzero(count, n, boxes, *map(address, parts), room, address(out))
-    return out
-
-
 def _bounds(
-    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of xi in some boxes, [n, K]."""
-    return (_bounds_in_c if library() else _bounds_in_numpy)(posed, rows, keep)
-
-
-def _bounds_in_c(
-    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of xi in some boxes, [n, K]."""
-    forms = (rows.closure, rows.critical)
-    given = [np.ascontiguousarray(v) for f in forms for v in (f.centre, f.slopes, f.error)]
-    asked, keep = np.ascontiguousarray(rows.asked), np.ascontiguousarray(keep, dtype=np.int64)
-    (own, n, boxes), more, count = rows.closure.slopes.shape, len(asked), len(keep)
-    size = np.array([n, boxes, count, own, more, posed.linear.start, posed.pivots])
-    low, high = np.empty((2, n, count))
-    poor = np.empty(count, dtype=bool)
-    arrays = (size, keep, *given, asked, low, high, poor)
-    library().contract(*map(address, arrays))
-    if poor.any():
-        a, c, e = _batch_first(rows.closure, keep[poor])
-        lower, upper = _bounds_by(a, c, e, _inverse_of_pivots(a, posed))
-        low[:, poor] = np.fmax(low[:, poor], lower.T)
-        high[:, poor] = np.fmin(high[:, poor], upper.T)
-    return low, high
-
-
-def _bounds_in_numpy(
     posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds of xi in some boxes, [n, K]."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Hashable
 
 import numpy as np
 
@@ -83,11 +82,6 @@ class PeriodForms(Enclosed):
                 if not {a, b} & set(closed):
                     found[min(a, b), max(a, b), closed] = twin.sign
         self.twin_rule = tuple(CollinearPair((a, b), sign, c) for (a, b, c), sign in found.items())
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return self.order, self.level, self.sectors.tobytes()
 
     @property
     def springs(self) -> np.ndarray:

@@ -106,7 +106,7 @@ BESIDE_THE_TABLE = {
         minima/full_space.KEPT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
-        proof/compiled_boxes.WIDER proof/compiled_boxes.EXACT
+        proof/boxes.WIDER proof/boxes.EXACT
         proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
