@@ -362,7 +362,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "soft_facets": lambda _: by_command("studies.soft_facets"),
     "metastable_degree8": own,
     "barriers_merge_trees": lambda name: by_command(
-        "origami_nlp", "barriers", "panels", "--full", "-o", str(FOLDER / f"{name}.png")
+        "origami_nlp", "barriers", "panels", "-o", str(FOLDER / f"{name}.png")
     ),
     "speed": recorded,
     "speed_patterns": recorded,

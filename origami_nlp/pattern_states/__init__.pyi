@@ -22,12 +22,6 @@ from .flat_folded import (
     list_branches as list_branches,
     list_flat_folded as list_flat_folded,
 )
-from .flat_vertices import (
-    FlatVertex as FlatVertex,
-    flat_tops as flat_tops,
-    list_flat_vertices as list_flat_vertices,
-    ways_down as ways_down,
-)
 from .interactive import (
     pattern_content as pattern_content,
     view_motion as view_motion,

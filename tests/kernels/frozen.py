@@ -174,7 +174,7 @@ def proofs() -> Iterator[Question]:
             lambda s=scene: o.find_critical_points(s, samples=16),
         )
     scene = e.degree6("pi/4", 0.01)
-    yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)
+    yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene))
     yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 
 

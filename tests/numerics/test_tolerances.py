@@ -24,7 +24,7 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         actuation/branches.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
-        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/find.SPACINGS barriers/passes.OFF
+        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
@@ -49,7 +49,7 @@ BESIDE_THE_TABLE = {
         starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
-        barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
+        contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
