@@ -1,7 +1,7 @@
 """Barriers between stable states of a pattern: along traced curves, and along paths over any height.
 
 With contact on, walks lead from minima straight to the flat state and to each other, over any height (`ways_between`),
-and paths are made lower where they are highest: what they climb to at their states bounds barriers from above.
+and saddles are looked for where they are highest: what they climb to at their states bounds barriers from above.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
 from origami_nlp.numerics import NEAR_SINGULAR_TOL
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, relaxed, ways_between
+from origami_nlp.pattern_states import PatternTerrain, ways_between
 
-MINIMA, BETWEEN, LOWERED, ON_CURVES = (
+MINIMA, BETWEEN, SADDLES, ON_CURVES = (
     "the search for minima",
     "ways between minima",
-    "paths made lower",
+    "saddles beside paths",
     "passes along traced curves",
 )
 """Parts that the time may end."""
@@ -117,9 +117,9 @@ def _with_ways(
 
     def lower() -> None:
         terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
-        ways.extend(lower_ways(terrain, whole.passes, level))
+        ways.extend(over_saddles(terrain, whole.passes, level))
 
-    late += _in_time(problem, LOWERED, say, lower)
+    late += _in_time(problem, SADDLES, say, lower)
     if len(ways) > many:
         whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
     before = {} if known is None else {(p.from_state, p.to_state): p for p in known.passes}
@@ -159,14 +159,16 @@ def _in_time(
     return []
 
 
-MOST_STRINGS = 12
-"""Highest states of paths that are made lower: first those that the most pairs of minima have to pass."""
+MOST_SADDLES = 12
+"""Highest states of paths beside which saddles are looked for: first those that the most pairs of minima pass."""
 NEAR = 0.3
 """Newton finds a saddle within this distance [rad] of the highest state of a path."""
 
 
-def lower_ways(terrain: PatternTerrain, passes: Sequence[Pass], level: float) -> Iterator[PathDown]:
-    """Make paths lower that climb above both their ends.
+def over_saddles(
+    terrain: PatternTerrain, passes: Sequence[Pass], level: float
+) -> Iterator[PathDown]:
+    """Go over saddles beside the highest states of paths that climb above both their ends.
 
     Parameters
     ----------
@@ -180,20 +182,13 @@ def lower_ways(terrain: PatternTerrain, passes: Sequence[Pass], level: float) ->
     Yields
     ------
     PathDown
-        Paths that climb less high.
+        Paths from saddles down to minima.
     """
     some = (p for p in passes if p.energy < math.inf)
     high = [p for p in some if p.energy > max(p.path_energy[0], p.path_energy[-1]) + level]
     often, first = Counter(p.energy for p in high), {p.energy: p for p in reversed(high)}
-    for energy, _ in sorted(often.items(), key=lambda one: (-one[1], one[0]))[:MOST_STRINGS]:
-        p, path = first[energy], relaxed(terrain, first[energy].path)
-        if path is not None and terrain.problem.energies(path).max() < energy - level:
-            yield PathDown(path, p.to_state - 1, p.from_state - 1)
-        for way in (p.path, path):
-            over = () if way is None else tuple(_over_saddle(terrain, way))
-            yield from over
-            if over:
-                break
+    for energy, _ in sorted(often.items(), key=lambda one: (-one[1], one[0]))[:MOST_SADDLES]:
+        yield from _over_saddle(terrain, first[energy].path)
 
 
 def _over_saddle(terrain: PatternTerrain, path: np.ndarray) -> Iterator[PathDown]:

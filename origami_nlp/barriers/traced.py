@@ -26,8 +26,8 @@ APART = 0.2
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
 EXPLICIT = (
-    "the lowest path that is known, on traced curves, straight, or as a string that slid down: an upper bound; contact "
-    "may be missed between its states, and lower ones are not excluded"
+    "the lowest path that is known, on traced curves, straight, or over a saddle: an upper bound; contact may be "
+    "missed between its states, and lower ones are not excluded"
 )
 """That nothing bounds a barrier from below."""
 

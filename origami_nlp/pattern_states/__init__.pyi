@@ -46,7 +46,6 @@ from .mobility import (
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
 from .proved import hold_against as hold_against
-from .strings import relaxed as relaxed
 from .terrain import PatternTerrain as PatternTerrain
 from .traced_passes import curve_passes as curve_passes
 from .ways_between import ways_between as ways_between

@@ -10,7 +10,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, relaxed, ways_between
+from origami_nlp.pattern_states import PatternTerrain, ways_between
 from tests.barriers.test_patterns import checked
 from tests.independent.elastic_bands import Facets, Springs, admissible, passes
 from tests.independent.search_sheets import sheet_of
@@ -51,25 +51,6 @@ def test_a_string_of_others_climbs_no_less():
     ]
     assert heights
     assert p.energy - springs.stiffness.max() * 0.06**2 / 8 <= min(heights)
-
-
-def test_strings_slide_down():
-    """A straight path over the flat state, bent: it comes down, and its ends and states with a vertex flat stay."""
-    found = of_a_waterbomb()
-    pattern = found.result.pattern
-    problem, minima = PatternProblem(pattern), np.array([m.phi for m in found.result.minima])
-    terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
-    for k in range(len(minima)):
-        path, arrives = terrain.walk_to(minima[k], np.zeros(problem.size))
-        assert arrives
-        path = terrain.with_tops(path)
-        lower = relaxed(terrain, path)
-        if path[pattern.energy(path).argmax()].any():
-            assert pattern.energy(lower).max() < pattern.energy(path).max()
-            assert np.abs(lower[[0, -1]] - path[[0, -1]]).max() == 0
-            assert all(terrain.is_admissible(x) for x in lower)
-        else:
-            assert lower is None
 
 
 def test_paths_are_looked_at_closely_where_they_are_highest():

@@ -156,9 +156,8 @@ def paths() -> Iterator[Question]:
 def designs() -> Iterator[Question]:
     """Springs that hold states: examples."""
     for name in inverse_design.EXAMPLES:
-        if name != "monostable8":
-            targets, ask, title = inverse_design.parse_targets(inverse_design.example_targets(name))
-            yield name, lambda t=targets, a=ask, n=title: o.design(t, a, name=n)
+        targets, ask, title = inverse_design.parse_targets(inverse_design.EXAMPLES[name])
+        yield name, lambda t=targets, a=ask, n=title: o.design(t, a, name=n)
 
 
 def proofs() -> Iterator[Question]:

@@ -7,7 +7,6 @@ ends in each minimum is not that of springs; what an answer says is the same.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -16,9 +15,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.inverse_design import ConvexDesign, LibraryProgram, Targets
 from origami_nlp.pattern import linear
-from tests.inverse_design.test_library import three_states
 from tests.kernels import frozen
 
 SKIPPED = {
@@ -128,22 +125,3 @@ def _loaded_with_laws(load_path: Any, pull: type) -> Any:
         return o.load_path(sheet, load, seconds=frozen.PATIENT, **options)
 
     return asked
-
-
-def test_a_library_of_two_linear_laws_designs_what_springs_do():
-    """Springs at -180 and 180 degrees add up to every spring between: the same questions hold, at the same margin.
-
-    Bounds of springs leave out what has a thousandth of the largest stiffness, those of a library of the mean one.
-    """
-    rng, both = np.random.default_rng(11), (linear(1.0, math.pi), linear(1.0, -math.pi))
-    verdicts = []
-    for k in range(12):
-        some = three_states(rng)
-        states = some.states[: 1 + k % 3]
-        asked = Targets(some.origami, states, contact="fold-limits", stiffness=(1e-3, 1.0))
-        springs, laws = ConvexDesign(asked), LibraryProgram(asked, both)
-        assert springs.feasible == laws.feasible
-        if springs.feasible:
-            assert 0.998 * laws.margin <= springs.margin <= laws.margin * (1 + 1e-6)
-        verdicts.append(springs.feasible)
-    assert {True, False} == set(verdicts)

@@ -45,7 +45,7 @@ BESIDE_THE_TABLE = {
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
         pattern_states/plane_faces.STEP pattern_states/strings.LONGEST
          space/mesh.DIFFERENCE
-        inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
+        starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
@@ -55,7 +55,7 @@ BESIDE_THE_TABLE = {
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
-        inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
+        starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
@@ -75,7 +75,6 @@ BESIDE_THE_TABLE = {
  chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
-        inverse_design/library_design.FOUND inverse_design/library.USED
         pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
@@ -94,7 +93,7 @@ BESIDE_THE_TABLE = {
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
-        inverse_design/convex.LEAST_MARGIN inverse_design/library.LEAST_SHARE inverse_design/finding.PRICES
+        inverse_design/convex.LEAST_MARGIN
     """,
     "options of IPOPT and of a conic solver": """
         minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM numerics/conic.ACCURACIES
