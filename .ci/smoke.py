@@ -43,7 +43,7 @@ example degree6 --alpha pi/3 -o degree6.toml
 example miura:2x2 -o miura.fold
 inspect degree6.toml
 inspect miura.fold -o vertices.json
-minima scene.toml --prove --certificate proof.json
+minima miura:2x2 --contact fold-limits --certificate proof.json
 check-proof proof.json
 minima scene.toml --prove 0 -o minima.json -o minima.png -o minima.fold -o minima.html
 minima scene.toml --prove 0 -o minima.glb

@@ -178,10 +178,10 @@ def states(name: str) -> MinimaResult:
 
 
 @shared
-def barriers_with_handles() -> Barriers:
-    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1, with two handles, also in the full space."""
+def panel_barriers() -> Barriers:
+    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1."""
     scene = examples.degree6("pi/3", 1)
-    return find_barriers(scene, panel_result(scene, full=True), full=True, spacing=0.25)
+    return find_barriers(scene, panel_result(scene, full=True))
 
 
 @shared

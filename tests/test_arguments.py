@@ -149,8 +149,6 @@ CASES = [
     *(case(f, "source", PATHS) for f in (o.read_scene, read_fold, read_bench)),
     case(find_barriers, "origami", (None, 0, True, [])),
     case(find_barriers, "result", (SCENE, *SCENES[1:]), "origami"),
-    case(find_barriers, "full", FLAGS[1:], "origami", "result"),
-    case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS[1:]), "origami", "result"),
     case(find_barriers, "seed", SEEDS, "origami", "result"),
     case(find_space, "scene", SCENES),
     case(find_space, "rings", (7, 1026, *WHOLES), "scene"),

@@ -32,7 +32,6 @@ import origami_nlp as o
 from origami_nlp.display import draw_state, draw_states
 from origami_nlp.display.drawing import UPPER
 from origami_nlp.hinges import HINGE_EXAMPLES
-from origami_nlp.proof import draw_proof, prove
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,11 +131,6 @@ def own(name: str) -> None:
     elif name == "metastable_degree8":
         scene = o.examples.degree8("pi/12", ratio=0.01)
         o.draw(o.find_segments(o.find_minima(scene)), path)
-    elif name == "proof_boxes":
-        vertex = o.Vertex.from_degrees((120, 33, 42, 111, 54))
-        stiffness, rest = (3.88, 9.16, 2.56, 1.53, 1.46), (-2.47, -0.74, 1.53, -1.78, 2.71)
-        model = o.Model(o.Scene(vertex, stiffness, rest, "none", "fold-limits"))
-        draw_proof(model, prove(model, record=True), pair=(0, 2)).savefig(path)
     elif name == "space_stops":
         o.draw(o.find_space(replace(o.examples.degree6("pi/3"), limits=(-1.2, 2.0))), path)
     else:
@@ -367,9 +361,8 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "hinges": drawn_hinges,
     "soft_facets": lambda _: by_command("studies.soft_facets"),
     "metastable_degree8": own,
-    "proof_boxes": own,
     "barriers_merge_trees": lambda name: by_command(
-        "origami_nlp", "barriers", "panels", "--full", "-o", str(FOLDER / f"{name}.png")
+        "origami_nlp", "barriers", "panels", "-o", str(FOLDER / f"{name}.png")
     ),
     "speed": recorded,
     "speed_patterns": recorded,

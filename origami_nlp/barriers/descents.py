@@ -1,8 +1,9 @@
-"""Barriers of a vertex with three or more degrees of freedom: paths that descents show, and what bounds all from below.
+"""Barriers of a vertex with two or more degrees of freedom: paths that descents show, and the flat state.
 
-Escape paths from each minimum (`kkt.escape_paths_of_each`), and descents from states that paths have to pass: the flat
-state, which parts minima whose fold angles sum to more and to less than 0 (`PopSigns`), and exits of thin sets
-(`flaps`).  Where a path climbs no higher than such a bound the barrier is exact; others are bounded from above.
+Escape paths from each minimum (`kkt.escape_paths_of_each`), and descents from the flat state: with contact it parts
+minima whose fold angles sum to more and to less than 0 (proved in docs/validation/barriers.md), so that a path over it
+that climbs no higher is the barrier exactly.  All else bounds it from above: a saddle, exact by its KKT system, or what
+a path climbs to, whose middle states were looked at until they lie below that.
 """
 
 from __future__ import annotations
@@ -14,11 +15,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.passes import (
-    LEFT,
     NEVER,
-    OPPOSITE,
     PROVED,
     STOPPED,
     Pass,
@@ -28,7 +26,6 @@ from origami_nlp.barriers.passes import (
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.kkt import (
-    BOUND,
     down_to,
     energy_scale,
     escape_paths_of_each,
@@ -37,14 +34,14 @@ from origami_nlp.kkt import (
     rounded_up,
 )
 from origami_nlp.minima import MinimaResult, VertexTerrain, canonical_states, with_merge_tree
-from origami_nlp.numerics import DUPLICATE_TOL, INPUT_TOL, coarse
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, INPUT_TOL, coarse
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 
 SHOWN = "the lowest path that descents show: lower ones are not excluded"
 NONE = "no admissible path is known"
 FIRST = 0.02, 0.1, 0.3
-"""Of the way from a state that paths pass towards a minimum: where a descent begins [rad]."""
+"""Of the way from the flat state towards a minimum: where a descent begins [rad]."""
 TARGETS = 6
 """Minima towards which descents begin at such a state: the nearest ones on either side."""
 RAYS, LATER = 5, 8
@@ -58,7 +55,7 @@ PLACES = 6
 
 
 def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
-    """Return the barriers of a vertex with any number of degrees of freedom.
+    """Return the barriers of a vertex with two or more degrees of freedom.
 
     Parameters
     ----------
@@ -81,7 +78,6 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     modes = [[model.reduce(np.array(mode))] if mode else [] for mode in soft]
     posed = canonical_states(model, minima, modes)
     terrain = VertexTerrain(posed.model, posed.minima, posed.modes)
-    exits = [flap_exit(scene, np.array(m.fold_angles)) for m in result.minima]
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
     ways, beyond = list[PathDown](), np.full(many, math.inf)
     for k, found in escape_paths_of_each(terrain, loose):
@@ -95,27 +91,18 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
         if k not in left and result.minima[k].local_dimension == model.dof:
             ways += _along_rays(terrain, k)
     flat = np.zeros(terrain.model.size)
-    tops = [flat] * (scene.vertex.flat and not terrain.model.refuses(flat))
-    for k, one in enumerate(exits):
-        if one is not None:
-            top, end = posed.to(model.reduce(one.fold_angles)), terrain.minima[k]
-            # the set is convex in its fold angles, and so is the energy on it
-            steps = np.linspace(0, 1, 2 + int(np.abs(top - end).max() / FIRST[1]))[:, None]
-            ways.append(PathDown(top + steps * (end - top), k))
-            tops.append(top)
     ways += _over_saddles(terrain, ways)
-    for top in tops:
-        ways += _ways_down(terrain, top)
+    if scene.vertex.flat and not terrain.model.refuses(flat):
+        ways += _ways_down(terrain, flat)
     ways = [w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in ways]
-    whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "mesh")
-    signs = _flat_bound(scene, result)
+    whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "bound")
     level = level_of(model.energies(minima), energy_scale(np.array(scene.stiffness)))
-    leave = [-math.inf if one is None else one.energy for one in exits]
-    passes = tuple(_bounded(_rounded(p, result), result, signs, leave, level) for p in whole.passes)
+    bound = _flat_bound(scene)
+    passes = tuple(_bounded(_rounded(p, result), result, *bound, level) for p in whole.passes)
     heights = np.full((many, many), math.inf)
     for p in passes:
         heights[p.from_state - 1, p.to_state - 1] = p.energy
-    listed = with_merge_tree(model, result.minima, heights, SHOWN, BOUND, posed.unit * beyond)
+    listed = with_merge_tree(model, result.minima, heights, SHOWN, posed.unit * beyond)
     return replace(whole, result=replace(result, minima=tuple(listed)), passes=passes)
 
 
@@ -191,10 +178,8 @@ def _over_saddles(terrain: VertexTerrain, ways: Sequence[PathDown]) -> list[Path
 
 
 def _ways_down(terrain: VertexTerrain, top: np.ndarray) -> Iterator[PathDown]:
-    """Go down from a state that paths pass, beginning towards minima: beside the flat state on either side."""
-    sides = np.zeros(len(terrain.minima))
-    if not top.any():
-        sides = np.sign([terrain.model.expand(x).sum() for x in terrain.minima])
+    """Go down from the flat state, beginning towards minima on either side."""
+    sides = np.sign([terrain.model.expand(x).sum() for x in terrain.minima])
     far = np.round(np.linalg.norm(terrain.problem.root * (terrain.minima - top), axis=1), PLACES)
     order = np.argsort(far, kind="stable")
     near = [order[sides[order] == side][:TARGETS] for side in (1.0, -1.0, 0.0)]
@@ -211,35 +196,45 @@ def _ways_down(terrain: VertexTerrain, top: np.ndarray) -> Iterator[PathDown]:
                 break
 
 
-def _flat_bound(scene: Scene, result: MinimaResult) -> float:
-    """Return what paths between the two signs of a vertex climb to at least; nan where its signs mean nothing."""
-    if not result.sign_vertices:
-        return math.nan
-    if sum(scene.vertex.sector_angles) < 2 * math.pi - INPUT_TOL:
-        return math.inf
+def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
+    """Return on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
+
+    Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
+    every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
+    facets that touch included (proved in docs/validation/barriers.md).
+    """
+    phi = np.asarray(fold_angles, dtype=float)
+    total = phi.sum(axis=-1)
+    unclear = np.abs(total) <= phi.shape[-1] * DUPLICATE_TOL
+    flat = np.abs(phi).max(axis=-1) <= BESIDE_SINGULAR
+    return np.where(flat | unclear, 0, np.sign(total)).astype(int)
+
+
+def _flat_bound(scene: Scene) -> tuple[float, str]:
+    """Return what paths between the sides of the flat state climb to at least, and why; nan: nothing parts them."""
+    paper = sum(scene.vertex.sector_angles) - 2 * math.pi
+    if scene.contact != "full" or paper > INPUT_TOL:
+        return math.nan, SHOWN
+    if paper < -INPUT_TOL:
+        return math.inf, NEVER
     low, high = scene.limit_angles
     if (low > 0).any() or (high < 0).any():
-        return math.inf
-    return float(scene.energy(np.zeros(scene.degree)))
+        return math.inf, STOPPED
+    return float(scene.energy(np.zeros(scene.degree))), PROVED
 
 
 def _rounded(p: Pass, result: MinimaResult) -> Pass:
     """Round what an unrefined way climbs up to two digits: more hang on where its steps were cut."""
-    if p.pass_kind != "mesh":
+    if p.pass_kind != "bound":
         return p
     high = max(result.minima[k - 1].energy for k in (p.from_state, p.to_state))
     return replace(p, energy=high + float(rounded_up(p.energy - high)))
 
 
-def _bounded(p: Pass, result: MinimaResult, flat: float, leave: list[float], level: float) -> Pass:
-    """Add what bounds a pass from below; leave: energies that the exits of both minima have at least."""
-    pair = p.from_state - 1, p.to_state - 1
-    bounds = [(leave[k], LEFT) for k in pair if leave[k] > -math.inf]
-    if tuple(result.signs[k] for k in pair) in OPPOSITE and not math.isnan(flat):
-        less = sum(result.scene.vertex.sector_angles) < 2 * math.pi - INPUT_TOL
-        bounds.append((flat, PROVED if math.isfinite(flat) else NEVER if less else STOPPED))
-    if not bounds:
-        return p if len(p.path) else replace(p, why=NONE)
-    least, why = max(bounds, key=lambda bound: bound[0])
-    p = replace(p, least=least, why=p.why if len(p.path) else NONE)
-    return replace(p, why=why) if p.energy <= least + level else p
+def _bounded(p: Pass, result: MinimaResult, flat: float, parted: str, level: float) -> Pass:
+    """Add what bounds a pass from below: the flat state, where that parts the two minima."""
+    one, two = (result.minima[k - 1].fold_angles for k in (p.from_state, p.to_state))
+    why = p.why if len(p.path) else NONE
+    if math.isnan(flat) or side_of_flat(np.array(one)) * side_of_flat(np.array(two)) >= 0:
+        return replace(p, why=why)
+    return replace(p, least=flat, why=parted if p.energy <= flat + level else why)

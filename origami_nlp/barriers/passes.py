@@ -1,4 +1,4 @@
-"""From the top of a lowest path on a graph to the exact mountain pass.
+"""From the top of a lowest path to the exact mountain pass.
 
 A pass is a state through which two components of {energy < level} first meet.  On a smooth stratum of the feasible
 set it is a KKT point (contact multipliers >= 0) with exactly one direction of negative curvature: a saddle, or a
@@ -24,32 +24,23 @@ from origami_nlp.numerics import (
     CURVED,
     DUPLICATE_TOL,
     ENDPOINT_TOL,
-    LEVEL,
     NONZERO,
 )
 from origami_nlp.problem import Contact, Problem
 
-OPPOSITE = {("+", "-"), ("-", "+")}
-"""Signs of a vertex on either side of its flat state."""
 PROVED = "proved: admissible states above and below the flat state meet there only"
 EVERY = "no lower path: all curves of the one degree of freedom are known"
 FOLLOWED = (
     "no lower path: motions from the first state follow traced curves, up to where others meet them"
 )
-SIGNED = "no lower path: each makes a vertex flat at which the signs differ, in closed form that costs as much"
-LISTED = (
-    "no lower path over listed states: each makes a vertex flat at which the signs differ, and no state that was found "
-    "with it flat is lower"
-)
-LEFT = "proved: a minimum lies on a thin set, of three closed flaps about one edge, left at this energy at least"
 NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
 STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
 RIGID = "no path: one of the two is isolated, as its certificate says"
-LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER, STOPPED, RIGID)
+LOWEST = (PROVED, EVERY, FOLLOWED, NEVER, STOPPED, RIGID)
 """What bounds a barrier from below by its own height."""
 FOLLOWS = (EVERY, FOLLOWED)
 """Of these, what says that all paths are known up to that height, not only those between the two."""
-PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
+PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "bound", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""
 
@@ -66,27 +57,22 @@ class Pass(ShortRepr):
         Of the pass [the scene's units]; inf where no admissible path joins the two.
     pass_kind
         ``saddle`` (interior), ``contact saddle``, ``corner`` (pieces of the feasible set meet), ``flat state``,
-        ``singular`` (another state where two pieces meet in one point, or a thin set ends), ``mesh`` (not
-        refined: the energy is that of an explicit path, an upper bound), or ``none``.
+        ``singular`` (another state where two pieces meet in one point, or a thin set ends), ``bound`` (no pass: the
+        energy is that of an explicit path, an upper bound), or ``none``.
     fold_angles
         Of the pass, all N [rad]; empty for ``none``.
     contacts
         Closed there, in words.
     residual
-        Of its KKT system (scaled; nan where no such system holds: at singular passes and on the mesh).
+        Of its KKT system (scaled; nan where no such system holds: at singular passes and of bounds).
     path
         Fold angles [M, N] from the first minimum over the pass to the second.
     path_energy
         [M].
-    mesh_energy
-        Height of the lowest path on the graph alone.
     why
         What bounds the barrier from below.
     least
-        Of a pattern: energy that every path passes at least, as it makes a vertex flat at which the signs of the two
-        differ; nan where none does.
-    listed
-        The same by the states that were found with that vertex flat: no bound where these are not all.
+        Of a vertex: energy that every path has at least, where the flat state parts the two; nan elsewhere.
     """
 
     from_state: int
@@ -98,10 +84,8 @@ class Pass(ShortRepr):
     residual: float
     path: np.ndarray = field(repr=False)
     path_energy: np.ndarray = field(repr=False)
-    mesh_energy: Unbounded
     why: str
     least: float = math.nan
-    listed: float = math.nan
 
     @property
     def is_lowest(self) -> bool:
@@ -248,26 +232,3 @@ def both_sides(
         else:
             return None
     return sides[0], sides[1]
-
-
-def leg_is_below(
-    model: Problem, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
-) -> np.ndarray | None:
-    """Return states on the straight way from `top` to x, pulled onto closure, if all are admissible and not above
-    `level` (rounding allowed); else None."""
-    t = np.linspace(0, 1, steps + 1)[1:-1, None]
-    out = []
-    for want in top + t * (x - top):
-        y, residual = project(model, want)
-        # a chord between two states at +-pi leaves the limit by rounding
-        over = model.fold_limits.contacts(y, ~model.fold_limits.inside(y))
-        if model.has_limits and over:  # between two states on a wall: stay on it
-            y, residual = project(model, y, over)
-        if residual > CLOSURE_TOL or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
-            return None
-        out.append(y)
-    states = np.array(out)
-    slack = LEVEL * max(abs(level), model.scale)
-    if not model.admissible(states).all() or (model.energies(states) > level + slack).any():
-        return None
-    return states

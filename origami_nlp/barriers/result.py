@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.barriers.full import FullPass
-from origami_nlp.barriers.graph import StateGraph
-from origami_nlp.barriers.passes import FOLLOWS, LISTED, Pass, PassKind
+from origami_nlp.barriers.passes import FOLLOWS, Pass, PassKind
 from origami_nlp.chart import Landscape
 from origami_nlp.display import (
     Content,
@@ -47,15 +45,7 @@ MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
 """Minima whose energies, and pairs whose bounds, are printed below the passes."""
-LONG_HEADS = (
-    "scene",
-    "pair",
-    "minima [J]",
-    "pass [J]",
-    "kind",
-    "fold angles at the pass [deg]",
-    "full space",
-)
+LONG_HEADS = ("scene", "pair", "minima [J]", "pass [J]", "kind", "fold angles at the pass [deg]")
 
 
 @dataclass(frozen=True)
@@ -78,50 +68,9 @@ class Join:
     second: tuple[int, ...]
 
 
-@dataclass(frozen=True)
-class Unlisted:
-    """A basin of the graph whose bottom is no listed minimum: a ripple of the graph, if a descent leaves it.
-
-    Attributes
-    ----------
-    depth
-        Energy up to where it joins a deeper one.
-    fold_angles
-        Of its bottom [N].
-    lands_on
-        Number (1-based) of the minimum to which the bottom descends, or None.
-    """
-
-    depth: float
-    fold_angles: tuple[float, ...]
-    lands_on: int | None
-
-
-@dataclass(frozen=True)
-class FlatVertexBound:
-    """What it takes to make a vertex of a pattern flat: motions that change its sign do.
-
-    Attributes
-    ----------
-    vertex
-        As a file numbers it.
-    least
-        Energy of every state with it flat at least, in closed form.
-    listed
-        The least that was found; `least` where nothing was, or nothing is lower.
-    states
-        Stable ones with it flat that were found.
-    """
-
-    vertex: int
-    least: float
-    listed: float
-    states: int
-
-
 @dataclass(frozen=True, repr=False)
 class Barriers(Report, Viewable):
-    """Passes for every pair of minima, the merge tree, and the graph that they came from.
+    """Passes for every pair of minima, and the merge tree.
 
     Attributes
     ----------
@@ -131,15 +80,6 @@ class Barriers(Report, Viewable):
         The lowest pass of each pair of them.
     merges
         The merge tree: where branches meet, in order of energy.
-    graph
-        Admissible states and the steps between them; None with one degree of freedom, whose curves are traced, and
-        where it was read from a file.
-    unlisted
-        The deepest basins of the graph without a listed minimum.
-    full
-        What is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
-    flat_vertices
-        Of a pattern, what it takes to make each vertex flat that has a sign.
     left_out
         Parts that the time limit ended: passes that they would have found are missing.
 
@@ -147,7 +87,7 @@ class Barriers(Report, Viewable):
     --------
     >>> import origami_nlp as o
     >>> scene = o.examples.degree6("pi/4", ratio=0.01)
-    >>> found = o.find_barriers(scene, o.find_minima(scene, max_starts=16), spacing=0.5)
+    >>> found = o.find_barriers(scene, o.find_minima(scene, max_starts=16))
     >>> found.matrix().shape, len(found.merges)
     ((2, 2), 1)
     """
@@ -155,10 +95,6 @@ class Barriers(Report, Viewable):
     result: MinimaResult
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
-    graph: StateGraph | None = field(default=None, metadata={"plain": False})
-    unlisted: tuple[Unlisted, ...] = ()
-    full: tuple[FullPass, ...] = ()
-    flat_vertices: tuple[FlatVertexBound, ...] = ()
     left_out: tuple[str, ...] = ()
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
@@ -200,21 +136,20 @@ class Barriers(Report, Viewable):
         """How much energy it takes to leave the minima, in a sentence."""
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
-        least: dict[int, tuple[float, str, str]] = {}
+        least: dict[int, tuple[float, str]] = {}
         for p, floors in zip(self.passes, self._floors(), strict=True):
             for k, energy, floor in zip(
                 (p.from_state, p.to_state), self._energies(p), floors, strict=True
             ):
-                listed = " over listed states" * (p.why == LISTED)
-                exact = bool(listed) or (p.is_lowest and p.energy <= floor)
-                rise = p.energy - energy, "" if exact else "at most ", listed
-                least[k] = min(least.get(k, (math.inf, "", "")), rise)
+                exact = p.is_lowest and p.energy <= floor
+                rise = p.energy - energy, "" if exact else "at most "
+                least[k] = min(least.get(k, (math.inf, "")), rise)
         known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
         if not known:
             return f"{words}, no pass between minima is known"
         kept = self.scene is not None and not self.scene.group.is_trivial
         group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
-        said = [f"{bound}{rise:.4g} J to leave #{k}{listed}" for rise, bound, listed, k in known]
+        said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
         if len(said) > MOST_NAMED:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
         return f"{words}; it takes {', '.join(said)}{group}"
@@ -271,7 +206,7 @@ class Barriers(Report, Viewable):
         return (*pair, *rises, f"{p.energy:.9g}", p.pass_kind, angles)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table of passes, what bounds each, what is known without the symmetry, and where they are."""
+        """Return the table of passes, what bounds each, and where they are."""
         some = [p for p in self.passes if math.isfinite(p.energy) or not math.isnan(p.least)]
         some.sort(key=lambda p: not math.isfinite(p.energy))
         shown = self.passes if len(self.passes) <= MOST_PAIRS else some
@@ -292,18 +227,12 @@ class Barriers(Report, Viewable):
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.left_out:
             yield f"{OUT_OF_TIME}, not through with: {', '.join(self.left_out)}"
-        if self.flat_vertices:
-            yield from self._flat_vertices()
+        if self.result.is_pattern and self.result.sign_vertices:
             signs = PopSigns(self.result.pattern)
             for p in self.passes:
                 for vertex, _ in signs.crossed(p.path):
                     pair = f"#{p.from_state} - #{p.to_state}"
                     yield f"alarm: {pair}: facets cross round vertex {vertex} on the path, which is none of paper"
-        for basin in self.unlisted:
-            if basin.lands_on is None:
-                yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
-        for f in self.full:
-            yield f"#{f.from_state} - #{f.to_state} without the imposed symmetry: {_full_words(f)}"
         if rest:
             yield Details((replace(table, rows=rest, title=""),), "Further pairs")
         if known := [p for p in self.passes if math.isfinite(p.energy)]:
@@ -311,30 +240,6 @@ class Barriers(Report, Viewable):
             heads = ("from", "to", "pass [J]", HEADS[-1])
             where = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
             yield Details((where,), "Fold angles at the passes")
-
-    def _flat_vertices(self) -> Iterator[Section]:
-        """Say what it takes to make vertices flat, and what that bounds."""
-        heads = ("vertex", "at least [J]", "found [J]", "states")
-        rows = [
-            (f"{b.vertex}", f"{b.least:.9g}", f"{b.listed:.9g}" if b.states else "-", f"{b.states}")
-            for b in self.flat_vertices
-        ]
-        title = "energy with a vertex flat: paths that change its sign (+ or -, see minima) pass such a state"
-        yield Table(heads, rows, title, "rrrr", framed=False, narrow=True)
-        signs = self.result.signs
-        bounds = [
-            (
-                *self._cells(p)[:2],
-                f"{signs[p.from_state - 1]} {signs[p.to_state - 1]}",
-                "-" if math.isnan(p.least) else f"{p.least:.9g}",
-                "-" if math.isnan(p.listed) else f"{p.listed:.9g}",
-                f"{p.energy:.9g}" if math.isfinite(p.energy) else "-",
-            )
-            for p in self.passes
-        ]
-        names = ("from", "to", "signs", "at least [J]", "over listed states [J]", "pass [J]")
-        table = Table(names, bounds, "", "rrlrrr", framed=False, narrow=True)
-        yield Details((table,), "What bounds passes from below")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for p in self.passes:
@@ -356,42 +261,16 @@ class Barriers(Report, Viewable):
         return replace(content, pieces=(*self.report_sections(), *content.pieces))
 
 
-def _full_words(f: FullPass) -> str:
-    """Describe what is known of one barrier without the symmetry."""
-    if f.verdict == "same":
-        return f"{f.upper:.9g} J as well: no symmetry-breaking path is lower ({f.why})"
-    if f.verdict == "lower":
-        return (
-            f"the symmetric pass has index {f.index} there: a lower one exists, between "
-            f"{f.lower:.6g} and {f.upper:.6g} J"
-        )
-    index = "" if f.index is None else f", the symmetric pass has index {f.index} there"
-    return f"between {f.lower:.6g} J ({f.why}) and {f.upper:.6g} J (explicit path){index}"
-
-
 def barriers_table(several: Sequence[Barriers]) -> Table:
-    """Return the passes of several scenes, a row a pair: minima, pass, kind, where, full space."""
+    """Return the passes of several scenes, a row a pair: minima, pass, kind, where."""
     rows = []
     for barriers in several:
         name = short_label(barriers.label).replace("*", r"\*")
-        unstable = {
-            number
-            for number, m in enumerate(barriers.result.minima, start=1)
-            if (known := getattr(m, "full_space", None)) and known.verdict == "unstable"
-        }
-        full = {(f.from_state, f.to_state): f for f in barriers.full}
         for p in barriers.passes:
             one, two = barriers._energies(p)
-            f = full.get((p.from_state, p.to_state))
-            judged = barriers.full or unstable & {p.from_state, p.to_state}
-            said = "an end is unstable there" if judged else "not asked"
-            if f is not None:
-                said = f"same: {f.why}"
-                if f.verdict != "same":
-                    said = f"{f.verdict}: at most {f.drop:.3g} J lower; {f.why}"
             first, second, _, _, energy, kind, angles = barriers._cells(p)
             ends = (f"{first} - {second}", f"{one:.6g}, {two:.6g}")
-            rows.append((name, *ends, energy, kind, angles, said))
+            rows.append((name, *ends, energy, kind, angles))
     return Table(LONG_HEADS, rows)
 
 

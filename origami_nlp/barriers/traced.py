@@ -26,8 +26,8 @@ APART = 0.2
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
 EXPLICIT = (
-    "the lowest path that is known, on traced curves, through states with a vertex flat, straight, or as a string that "
-    "slid down: an upper bound; contact may be missed between its states, and lower ones are not excluded"
+    "the lowest path that is known, on traced curves, straight, or over a saddle: an upper bound; contact may be "
+    "missed between its states, and lower ones are not excluded"
 )
 """That nothing bounds a barrier from below."""
 
@@ -95,7 +95,7 @@ def passes_over(
         one = kinds[min(merge.first[0], merge.second[0]), max(merge.first[0], merge.second[0])]
         sides = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
         merges.append(Join(one.energy, one.pass_kind, *sides))
-    return Barriers(result, passes, tuple(merges), None)
+    return Barriers(result, passes, tuple(merges))
 
 
 _Steps = dict[bytes, np.ndarray]
@@ -148,17 +148,15 @@ def _between(
         none = np.zeros((0, len(problem.expand(found.states[0]))))
         every = why(i, j, math.inf) == EVERY
         words = "no curve leads from one to the other" if every else "no admissible path is known"
-        return Pass(
-            i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], math.inf, words
-        )
+        return Pass(i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], words)
     top, first = found.top(i, j), len(found.states) - len(found.on_curves)
     try:
         at, kind, residual = _made_exact(problem, top, otherwise)
         closed = tuple(problem.name(c) for c in at.pieces[0])
     except OutOfTime:
-        at, kind, residual, closed = State(problem, top), "mesh", math.nan, ()
+        at, kind, residual, closed = State(problem, top), "bound", math.nan, ()
     height = float(merge.height * unit)
-    if otherwise == "mesh" and kind == "mesh" and height <= at.energy + SAME_ENERGY * unit:
+    if otherwise == "bound" and kind == "bound" and height <= at.energy + SAME_ENERGY * unit:
         kind = "singular"  # a state from which ways go down to both sides: none was cut
     way = found.tree.path(first + i, first + j)
     assert way is not None
@@ -167,14 +165,13 @@ def _between(
     return Pass(
         i + 1,
         j + 1,
-        height if kind == "mesh" else at.energy,
+        height if kind == "bound" else at.energy,
         kind,
         tuple(problem.expand(at.x).tolist()),
         closed,
         residual,
         problem.expand(states),
         energies,
-        height,
         why(i, j, merge.height),
     )
 

@@ -117,7 +117,7 @@ def minima(
 
 def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip, why_no_strip_contact
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
 
     reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
     if all(reasons):
@@ -126,15 +126,14 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
             f"--certificate = {file!r}: the list of a pattern is proved of strips ({strip}), of meshes "
             f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
         )
-    generic = reasons[0] and not reasons[2]
-    if generic and contact == "full" and not why_no_strip_contact(pattern):
+    if reasons[0] and contact == "full":
         raise OptionError(
             "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
         )
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
-    """Prove again, with the tree of boxes on record, and write it down."""
+    """Prove again, and write down what is proved."""
     from origami_nlp.problem import Model
     from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
 
@@ -146,14 +145,7 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
         _write_pattern_certificate(result, found.boxes, file)
         return
     models = [Model(one) for one in result.scene.of_each_winding]
-    proofs = [
-        prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
-    ]
-    if any(proof.tree is None for proof in proofs):
-        raise OptionError(
-            "--certificate: a proof with full contact has no boxes on record that could be checked; it is written for "
-            "contact = 'fold-limits'"
-        )
+    proofs = [prove(model, options=ProofOptions(boxes=found.boxes)) for model in models]
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
@@ -164,7 +156,6 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
         prove_mesh,
         prove_quad_mesh,
         prove_strip,
-        why_no_mesh_contact,
         why_no_quad_mesh,
         why_no_strip,
         why_no_strip_contact,
@@ -174,9 +165,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
     contact = getattr(result.search, "contact", "full") == "full"
     if why_no_strip(result.pattern):
         generic = not why_no_quad_mesh(result.pattern)
-        facets = contact and not generic and not why_no_mesh_contact(result.pattern)
-        prover = prove_quad_mesh if generic else prove_mesh
-        mesh = prover(result.pattern, contact=facets, boxes=boxes)
+        mesh = (prove_quad_mesh if generic else prove_mesh)(result.pattern, boxes=boxes)
         write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
         return
     facets = contact and not why_no_strip_contact(result.pattern)
@@ -186,7 +175,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
 
 @writes("json", "bibtex")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
-    """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
+    """Check a proof that the list of minima of a strip or a mesh is complete, claim by claim, in ball arithmetic.
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
@@ -198,12 +187,11 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
     )
 
     certificate = read_certificate(proof)
+    size = 0
     if isinstance(certificate, StripCertificate):
         size = sum(len(curve.claims) for curve in certificate.curves)
     elif isinstance(certificate, MeshCertificate):
         size = len(certificate.minima)
-    else:
-        size = len(certificate.nodes.kind)
     with progress(f"check of {proof}", size) as report:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)

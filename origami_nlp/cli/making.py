@@ -31,20 +31,9 @@ def design(
         typer.Argument(
             metavar="TARGETS",
             help="What is asked for (TOML), - for stdin, or an example by name: waitukaitis-five, six-states, "
-            "three-equal, switch, flat-and-one or monostable8 (example NAME prints its file).",
+            "three-equal, switch or flat-and-one (example NAME prints its file).",
         ),
     ],
-    library: Annotated[
-        str | None,
-        typer.Option(
-            metavar="wells|FILE",
-            help="Hinge laws in place of springs, sums of those of a library on each crease: wells every 30 degrees "
-            "and springs, or the tables [laws.NAME] of a TOML file.",
-        ),
-    ] = None,
-    fewest: Annotated[
-        bool, typer.Option("--fewest", help="With --library: as few laws with wells as possible.")
-    ] = False,
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
     verbose: o.Verbose = False,
@@ -58,10 +47,8 @@ def design(
     from origami_nlp.inverse_design import (
         EXAMPLES,
         design as find,
-        design_with_library,
         draw_design,
         parse_targets,
-        read_library,
         read_targets,
     )
     from origami_nlp.pattern import Pattern, Vertex, format_scene
@@ -81,17 +68,7 @@ def design(
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
-    if library is None and fewest:
-        raise OptionError("--fewest: give --library too")
-    answer: Any
-    if library is None:
-        answer = find(question, ask, name=name, seed=seed, effort=effort)
-    else:
-        out.refuse("a design with a library has no picture: give .json or .toml", "figure")
-        laws = None if library == "wells" else read_library(library)
-        answer = design_with_library(
-            question, laws, fewest=fewest, name=name, seed=seed, effort=effort
-        )
+    answer = find(question, ask, name=name, seed=seed, effort=effort)
     answer.print_to(out.console, verbose)
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:

@@ -135,7 +135,7 @@ ExampleName = Annotated[
         metavar="NAME",
         help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; metasheet "
         "with -o FILE.fold; targets of a design: waitukaitis-five, six-states, three-equal, switch, "
-        "flat-and-one, monostable8.",
+        "flat-and-one.",
     ),
 ]
 
@@ -214,7 +214,7 @@ ProveChecks = Annotated[
     ),
 ]
 CertificateFile = Annotated[
-    str | None, typer.Option(metavar="FILE", help="Write the proof, for check-proof.")
+    str | None, typer.Option(metavar="FILE", help="Write the proof (of a sheet, for check-proof).")
 ]
 Effort = Annotated[
     str,

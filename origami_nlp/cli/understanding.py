@@ -359,14 +359,12 @@ def barriers(
     out: Output,
     scene: Source,
     seed: o.Seed = 0,
-    full: o.FullOrNot = None,
     verbose: o.Verbose = False,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Along traced curves, over graphs of states, and through states with a vertex flat, which bound barriers from below
-    where the signs of that vertex differ; with three or more degrees of freedom along descents, as upper bounds.  With
-    --full the barriers of a vertex (two degrees of freedom) without the symmetry are bounded as well.
+    Along traced curves; with two or more degrees of freedom along descents and, of patterns, paths over any height, as
+    upper bounds, exact where the flat state parts two minima of a vertex.
     """
     from origami_nlp.barriers import barriers_table, check_dof, draw_barriers, find_barriers
     from origami_nlp.pattern import Scene, examples
@@ -381,13 +379,13 @@ def barriers(
     found = []
     for one in stated:
         if isinstance(one, Scene):
-            result = search(one, given, seed=seed, escape=False, full=bool(full))
+            result = search(one, given, seed=seed, escape=False)
             with progress(f"{one.label or given}: passes between the minima"):
-                found.append(find_barriers(one, result, full=full or None, seed=seed))
+                found.append(find_barriers(one, result, seed=seed))
         else:
             with progress(f"{given}: barriers") as report, paused(again=False) as left:
                 limits: Any = {"seconds": left, "progress": lambda text: report(text=text)}
-                found.append(find_barriers(one, seed=seed, full=full or None, **limits))
+                found.append(find_barriers(one, seed=seed, **limits))
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])

@@ -60,7 +60,7 @@ PASSES = {
     "corner": "v",
     "flat state": "s",
     "singular": "P",
-    "mesh": "h",
+    "bound": "h",
 }
 """Marker of each kind of pass; all are white."""
 INK, WARNING = "#1B1B1B", "#AD1457"

@@ -3,42 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
-from origami_nlp.barriers import find_barriers
 from origami_nlp.inverse_design.convex import ConvexDesign
 from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier, HeldState
-from origami_nlp.inverse_design.robustness import MOVES, Tolerance, tolerance_of
 from origami_nlp.inverse_design.targets import Targets
-from origami_nlp.inverse_design.targets_file import Ask
 from origami_nlp.inverse_design.transition_paths import TransitionPath, height
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
+from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.problem import Model
-
-TRIALS = 20
-"""Random springs within the tolerance that are tried."""
 
 
 def check(
     targets: Targets,
-    ask: Ask,
     posed: ConvexDesign,
     scene: Scene | Pattern,
     minima: MinimaResult,
     ways: Mapping[tuple[str, str], TransitionPath],
-    seed: int,
-    say: Callable[[str], None],
 ) -> Design:
     """Compare the minima of a scene with what was asked for.
 
     Parameters
     ----------
-    targets, ask
+    targets
         The question.
     posed
         The problem that the springs come from.
@@ -48,10 +39,6 @@ def check(
         Of the scene.
     ways
         Curves between states whose barriers are asked for, with one degree of freedom.
-    seed
-        Of directions of tolerances.
-    say
-        Called before what takes time.
 
     Returns
     -------
@@ -65,15 +52,8 @@ def check(
     failed += _energies(targets, energy)
     barriers: tuple[HeldBarrier, ...] = ()
     if isinstance(scene, Scene):
-        barriers = _barriers(targets, scene, minima, ways, energy, seed)
+        barriers = _barriers(targets, scene, ways, energy)
     failed += [b.why for b in barriers if b.why]
-    if extra and ask.extra_states == "forbid":
-        failed.append(f"{len(extra)} minima that were to be forbidden are there")
-    tolerance = None
-    if not failed and (ask.tolerance_percent is not None or ask.maximise == "tolerance"):
-        say("tolerance of the springs")
-        tolerance, more = _tolerance(ask, scene, states, seed)  # type: ignore[arg-type]
-        failed += more
     return Design(
         targets=targets,
         margin=posed.margin,
@@ -86,7 +66,6 @@ def check(
         iterations=posed.answer.iterations,
         residual=posed.answer.residual,
         barriers=barriers,
-        tolerance=tolerance,
     )
 
 
@@ -140,16 +119,12 @@ def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
 def _barriers(
     targets: Targets,
     scene: Scene,
-    minima: MinimaResult,
     ways: Mapping[tuple[str, str], TransitionPath],
     energy: dict[str, float],
-    seed: int,
 ) -> tuple[HeldBarrier, ...]:
-    """Measure every barrier: along the curve with one degree of freedom, by `find_barriers` with two."""
-    if not targets.barriers:
-        return ()
+    """Measure every barrier along the curve of one degree of freedom; with more they are bounded from above alone."""
     dof = targets.model.dof
-    if dof > 2:
+    if dof > 1:
         return tuple(
             HeldBarrier(
                 b.start, b.end, math.nan, (), f"barriers of {dof} degrees of freedom are not known"
@@ -157,19 +132,11 @@ def _barriers(
             for b in targets.barriers
         )
     model = Model(scene)
-    passes = find_barriers(scene, minima, seed=seed).passes if dof == 2 else ()
     out = []
     for b in targets.barriers:
-        if dof == 1:
-            # one way serves both directions: its top is the same
-            way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
-            top, x = height(model, way)
-            phi = tuple(model.expand(x).tolist())
-        else:
-            at = {p.target.name: targets.model.expand(p.state.x) for p in targets.placed}
-            pair = {_nearest(minima, at[end])[0] for end in (b.start, b.end)}
-            found = next((p for p in passes if {p.from_state, p.to_state} == pair), None)
-            top, phi = (math.nan, ()) if found is None else (found.energy, found.fold_angles)
+        # one way serves both directions: its top is the same
+        way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
+        top, x = height(model, way)
         rise = top - energy[b.start]
         room = SAME_ENERGY * (abs(top) + abs(energy[b.start]))
         good = b.least - room <= rise <= b.most + room
@@ -177,6 +144,7 @@ def _barriers(
             f"barrier from {b.start!r} to {b.end!r} is {rise:.9g} J, not within "
             f"[{b.least:g}, {b.most:g}]"
         )
+        phi = tuple(model.expand(x).tolist())
         out.append(HeldBarrier(b.start, b.end, rise, phi, "" if good else why))
     return tuple(out)
 
@@ -186,26 +154,3 @@ def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
     far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in found.minima]
     near = min(far, default=math.inf)
     return (far.index(near) + 1 if near <= DESIGN_FOUND else 0), near
-
-
-def _tolerance(
-    ask: Ask, scene: Scene, states: tuple[HeldState, ...], seed: int
-) -> tuple[Tolerance, list[str]]:
-    at = {s.name: np.array(s.fold_angles) for s in states}
-    found = tolerance_of(scene, at, seed=seed, trials=TRIALS)
-    asked = ask.tolerance_percent
-    unknown = [
-        f"the tolerance of state {loss.state!r} is not known: closure loses rank there, it moves as soon as springs "
-        "are off, and is not followed"
-        for loss in found.losses
-        if loss.event == MOVES and loss.percent <= 100.0 * SETTLED
-    ]
-    if unknown:
-        return found, unknown
-    if asked is not None and found.percent < asked:
-        loss = min(found.losses, key=lambda one: one.percent)
-        return found, [
-            f"state {loss.state!r} is lost where springs are off by {loss.percent:.4g} % "
-            f"({loss.event}), not {asked:g} %"
-        ]
-    return found, []

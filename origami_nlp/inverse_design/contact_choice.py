@@ -20,7 +20,6 @@ def solve(
     targets: Targets,
     more: Sequence[ConeRows] = (),
     heights: Sequence[np.ndarray] = (),
-    calm: float = 0.0,
 ) -> ConvexDesign:
     """Pose and solve a question, with contacts pressed, or else touching.
 
@@ -35,7 +34,7 @@ def solve(
     ----------
     targets
         The question.
-    more, heights, calm
+    more, heights
         See `ConvexDesign`.
 
     Returns
@@ -43,7 +42,7 @@ def solve(
     ConvexDesign
         Solved; where not feasible that of the refutation, or of largest margin.
     """
-    posed = ConvexDesign(targets, frozenset(), more, heights, calm=calm)
+    posed = ConvexDesign(targets, frozenset(), more, heights)
     contacts = [
         sorted({c for p in standing(targets, i).pieces for c in p})
         for i in range(len(targets.placed))
@@ -58,7 +57,7 @@ def solve(
     best, tried = posed, 1
     refuted = posed.refuted and all(len(c) <= 1 for c in contacts)
     for touching in itertools.islice(_choices(contacts), MOST_CHOICES):
-        posed, tried = ConvexDesign(targets, touching, more, heights, calm=calm), tried + 1
+        posed, tried = ConvexDesign(targets, touching, more, heights), tried + 1
         if posed.feasible:
             return posed
         refuted = refuted and posed.refuted

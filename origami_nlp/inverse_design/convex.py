@@ -61,8 +61,6 @@ class ConvexDesign:
         Further rows over the springs and the margin, see `Springs`.
     heights
         Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
-    calm
-        Price, over the margin, of the torque that springs which are off throw out of balance (see `_calm`).
     """
 
     def __init__(
@@ -72,7 +70,6 @@ class ConvexDesign:
         more: Sequence[ConeRows] = (),
         heights: Sequence[np.ndarray] = (),
         loose: bool = False,
-        calm: float = 0.0,
     ) -> None:
         self.targets, self.touching, self.loose = targets, touching, loose
         self.every_refuted = False
@@ -90,8 +87,6 @@ class ConvexDesign:
         self.aim = _row(self.problem.size, (self.places.margin, 1.0))
         if heights:
             self._lift(heights)
-        if calm:
-            self._calm(calm)
 
     def _lift(self, heights: Sequence[np.ndarray]) -> None:
         """Make the smallest height the aim."""
@@ -103,39 +98,6 @@ class ConvexDesign:
         floor = _row(p.size, (self.places.margin, 1.0))
         p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
         self.aim = _row(p.size, (least, 1.0))
-
-    def _calm(self, price: float) -> None:
-        """Pay for the largest torque that springs which are off leave out of balance in a state, over its share.
-
-        Where each stiffness k and rest angle r is off by a share s, the torque k (x - r) of a crease changes by at most
-        s (|k (x - r)| + |k r|), and what is felt along closed motions by that times the row of the crease in `kernel`.
-        """
-        p, v = self.problem, self.places
-        most = p.more(1).start
-
-        def size_of(rows: np.ndarray) -> slice:
-            where = p.more(len(rows))
-            for sign in (1.0, -1.0):
-                a = np.zeros((len(rows), p.size))
-                a[:, : rows.shape[1]] = sign * rows
-                a[np.arange(len(rows)), np.arange(where.start, where.stop)] = 1.0
-                p.add(POSITIVE, a, np.zeros(len(rows)), "sizes of torques")
-            return where
-
-        for i, balance, _ in self.balances:
-            kind, x = balance.kind, balance.stratum.state.x
-            weight = np.linalg.norm(balance.kernel, axis=1) * balance.root
-            torque = np.zeros((len(x), v.size))
-            torque[np.arange(len(x)), v.torque.start + kind] = -1.0
-            wound = size_of(torque)
-            torque[np.arange(len(x)), v.stiffness.start + kind] = x
-            now = size_of(torque)
-            # sizes |k (x - r)| and |k r|: torque out of balance by a share s of both
-            share = most, self.targets.states[i].margin
-            row = _row(p.size, share, (now, -weight), (wound, -weight))
-            p.add(POSITIVE, row, 0.0, "torque out of balance")
-        self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
-        self.aim[most] = -price
 
     def _bounds(self, kinds: int) -> None:
         p, v, t = self.problem, self.places, self.targets

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from os import PathLike, fspath
 from typing import Any
 
@@ -18,31 +17,18 @@ from origami_nlp.inverse_design.contact_choice import solve
 from origami_nlp.inverse_design.convex import ConvexDesign, scene_of, springs_of
 from origami_nlp.inverse_design.infeasibility import why_not
 from origami_nlp.inverse_design.result import Design
-from origami_nlp.inverse_design.robustness import MOST, Tolerance, line_of, lost_at, tolerance_of
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.targets_file import Ask, read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
-from origami_nlp.inverse_design.unwanted_minima import cuts
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import DESIGN_SNAP, ConeRows
+from origami_nlp.numerics import DESIGN_SNAP
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_states import find_states
 
 Progress = Callable[[str], None]
 TOPS = 6
 """Rounds in which tops between samples become samples."""
-PRICES = (0.03, 0.1, 0.3, 1.0, 3.0)
-"""Of torque that springs which are off throw out of balance, over the margin: half decades around 1."""
-SHARES = (0.5, 2.0)
-"""Factors by which the share of the margin of one state is changed where the tolerance is made largest."""
-IMPROVEMENTS = 2
-"""Rounds over the states then."""
-MOST_PERCENT = 100.0 * MOST
-_OF_A_VERTEX = {
-    "maximise": "of its springs the margin is made largest",
-    "tolerance_percent": "states of one vertex are followed as springs are off",
-    "extra_states": "minima of one vertex are cut away",
-}
+_OF_A_VERTEX = {"maximise": "of its springs the margin is made largest"}
 """What is not asked of a pattern, and why."""
 
 
@@ -70,7 +56,7 @@ def design(
     name
         Of the scene; in place of that of a file.
     seed, effort
-        Of the search that checks the answer, as of `find_minima`; `seed` also of the directions of tolerances.
+        Of the search that checks the answer, as of `find_minima`.
     progress
         Called with a line before each stage.
 
@@ -107,11 +93,7 @@ def design(
     _differ(targets)
     if isinstance(targets.origami, Pattern):
         targets.origami.check_plain_hinges("design", stops=True)
-        tolerant = ask.maximise == "tolerance" or ask.tolerance_percent is not None
-        asked: dict[str, Any] = {"maximise": ask.maximise if ask.maximise != "margin" else None}
-        asked |= {"tolerance_percent": ask.tolerance_percent if tolerant else None}
-        asked |= {"extra_states": ask.extra_states if ask.extra_states != "report" else None}
-        refuse("pattern", _OF_A_VERTEX, **asked)
+        refuse("pattern", _OF_A_VERTEX, maximise=ask.maximise if ask.maximise != "margin" else None)
     if ask.maximise == "barrier" and not targets.barriers:
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.dof != 1:
@@ -124,12 +106,7 @@ def design(
     posed = work.solved(targets)
     if not posed.feasible:
         return _none(targets, posed, work)
-    best = work.made(posed)
-    if ask.extra_states == "forbid":
-        best = work.without_extras(best)
-    if ask.maximise == "tolerance":
-        best = work.most_tolerant(best)
-    return best
+    return work.made(posed)
 
 
 def _differ(targets: Targets) -> None:
@@ -149,28 +126,24 @@ class _Work:
     ) -> None:
         self.targets, self.ask, self.name = targets, ask, name
         self.seed, self.effort, self.say = seed, effort, say
-        self.more: tuple[ConeRows, ...] = ()
         one = bool(targets.barriers) and targets.model.dof == 1
         self.passes = Passes(targets) if one else None
 
-    def solved(
-        self, targets: Targets, more: tuple[ConeRows, ...] = (), calm: float = 0.0
-    ) -> ConvexDesign:
+    def solved(self, targets: Targets) -> ConvexDesign:
         """Solve, with the best choice of passes where barriers are asked for."""
-        more = (*self.more, *more)
         if self.passes is None:
-            return solve(targets, more, calm=calm)
-        best = self._best(targets, more, calm)
+            return solve(targets)
+        best = self._best(targets)
         for _ in range(TOPS):
             # bounds hold at samples: a top between two of them that is too high becomes a sample
             if not best.feasible or not self.passes.see(
                 targets.posed(scene_of(targets, springs_of(best)))
             ):
                 break
-            best = self._best(targets, more, calm)
+            best = self._best(targets)
         return best
 
-    def _best(self, targets: Targets, more: tuple[ConeRows, ...], calm: float) -> ConvexDesign:
+    def _best(self, targets: Targets) -> ConvexDesign:
         """Return the best of all choices of passes."""
         assert self.passes is not None
         lift = self.ask.maximise == "barrier"
@@ -178,7 +151,7 @@ class _Work:
         best: ConvexDesign | None = None
         for choice in choices:
             rows, heights = self.passes.rows(choice)
-            posed = solve(targets, (*more, *rows), heights if lift else (), calm)
+            posed = solve(targets, rows, heights if lift else ())
             if best is None or _value(posed) > _value(best):
                 best = posed
         assert best is not None
@@ -186,110 +159,18 @@ class _Work:
             best.every_refuted = False  # other places of the passes were not tried
         return best
 
-    def made(self, posed: ConvexDesign, prove: bool = True) -> Design:
-        """Make the scene of an optimum, and check it; `prove` where a proof that no minimum is missing is tried."""
+    def made(self, posed: ConvexDesign) -> Design:
+        """Make the scene of an optimum, and check it."""
         scene = scene_of(self.targets, springs_of(posed), self.name)
         self.say("minima of the scene")
         asked: dict[str, Any] = {"seed": self.seed, "effort": self.effort, "escape": False}
-        asked["prove"] = None if prove else False
         if isinstance(scene, Scene):
             full = self.targets.full_space and self.targets.symmetric
             minima = find_minima(scene, full=full, **asked)
         else:
             minima = find_states(scene, contact=self.targets.contact == "full", **asked)
         ways = {} if self.passes is None else self.passes.ways
-        return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)
-
-    def without_extras(self, best: Design) -> Design:
-        """Cut minima away that nobody asked for, a few rounds."""
-        posed = None
-        for number in range(self.ask.rounds + 1):
-            if not best.extra_minima:  # none was found; are there really none?
-                best = replace(self.made(posed), rounds=number) if posed else best
-                posed = None
-                if not best.extra_minima:
-                    break
-            self.say(f"round {number + 1}: {len(best.extra_minima)} minima that nobody asked for")
-            posed = self._cut(best) if number < self.ask.rounds else None
-            if posed is None:
-                break
-            best = replace(self.made(posed, prove=False), rounds=number + 1)
-        return best
-
-    def _cut(self, best: Design) -> ConvexDesign | None:
-        """Solve with the best cut for each of them; None where no springs are left."""
-        posed = None
-        for _, _, phi in best.extra_minima:
-            for options in cuts(self.targets, np.array(phi)):
-                solved = [(self.solved(self.targets, rows), rows) for rows in options]
-                solved = [s for s in solved if s[0].feasible]
-                if solved:
-                    posed, rows = max(solved, key=lambda s: _value(s[0]))
-                    # cuts add up: what one round cut away may not come back in the next
-                    self.more = (*self.more, *rows)
-                    break
-        return posed
-
-    def most_tolerant(self, best: Design) -> Design:
-        """Look for springs of larger tolerance among others that hold the states; check the last.
-
-        First those that are stiff and little out of balance where they are off (`ConvexDesign.calm`), at several
-        prices; then the margin is shared otherwise among the states, as long as the tolerance grows.
-        """
-        if not best.verified or best.tolerance is None or best.tolerance.percent >= MOST_PERCENT:
-            return best
-        self.say("springs of larger tolerance")
-        tolerance, posed, calm = best.tolerance, None, 0.0
-        shares = np.ones(len(self.targets.states))
-
-        def better(price: float, tried: np.ndarray) -> bool:
-            nonlocal tolerance, posed, calm, shares
-            if tolerance.percent >= MOST_PERCENT:
-                return False
-            other = self.solved(self._shared(tried), calm=price)
-            found = self._tolerance(other, tolerance) if other.feasible else None
-            if found is None or found.percent <= tolerance.percent:
-                return False
-            tolerance, posed, calm, shares = found, other, price, tried
-            return True
-
-        # the tolerance is no function that a problem maximises: a few problems that favour it are tried
-        for price in PRICES:
-            better(price, shares)
-        for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):
-            for i, factor in itertools.product(range(len(shares)), SHARES):
-                tried = shares.copy()
-                tried[i] *= factor
-                better(calm, tried)
-        if posed is None:
-            return best
-        made = replace(self.made(posed), margin=posed.margin * float(shares.min()))
-        return made if _tolerance(made) > _tolerance(best) else best
-
-    def _shared(self, shares: np.ndarray) -> Targets:
-        states = tuple(
-            replace(t, margin=t.margin * float(f))
-            for t, f in zip(self.targets.states, shares, strict=True)
-        )
-        return replace(self.targets, states=states)
-
-    def _tolerance(self, posed: ConvexDesign, known: Tolerance) -> Tolerance | None:
-        """Return the tolerance of a candidate; None where a direction that is known makes it no larger."""
-        t = self.targets
-        scene: Any = scene_of(t, springs_of(posed))
-        at = {p.target.name: t.model.expand(p.state.x) for p in t.placed}
-        most = math.log1p(known.percent / 100.0)
-        for loss in known.losses:
-            line = line_of(scene, np.array(loss.stiffness), np.array(loss.rest_angles))
-            if any(lost_at(line, phi, most).event != "kept" for phi in at.values()):
-                return None
-        return tolerance_of(scene, at, seed=self.seed)
-
-
-def _tolerance(found: Design) -> float:
-    if not found.verified or found.tolerance is None:
-        return -math.inf
-    return found.tolerance.percent
+        return check(self.targets, posed, scene, minima, ways)
 
 
 def _value(posed: ConvexDesign) -> float:

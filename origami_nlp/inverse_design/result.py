@@ -11,7 +11,6 @@ import numpy as np
 
 from origami_nlp.display import Details, Report, Section, Table, Words, rows_table
 from origami_nlp.inverse_design.infeasibility import Infeasibility
-from origami_nlp.inverse_design.robustness import MOVES, Tolerance
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
@@ -110,7 +109,7 @@ class Design(Report):
         The question.
     margin
         Smallest stiffness along a free motion of a state, and smallest moment of a pressed contact [per rad], both over
-        the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
+        the mean stiffness; the largest that any springs have, unless barriers were made largest.  At most
         0, or -inf, where there are none.
     scene
         The scene, or the pattern, with the springs; None where there are none.
@@ -130,12 +129,8 @@ class Design(Report):
         Of its dual: the margin is the largest to about this.
     barriers
         Those that were asked for, as measured.
-    tolerance
-        How far the springs may be off, where it was asked for.
     refuted
         Where there is no scene: whether it is proved that no springs do what was asked.
-    rounds
-        Of cuts that forbade minima.
 
     Examples
     --------
@@ -161,9 +156,7 @@ class Design(Report):
     iterations: int
     residual: float
     barriers: tuple[HeldBarrier, ...] = ()
-    tolerance: Tolerance | None = None
     refuted: bool = False
-    rounds: int = 0
 
     @property
     def feasible(self) -> bool:
@@ -231,8 +224,6 @@ class Design(Report):
         yield self.springs()
         for b in self.barriers:
             yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.6g} J")
-        if self.tolerance is not None:
-            yield from self._tolerance(self.tolerance)
         for words in self.failed[1:]:
             yield Words(f"not verified: {words}")
         for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
@@ -258,22 +249,6 @@ class Design(Report):
         yield Words(f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}")
         if self.minima and self.minima.completeness:
             yield from map(Words, self.minima.completeness.lines())
-
-    @staticmethod
-    def _tolerance(found: Tolerance) -> Iterator[Section]:
-        for loss in found.losses:
-            how = {
-                "kept": "kept that far",
-                MOVES: "along the worst direction found it moves there: it is singular, and not followed",
-            }.get(loss.event, f"along the worst direction found, then: {loss.event}")
-            yield Words(
-                f"{loss.state} is stable until every stiffness and rest angle is off by "
-                f"{loss.percent:.4g} % ({how})"
-            )
-        if found.trials:
-            yield Words(
-                f"random springs within {found.percent:.4g} %: all states are kept in {found.kept} of {found.trials}"
-            )
 
     def table(self) -> Table:
         """The states, one a row."""

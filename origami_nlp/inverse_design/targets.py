@@ -49,14 +49,11 @@ class Target:
         All N of them [rad]; moved onto closure, and onto contacts that they nearly close.
     margin
         Share of the margin of the whole design that this state must have: twice as stiff for 2.
-    tolerance
-        How far each fold angle may be moved where `move_targets` is asked for [rad].
     """
 
     name: str
     fold_angles: tuple[float, ...]
     margin: float = 1.0
-    tolerance: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
@@ -64,7 +61,6 @@ class Target:
         margin = check_number(f"state {self.name!r}: margin", self.margin, 0.0)
         if margin == 0.0:
             raise OptionError(f"state {self.name!r}: margin = 0 must be positive")
-        check_number(f"state {self.name!r}: tolerance", self.tolerance, 0.0, math.pi)
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ class EnergyGap:
 class BarrierAsk:
     """How much energy it shall take to leave one state for another [J].
 
-    With one degree of freedom the springs are made for it; with two they are checked for it.
+    With one degree of freedom the springs are made for it; with more it is not known.
 
     Attributes
     ----------
@@ -396,11 +392,10 @@ def place(model: Any, target: Target) -> ClosedTarget:
     if state.refused:
         raise OptionError(f"{who} is not admissible: {state.refused}")
     moved = float(np.abs(model.expand(near) - phi).max())
-    if moved > max(FAR, target.tolerance):
+    if moved > FAR:
         raise OptionError(
             f"{who} does not close: the closed state found nearby is {math.degrees(moved):.3g} deg away, "
-            f"more than {math.degrees(max(FAR, target.tolerance)):.3g}: check the fold angles, or give "
-            "tolerance_deg"
+            f"more than {math.degrees(FAR):.3g}: check the fold angles"
         )
     return ClosedTarget(target, state, moved)
 

@@ -30,18 +30,15 @@ _KEYS = {
     "creases": LIMIT_KEYS,
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (
-        *("name", "fold_angles", "fold_angles_deg", "like", "margin", "tolerance_deg"),
+        *("name", "fold_angles", "fold_angles_deg", "like", "margin"),
         *("energy_above", "energy_difference", "energy_at_most"),
     ),
     "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
-    "ask": ("maximise", "full_space", "tolerance_percent", "extra_states", "rounds"),
+    "ask": ("maximise", "full_space"),
 }
 _LARGEST = 1_000_000
-MAXIMISE = ("margin", "tolerance", "barrier")
-EXTRA = ("report", "forbid")
-MOST_ROUNDS = 100
-"""Of cuts: each is a search for all minima."""
+MAXIMISE = ("margin", "barrier")
 
 
 @dataclass(frozen=True)
@@ -51,30 +48,16 @@ class Ask:
     Attributes
     ----------
     maximise
-        ``"margin"``, ``"tolerance"`` (the guaranteed one of springs) or ``"barrier"`` (the smallest one).
-    tolerance_percent
-        Every state must survive this change of each stiffness and rest angle; None: not asked.
-    extra_states
-        ``"report"`` minima that nobody asked for, or ``"forbid"`` them.
-    rounds
-        Of cuts, where they are forbidden.
+        ``"margin"``, or ``"barrier"`` (the smallest one).
     """
 
     maximise: str = "margin"
-    tolerance_percent: float | None = None
-    extra_states: str = "report"
-    rounds: int = 5
 
     def __post_init__(self) -> None:
-        for name, value, known in (
-            ("maximise", self.maximise, MAXIMISE),
-            ("extra_states", self.extra_states, EXTRA),
-        ):
-            if value not in known:
-                raise OptionError(f"[ask] {name} = {shown(value)}: use one of {', '.join(known)}")
-        if self.tolerance_percent is not None:
-            check_number("[ask] tolerance_percent", self.tolerance_percent, 0.0, 50.0)
-        check_whole("[ask] rounds", self.rounds, 0, MOST_ROUNDS)
+        if self.maximise not in MAXIMISE:
+            raise OptionError(
+                f"[ask] maximise = {shown(self.maximise)}: use one of {', '.join(MAXIMISE)}"
+            )
 
 
 def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
@@ -199,10 +182,7 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
         raise OptionError(
             f"[[states]] {name!r} has {len(phi)} fold angles, there are {degree} creases"
         )
-    tolerance = check_number(
-        f"{name!r}: tolerance_deg", entry.get("tolerance_deg", 0.0), 0.0, 180.0
-    )
-    return Target(name, tuple(phi), entry.get("margin", 1.0), math.radians(tolerance))
+    return Target(name, tuple(phi), entry.get("margin", 1.0))
 
 
 def _angles(values: Any, key: str) -> list[float]:

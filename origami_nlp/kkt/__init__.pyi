@@ -25,7 +25,6 @@ from .escape import (
     BOUND as BOUND,
     OPEN as OPEN,
     TRACED as TRACED,
-    TREE as TREE,
     Escape as Escape,
     EscapePath as EscapePath,
     Method as Method,

@@ -27,11 +27,8 @@ from origami_nlp.kkt.terrain import Terrain
 from origami_nlp.numerics import NONZERO, SETTLED, coarse
 
 DescentPath: TypeAlias = Callable[[np.ndarray, Callable[[np.ndarray], bool]], np.ndarray]
-Method = Literal[
-    "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
-]
+Method = Literal["exact (traced)", "upper bound (descents)", "not determined", "isolated"]
 TRACED: Final = "exact (traced)"
-TREE: Final = "merge tree"
 BOUND: Final = "upper bound (descents)"
 OPEN: Final = "not determined"
 ALONE: Final = "isolated"
@@ -48,9 +45,8 @@ class Escape(ShortRepr):
         where no way leads to another state, nan where it is not determined.  Under an imposed symmetry it is that of
         ways that keep the symmetry.
     method
-        ``exact (traced)`` (curves of one degree of freedom), ``merge tree`` (of a graph of states, with exact passes),
-        ``upper bound (descents)`` (an explicit escape path: there may be lower ones), ``isolated`` (no other state is
-        near: geometry holds it), or ``not determined``.
+        ``exact (traced)`` (curves of one degree of freedom), ``upper bound (descents)`` (an explicit escape path: there
+        may be lower ones), ``isolated`` (no other state is near: geometry holds it), or ``not determined``.
     why
         What that rests on.
     to

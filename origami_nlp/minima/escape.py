@@ -10,11 +10,10 @@ import numpy as np
 
 from origami_nlp.kkt import (
     ALONE,
+    BOUND,
     TRACED,
-    TREE,
     Escape,
     EscapePath,
-    Method,
     barriers,
     bounds,
     energy_scale,
@@ -79,10 +78,9 @@ def with_merge_tree(
     minima: Sequence[JudgedState],
     heights: np.ndarray,
     why: str,
-    method: Method = TREE,
-    beyond: np.ndarray | None = None,
+    beyond: np.ndarray,
 ) -> list[JudgedState]:
-    """Add what a merge tree of a graph of states says of leaving each minimum.
+    """Add what the merge tree of paths says of leaving each minimum.
 
     Parameters
     ----------
@@ -92,7 +90,7 @@ def with_merge_tree(
         Its minima.
     heights
         Energy of the lowest pass between two of them, [M, M]; inf where there is none.
-    why, method
+    why
         What that rests on.
     beyond
         What a way from each to a lower state that is not listed climbs, [M]; inf for none.
@@ -106,7 +104,7 @@ def with_merge_tree(
     scale = energy_scale(np.array(model.scene.stiffness))
     listed = barriers(energies, heights, level_of(energies, scale), scale, beyond)
     return [
-        replace(m, escape=Escape(barrier, method, why, to + 1, (), barrier < SHALLOW * scale))
+        replace(m, escape=Escape(barrier, BOUND, why, to + 1, (), barrier < SHALLOW * scale))
         if math.isfinite(barrier)
         else m
         for m, (barrier, to) in zip(minima, listed, strict=True)

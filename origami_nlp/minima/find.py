@@ -113,7 +113,7 @@ def find_minima(
         Whether each minimum is also judged without the symmetry; None: where that is affordable
         (`minima.full_space.is_affordable`).
     prove
-        Whether to prove that the list is complete: True (in at most 10 million boxes, two minutes), seconds of
+        Whether to prove that the list is complete: True (in at most 10 million boxes, ten minutes), seconds of
         processor time, or `ProofOptions`; False: no.  None: within fold limits, up to two degrees of freedom.
     seconds
         Wall time after which the search goes no further; a proof gets what is left, and the answer depends on the

@@ -35,7 +35,7 @@ MOST_DOF = 4
 FEW_DOF = 2
 """Degrees of freedom up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 50_000
-"""Boxes after which a proof that nobody asked for gives up: half a second; panels and degree 5 take at most 17,000."""
+"""Boxes after which a proof that nobody asked for gives up: two seconds; panels and degree 5 take at most 17,000."""
 
 
 def check_prove(name: str, value: object) -> None:

@@ -191,17 +191,6 @@ class HingeLaw(ShortRepr):
         x = np.clip(x, self.breaks[0], self.breaks[-1])
         return max(2 * math.pi * self.stiffness, float(np.abs(self.torque(x)).max()))
 
-    @cached_property
-    def finest(self) -> float:
-        """Least distance between neighbouring extremes of the torque [rad]; inf where there are fewer than two."""
-        x = self._slope.roots(extrapolate=False)
-        x = np.unique(x[np.isfinite(x) & (x >= self.breaks[0]) & (x <= self.breaks[-1])])
-        if len(x) < 2:
-            return math.inf
-        # ripples of rounding are none
-        swing = np.abs(np.diff(self.torque(x))) > RESOLVED * np.abs(self.torque(x)).max()
-        return float(np.diff(x)[swing].min(initial=math.inf))
-
     def least(self, low: float, high: float) -> float:
         """Return the least energy between two angles [rad], [J]."""
         return float(self.extremes(low, high).min())

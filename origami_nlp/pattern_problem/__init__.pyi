@@ -50,8 +50,6 @@ from .meeting_features import touches_at as touches_at
 from .pop_signs import (
     PopSigns as PopSigns,
     angle_sums as angle_sums,
-    flat_with as flat_with,
-    least_flat_energy as least_flat_energy,
 )
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem

@@ -20,12 +20,10 @@ from origami_nlp.numerics import (
     BESIDE_SINGULAR,
     DUPLICATE_TOL,
     INPUT_TOL,
-    NOISE,
     cross,
-    groups,
     unit_normals,
 )
-from origami_nlp.pattern import Loop, Pattern, Scene
+from origami_nlp.pattern import Pattern, Scene
 
 
 def angle_sums(pattern: Pattern) -> dict[int, float]:
@@ -190,99 +188,6 @@ class PopSigns:
         return (
             OPEN if abs(total) <= len(folds) * DUPLICATE_TOL else SIGNS[math.copysign(1.0, total)]
         )
-
-
-def flat_with(
-    pattern: Pattern, vertex: int, memo: dict[tuple[int, ...], list[int]] | None = None
-) -> np.ndarray:
-    """Return which creases are flat in every state in which a vertex is, whatever the springs.
-
-    Those round it; of a flat sheet also creases between facets that are in one plane then, and those round other
-    vertices that can only fold so far: the sides of the link sum to 360 degrees, so that with one of 180 degrees it is
-    a lune, with a longer one or with three sides a great circle, and all creases but two collinear ones are flat.
-
-    Parameters
-    ----------
-    pattern
-        The pattern.
-    vertex
-        An interior vertex, as a file numbers it.
-    memo
-        Kept from call to call, of one pattern: which creases are flat round vertices where only some fold.
-
-    Returns
-    -------
-    numpy.ndarray
-        Of bool, [n].
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.pattern_problem import flat_with
-    >>> sheet = o.examples.pattern("squaretwist")
-    >>> bool(flat_with(sheet, sheet.vertices[0].vertex).all())
-    True
-    """
-    rings = {at.vertex: at for at in pattern.vertices}
-    flat = np.zeros(pattern.creases, bool)
-    flat[list(rings[vertex].creases)] = True
-    if not pattern.is_flat:
-        return flat
-    memo, before = {} if memo is None else memo, -1
-    up = unit_normals(pattern.corners[list(pattern.polygons[0])])
-    if () not in memo:
-        sums = angle_sums(pattern)
-        memo[()] = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
-    while before < (before := int(flat.sum())):
-        if pattern.cell is None or pattern.cell.rolled is None:  # copies of a facet are parallel
-            part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
-            flat |= part[pattern.left] == part[pattern.right]
-        for at in memo[()]:
-            folds = at, *(k for k in rings[at].creases if not flat[k])
-            if folds not in memo:
-                memo[folds] = _flat_round(pattern, rings[at], [*folds[1:]], up)
-            flat[memo[folds]] = True
-    return flat
-
-
-def _flat_round(pattern: Pattern, loop: Loop, folds: list[int], up: np.ndarray) -> list[int]:
-    """Return which creases round a vertex are flat, as all but some are: in a flat sheet, with 360 degrees of paper.
-
-    Its normal is `up`.
-    """
-    # counter-clockwise, creases that run out of the vertex are crossed from their right to their left
-    some = zip(loop.creases, loop.signs, strict=True)
-    signs = np.array([float(s) for k, s in some if k in folds])
-    away = signs[:, None] * pattern.directions[folds]
-    turns = np.arctan2(cross(away[0], away) @ up, away @ away[0]) if folds else np.zeros(0)
-    order = np.argsort(turns % (2 * math.pi), kind="stable")
-    gaps = np.diff(turns[order] % (2 * math.pi), append=2 * math.pi)
-    straight = [
-        k
-        for k, d in zip(folds, away, strict=True)
-        if any(np.abs(d + other).max() <= NOISE for other in away)
-    ]
-    if len(folds) <= 3 or gaps.max() >= math.pi - INPUT_TOL:
-        return [k for k in folds if k not in straight]
-    return []
-
-
-def least_flat_energy(pattern: Pattern, flat: np.ndarray) -> float:
-    """Return what a pattern's energy is not below while some creases are flat, of bool [n].
-
-    That of the others is 0 at best, or what a rest angle beyond the fold limit leaves; of a hinge law its least energy
-    within the limits.  inf where a stop keeps one of them from being flat.
-    """
-    low, high = pattern.limit_angles
-    if (low[flat] > 0).any() or (high[flat] < 0).any():
-        return math.inf
-    size = np.where(flat, pattern.rest, pattern.rest - np.clip(pattern.rest, low, high))
-    energy = 0.5 * pattern.stiffness * size**2
-    for i, law in enumerate(pattern.laws):
-        if law is not None:
-            at = (0.0, 0.0) if flat[i] else (float(low[i]), float(high[i]))
-            energy[i] = law.least(*at)
-    return float(energy.sum())
 
 
 def _pops(angle_sum: float) -> bool:

@@ -22,12 +22,6 @@ from .flat_folded import (
     list_branches as list_branches,
     list_flat_folded as list_flat_folded,
 )
-from .flat_vertices import (
-    FlatVertex as FlatVertex,
-    flat_tops as flat_tops,
-    list_flat_vertices as list_flat_vertices,
-    ways_down as ways_down,
-)
 from .interactive import (
     pattern_content as pattern_content,
     view_motion as view_motion,
@@ -52,7 +46,6 @@ from .mobility import (
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
 from .proved import hold_against as hold_against
-from .strings import relaxed as relaxed
 from .terrain import PatternTerrain as PatternTerrain
 from .traced_passes import curve_passes as curve_passes
 from .ways_between import ways_between as ways_between

@@ -24,7 +24,6 @@ from origami_nlp.proof import (
     prove_quad_mesh,
     prove_strip,
     why_no_mesh,
-    why_no_mesh_contact,
     why_no_quad_mesh,
     why_no_strip,
     why_no_strip_contact,
@@ -106,8 +105,7 @@ def prove_list(
     until = min(problem.until, time.monotonic() + seconds)
     facets = contact and not why_no_strip_contact(pattern)
     if why and generic:
-        facets = contact and not why_no_mesh_contact(pattern)
-        mesh = prove_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
+        mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
         return hold_against(mesh, problem, known, contact)
     if why:
         quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
@@ -173,10 +171,13 @@ def hold_against(
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
-        reason = why_no_mesh_contact if isinstance(proof, MeshProof) else why_no_strip_contact
+        if isinstance(proof, MeshProof):
+            why = "contact of meshes that fold flat is not proved"
+        else:
+            why = why_no_strip_contact(problem.pattern)
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
-            f"{reason(problem.pattern)}: states that touching facets hold are not enumerated"
+            f"{why}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(

@@ -75,10 +75,6 @@ class PatternTerrain(Terrain):
             return None
         return None if self.contact and not jumps and self._pops.is_jump(a, x) else x
 
-    def has_flat(self, x: np.ndarray) -> bool:
-        """Whether a vertex with a sign is flat at a state [n]."""
-        return bool(self._pops.flat(x).any())
-
     def beside(self, a: np.ndarray, start: np.ndarray) -> np.ndarray | None:
         """Close a start beside a state [n], on either side of vertices; None where that is no admissible state."""
         return self.step(a, start, jumps=True)

@@ -1,10 +1,9 @@
-"""Ways between stable states of a sheet: straight to states with a vertex flat, and to each other, over any height.
+"""Ways between stable states of a sheet: straight to the flat state, and to each other, over any height.
 
-Descents from states with a vertex flat reach few minima (`ways_down`).  Walks from minima reach more: straight to the
-flat state, to states with one vertex flat, and to other minima; and from where such a walk meets contact, down again.
-Sheets that are folded onto themselves are unfolded in stages: to where every crease is flat or fully folded, and on to
-flatter such states.  Each way is closed, and facets do not cross at the states that are looked at: how high it climbs
-is an upper bound.
+Walks from minima lead straight to the flat state and to other minima; and from where such a walk meets contact, down
+again.  Sheets that are folded onto themselves are unfolded in stages: to where every crease is flat or fully folded,
+and on to flatter such states.  Each way is closed, and facets do not cross at the states that are looked at: how high
+it climbs is an upper bound.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ def ways_between(
     minima
         Stable states, [M, n].
     tops
-        States with vertices flat, [n] each.
+        States that ways may pass, [n] each: the flat one, if there is one.
     joined
         Pairs that a way is known between: of minima by number, and of tops, M and further.
 

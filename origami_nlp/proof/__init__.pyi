@@ -19,7 +19,6 @@ from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
 from .document import certificate_of as certificate_of
-from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .flat_sheets import SheetMinimum as SheetMinimum, SheetProof as SheetProof
 from .mesh_certificate import (
@@ -27,7 +26,6 @@ from .mesh_certificate import (
     mesh_from_dict as mesh_from_dict,
     mesh_to_dict as mesh_to_dict,
 )
-from .mesh_contact import why_no_mesh_contact as why_no_mesh_contact
 from .mesh_states import why_no_mesh as why_no_mesh
 from .meshes import (
     MeshProof as MeshProof,
@@ -53,4 +51,3 @@ from .strips import (
     prove_strip as prove_strip,
 )
 from .touches import prove as prove, why_not as why_not
-from .tree import NodeKind as NodeKind, Recorder as Recorder, Tree as Tree

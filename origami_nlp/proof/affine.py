@@ -95,7 +95,7 @@ class Affine:
         """Return the same forms in `count` variables: theirs are those at `places`, by default the first."""
         own = slice(self.variables) if places is None else places
         shape = (*self.slopes.shape[:-2], count, self.slopes.shape[-1])
-        slopes = np.zeros(shape, dtype=self.slopes.dtype)
+        slopes = np.zeros(shape)
         slopes[..., own, :] = self.slopes
         return Affine(self.centre, slopes, self.error)
 

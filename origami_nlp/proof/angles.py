@@ -26,9 +26,6 @@ class Angles:
         Bound of the sum of twice the angles, or 1, [K].
     torque
         Of hinge laws: centre, slope and error, [3, n, K]; None for linear springs, whose torques are sums and products.
-    springs
-        Stiffness over the largest, and rest angles, [2, n, K], in place of those of the rows, where these are noted
-        for any springs; None elsewhere.
     """
 
     middle: np.ndarray
@@ -38,7 +35,6 @@ class Angles:
     sines: np.ndarray
     share: np.ndarray
     torque: np.ndarray | None = None
-    springs: np.ndarray | None = None
 
     @classmethod
     def over(cls, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Angles:

@@ -5,7 +5,7 @@ stratum, certainly differs from zero.  Else it is contracted: for *any* matrix Y
 xi = -Y c + (I - Y A) xi - Y e eta, hence |xi_v + (Y c)_v| <= sum_j |I - Y A|_vj + sum_r |Y_vr| e_r.  Two matrices are
 tried: the inverse of A's best columns in the rows of closure, and the least squares of all rows in the metric of
 their errors, Y = (I + A' E^-2 A)^-1 A' E^-2.  Nothing is trusted of how they were computed.  A box that did not
-shrink to half its volume is cut in two at the middle of its widest side; both children keep that double.
+shrink to half its volume is cut in two at the middle of its widest side; both halves keep that double.
 
 Rounding of the contraction: entries of Y A and Y c are sums of at most R products, so they, and the sums over them, are
 off by at most gamma_{R+d+2} sum_r |Y_vr| (|c_r| + sum_j |A_rj| + e_r); four times that is added.
@@ -24,26 +24,25 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, address, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
-from origami_nlp.proof.compiled_boxes import (
-    EXACT,
-    GRID,
-    KEPT,
-    OFF,
-    WIDER,
-    Parts,
-    halved,
-    library,
-    settled,
-)
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.tree import NodeKind, Recorder
 
 BEYOND = math.nextafter(math.pi, 4.0)
 """The double above pi: free angles range to it."""
+EXACT = 1e-3
+"""Least squares take no row to be more accurate than this, relative to its slopes: its square is what they miss by, and
+one over that their condition."""
+WIDER = 1e-9
+"""Share of its half width by which a contracted box is left wider than computed: more than rounding."""
+GRID = 2.0**-12
+"""Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
+OFF = 0.3
+"""Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
+KEPT = 0.9
+"""A contraction that leaves more than this share of every side is not carried out."""
 
 
 class BoxProblem(Protocol):
@@ -55,12 +54,6 @@ class BoxProblem(Protocol):
     def linear(self) -> slice: ...  # noqa: D102
     @property
     def pivots(self) -> int: ...  # noqa: D102
-    @property
-    def minor_count(self) -> int: ...  # noqa: D102
-    @property
-    def minor_creases(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
-    @property
-    def twins(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows: ...  # noqa: D102
 
@@ -75,31 +68,18 @@ class Boxes:
         Shape [n, K] [rad].
     pins
         -1, 0 or +1, shape [n, K].
-    node
-        Number of each in the tree, [K].
     """
 
     lower: np.ndarray
     upper: np.ndarray
     pins: np.ndarray
-    node: np.ndarray
-
-    @classmethod
-    def of(cls, parts: Parts) -> Boxes:
-        """Return boxes of which no tree is kept."""
-        return cls(*parts, np.zeros(parts[0].shape[1], dtype=int))
-
-    @property
-    def parts(self) -> Parts:
-        """Lower and upper bounds, and pins."""
-        return self.lower, self.upper, self.pins
 
     def __len__(self) -> int:
         return self.lower.shape[1]
 
     def __getitem__(self, which: np.ndarray | slice) -> Boxes:
         w = which
-        return Boxes(self.lower[:, w], self.upper[:, w], self.pins[:, w], self.node[w])
+        return Boxes(self.lower[:, w], self.upper[:, w], self.pins[:, w])
 
     @property
     def widths(self) -> np.ndarray:
@@ -112,7 +92,7 @@ def joined(parts: list[Boxes]) -> Boxes:
     return Boxes(
         *(
             np.concatenate([getattr(p, name) for p in parts], axis=-1)
-            for name in ("lower", "upper", "pins", "node")
+            for name in ("lower", "upper", "pins")
         )
     )
 
@@ -137,7 +117,7 @@ def strata(n: int, limits: FoldLimits | None = None) -> Boxes:
     low, high = every.low[:, None], every.high[:, None]
     lower = np.where(pins == 0, np.nextafter(low, -BEYOND), np.where(pins > 0, high, low))
     upper = np.where(pins == 0, np.nextafter(high, BEYOND), np.where(pins > 0, high, low))
-    return Boxes(lower, upper, pins, np.arange(3**n))
+    return Boxes(lower, upper, pins)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +152,6 @@ def prune(
     most: float = math.inf,
     seconds: float | None = None,
     until: float = math.inf,
-    recorder: Recorder | None = None,
 ) -> Remainder:
     """Treat boxes until each is excluded, small, or near the flat state.
 
@@ -194,8 +173,6 @@ def prune(
         Stop after so much processor time.
     until
         Stop then (`time.monotonic`).
-    recorder
-        Where to record the tree, if at all.
 
     Returns
     -------
@@ -211,14 +188,11 @@ def prune(
             min(options.fewest, options.batch),
             joined(list(_popped(stack, options.batch))),
             small,
-            recorder,
         )
         boxes += len(batch)
-        done, again = _shrunk(posed, batch, small, recorder)
+        done, again = _shrunk(posed, batch, small)
         near = (_reach(again) <= flat) & (again.pins == 0).all(axis=0)
         flats += int(near.sum())
-        if recorder:
-            recorder.leaves(again.node[near], NodeKind.FLAT)
         found.append(done)
         if not near.all():
             stack.append(again[~near])
@@ -226,12 +200,10 @@ def prune(
     return Remainder(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
 
 
-def _cut_to(wanted: int, batch: Boxes, small: float, recorder: Recorder | None) -> Boxes:
+def _cut_to(wanted: int, batch: Boxes, small: float) -> Boxes:
     """Cut a small batch until it has so many boxes: rows of a few take as long as rows of a hundred."""
-    if not recorder and library():
-        return Boxes.of(halved(batch.parts, wanted, small))
     while len(batch) < wanted and (wide := batch.widths.max(axis=0, initial=0.0) >= small).any():
-        batch = joined([batch[~wide], *_halves(batch[wide], recorder)])
+        batch = joined([batch[~wide], *_halves(batch[wide])])
     return batch
 
 
@@ -251,40 +223,23 @@ def _reach(boxes: Boxes) -> np.ndarray:
     return np.maximum(-boxes.lower, boxes.upper).max(axis=0)
 
 
-def _shrunk(
-    posed: BoxProblem, batch: Boxes, small: float, recorder: Recorder | None
-) -> tuple[Boxes, Boxes]:
+def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes]:
     """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
     rows = posed.rows(batch.lower, batch.upper, batch.pins)
     # a row that differs from zero all over a box: no state there, or no critical one on this stratum
-    closed = _nonzero(rows.closure)
-    critical = _nonzero(rows.critical) & rows.asked
-    out, no = closed.any(axis=0), critical.any(axis=0)
-    if recorder:
-        _record_rows(posed, batch, closed, critical, recorder)
+    out = rows.closure.nonzero().any(axis=0)
+    no = (rows.critical.nonzero() & rows.asked).any(axis=0)
     keep = np.flatnonzero(~(out | no))
-    if not recorder and library():
-        done, again = settled(batch.parts, keep, *_bounds(posed, rows, keep), small)
-        return Boxes.of(done), Boxes.of(again)
     batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
-    if recorder:
-        used = np.asarray(rows.asked[:, keep].any(axis=0))
-        recorder.leaves(batch.node[empty & ~used], NodeKind.EMPTY)
-        recorder.leaves(batch.node[empty & used], NodeKind.NONE)
     share = _shares(batch, lower, upper)
-    # a contraction costs a node and a box in the tree: only those that gain something
     carried = ~empty & (share.min(axis=0) < KEPT)
-    node = batch.node.copy()
-    if recorder:
-        which = np.flatnonzero(carried)
-        node[which] = recorder.contract(node[which], used[which], lower[:, which], upper[:, which])
     lower = np.where(carried, lower, batch.lower)
     upper = np.where(carried, upper, batch.upper)
-    after = Boxes(lower, upper, batch.pins, node)
+    after = Boxes(lower, upper, batch.pins)
     cut = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
     done = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
-    return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut], recorder)])
+    return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut])])
 
 
 def _shares(batch: Boxes, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
@@ -293,31 +248,14 @@ def _shares(batch: Boxes, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     return np.where(old > 0, (upper - lower) / np.where(old > 0, old, 1.0), 1.0)
 
 
-def _halves(batch: Boxes, recorder: Recorder | None) -> list[Boxes]:
+def _halves(batch: Boxes) -> list[Boxes]:
     """Cut boxes at the middle of their widest side."""
     axis = batch.widths.argmax(axis=0)
     k = np.arange(len(batch))
     middle = 0.5 * (batch.lower[axis, k] + batch.upper[axis, k])
     first, second = batch.upper.copy(), batch.lower.copy()
     first[axis, k] = second[axis, k] = middle
-    nodes = recorder.split(batch.node, axis) if recorder else (batch.node, batch.node)
-    return [
-        Boxes(batch.lower, first, batch.pins, nodes[0]),
-        Boxes(second, batch.upper, batch.pins, nodes[1]),
-    ]
-
-
-def _record_rows(
-    posed: BoxProblem, batch: Boxes, closed: np.ndarray, critical: np.ndarray, recorder: Recorder
-) -> None:
-    """Record which boxes a row excludes, and the first such row."""
-    out = closed.any(axis=0)
-    recorder.leaves(batch.node[out], NodeKind.CLOSED, closed[:, out].argmax(axis=0))
-    no = ~out & critical.any(axis=0)
-    row = critical[:, no].argmax(axis=0) if no.any() else np.zeros(0, dtype=int)
-    twin = row >= posed.minor_count
-    recorder.leaves(batch.node[no][~twin], NodeKind.MINOR, row[~twin])
-    recorder.leaves(batch.node[no][twin], NodeKind.TWIN, row[twin] - posed.minor_count)
+    return [Boxes(batch.lower, first, batch.pins), Boxes(second, batch.upper, batch.pins)]
 
 
 def _contracted(
@@ -339,48 +277,7 @@ def _contracted(
     return batch, lower, upper, empty
 
 
-def _nonzero(rows: Affine) -> np.ndarray:
-    """Return where rows certainly differ from zero, as `Affine.nonzero`."""
-    c = library()
-    if c is None:
-        return rows.nonzero()
-    count, n, boxes = rows.slopes.shape
-    parts = [np.ascontiguousarray(v) for v in (rows.centre, rows.slopes, rows.error)]
-    out = np.empty((count, boxes), dtype=bool)
-    room = 1 + 4 * (n + 4) * UNIT  # as `Affine.radius`
-    c.nonzero(count, n, boxes, *map(address, parts), room, address(out))
-    return out
-
-
 def _bounds(
-    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of xi in some boxes, [n, K]."""
-    return (_bounds_in_c if library() else _bounds_in_numpy)(posed, rows, keep)
-
-
-def _bounds_in_c(
-    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds of xi in some boxes, [n, K]."""
-    forms = (rows.closure, rows.critical)
-    given = [np.ascontiguousarray(v) for f in forms for v in (f.centre, f.slopes, f.error)]
-    asked, keep = np.ascontiguousarray(rows.asked), np.ascontiguousarray(keep, dtype=np.int64)
-    (own, n, boxes), more, count = rows.closure.slopes.shape, len(asked), len(keep)
-    size = np.array([n, boxes, count, own, more, posed.linear.start, posed.pivots])
-    low, high = np.empty((2, n, count))
-    poor = np.empty(count, dtype=bool)
-    arrays = (size, keep, *given, asked, low, high, poor)
-    library().contract(*map(address, arrays))
-    if poor.any():
-        a, c, e = _batch_first(rows.closure, keep[poor])
-        lower, upper = _bounds_by(a, c, e, _inverse_of_pivots(a, posed))
-        low[:, poor] = np.fmax(low[:, poor], lower.T)
-        high[:, poor] = np.fmin(high[:, poor], upper.T)
-    return low, high
-
-
-def _bounds_in_numpy(
     posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds of xi in some boxes, [n, K]."""

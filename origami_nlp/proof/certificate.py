@@ -1,21 +1,15 @@
-"""A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
+"""A proof as a file: what it claims, in JSON that another program can read.
 
 Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
 doubles; the two must agree. ``others``: documents of the same form for states that wind more often. ``points``,
-``singular``, ``undecided``: lists of objects with the names below. ``tree``: ``nodes`` and arrays, each base64 of zlib
-of its little-endian numbers with their bytes gathered by significance (all first bytes, all second bytes, ...). Nothing
-in a file is evaluated.
+``singular``, ``undecided``: lists of objects with the names below. Nothing in a file is evaluated.
 """
 
 from __future__ import annotations
 
-import base64
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
-
-import numpy as np
 
 from origami_nlp.errors import CertificateError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
@@ -35,17 +29,7 @@ from origami_nlp.proof.strip_certificate import (
 
 SCHEMA = "origami-nlp/proof/1"
 LARGEST = 1_000_000_000
-"""Bytes of a file, and of an array of its tree."""
-KINDS = (
-    *("split", "contract", "narrow", "closed", "none"),
-    *("minor", "twin", "flat", "root", "singular", "undecided"),
-)
-"""Kinds of nodes, by their number in a file: two halves; a smaller box, what is cut off holding no closed state, or no
-critical one; no closed state; no critical state; a minor, or a twin row, that does not vanish; near the flat state; in
-the box of a point, or in one that is left open."""
-SPLIT, CONTRACT, NARROW, CLOSED, NONE, MINOR, TWIN, FLAT, ROOT, SINGULAR, UNDECIDED = range(
-    len(KINDS)
-)
+"""Bytes of a file."""
 
 Sign: TypeAlias = Literal[-1, 0, 1]
 
@@ -107,42 +91,20 @@ class UndecidedBox:
     reason: str
 
 
-@dataclass(frozen=True, eq=False)
-class Nodes:
-    """A tree in preorder, the trees of all strata one after the other, (0, +1, -1)^N in lexicographic order.
-
-    Attributes
-    ----------
-    kind
-        Positions in `KINDS`, uint8 [M].
-    number
-        Of a split its axis; of a closed leaf a hint; of a minor the four creases as bits; of twins a, b: a N + b;
-        of other leaves which point or box; int32 [M].
-    boxes
-        Ends of the boxes of contract and narrow nodes, in order, float64 [C, 2, N] [rad].
-    """
-
-    kind: np.ndarray
-    number: np.ndarray
-    boxes: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Certificate:
-    """What a proof claims of a scene, and its tree.
+    """What a proof claims of a scene.
 
     Attributes
     ----------
     scene
         The scene.
     r0
-        Radius [rad] around the flat state where leaves rest on the flat lemma.
+        Radius [rad] around the flat state within which there is no other critical point; 0.0 where that is not claimed.
     points
         Critical points.
     singular, undecided
         What is left open: states of dependent axes, and all else.
-    nodes
-        The tree.
     others
         The same for states that wind more than once round the axis of their symmetry, each with a scene that says how
         often.
@@ -153,16 +115,7 @@ class Certificate:
     points: tuple[CertifiedPoint, ...]
     singular: tuple[UndecidedBox, ...]
     undecided: tuple[UndecidedBox, ...]
-    nodes: Nodes
     others: tuple[Certificate, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Tree:
-    nodes: int
-    kind: str
-    number: str
-    boxes: str
 
 
 @dataclass(frozen=True)
@@ -175,8 +128,6 @@ class _Document:
     points: tuple[CertifiedPoint, ...]
     singular: tuple[UndecidedBox, ...]
     undecided: tuple[UndecidedBox, ...]
-    tree: _Tree
-    counts: dict[str, int]
     others: tuple[_Document, ...] = field(default=(), metadata={"omit": True})
 
 
@@ -197,8 +148,6 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
 
 
 def _document(certificate: Certificate) -> _Document:
-    nodes = certificate.nodes
-    counts = np.bincount(nodes.kind, minlength=len(KINDS)).tolist()
     return _Document(
         certificate.scene,
         _exact(certificate.scene),
@@ -206,13 +155,6 @@ def _document(certificate: Certificate) -> _Document:
         certificate.points,
         certificate.singular,
         certificate.undecided,
-        _Tree(
-            len(nodes.kind),
-            _packed(nodes.kind, "u1"),
-            _packed(nodes.number, "<i4"),
-            _packed(nodes.boxes, "<f8"),
-        ),
-        dict(zip(KINDS, counts, strict=True)),
         tuple(map(_document, certificate.others)),
     )
 
@@ -303,10 +245,8 @@ def _certificate(said: _Document) -> Certificate:
                     raise CertificateError(f"{name}[{i}].{key} of the proof must be {n} numbers")
             if not 1 <= len(getattr(one, "moment", "m")) <= 3:
                 raise CertificateError(f"{name}[{i}].moment of the proof must be 3 numbers")
-    tree, others = _nodes(said.tree, n), tuple(map(_certificate, said.others))
-    return Certificate(
-        said.scene, said.r0, said.points, said.singular, said.undecided, tree, others
-    )
+    others = tuple(map(_certificate, said.others))
+    return Certificate(said.scene, said.r0, said.points, said.singular, said.undecided, others)
 
 
 def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -325,37 +265,3 @@ def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
     if scene.laws and scene.preload:
         numbers["preload"] = scene.preload
     return {name: tuple(v.hex() for v in values) for name, values in numbers.items()}
-
-
-def _nodes(tree: _Tree, n: int) -> Nodes:
-    count = tree.nodes
-    if not 0 < count < LARGEST:
-        raise CertificateError("tree.nodes of the proof must be a positive number")
-    kind, number = _unpacked(tree, "kind", "u1", count), _unpacked(tree, "number", "<i4", count)
-    if kind.max() >= len(KINDS):
-        raise CertificateError(f"tree.kind of the proof holds {kind.max()}: no such kind of node")
-    boxes = _unpacked(tree, "boxes", "<f8", int(np.isin(kind, (CONTRACT, NARROW)).sum()) * 2 * n)
-    if not np.isfinite(boxes).all():
-        raise CertificateError("tree.boxes of the proof holds what is no number")
-    return Nodes(kind, number, boxes.reshape(-1, 2, n))
-
-
-def _packed(values: np.ndarray, dtype: str) -> str:
-    array = np.ascontiguousarray(values, dtype=dtype).reshape(-1)
-    by_byte = array.view(np.uint8).reshape(-1, array.itemsize).T
-    return base64.b64encode(zlib.compress(by_byte.tobytes(), 9)).decode()
-
-
-def _unpacked(tree: _Tree, name: str, dtype: str, count: int) -> np.ndarray:
-    text, size = getattr(tree, name), np.dtype(dtype).itemsize
-    try:
-        packed = base64.b64decode(text, validate=True)
-        stream = zlib.decompressobj()
-        raw = stream.decompress(packed, count * size + 1)  # no more than there should be
-        whole = stream.eof and not stream.unused_data and len(raw) == count * size
-    except (ValueError, zlib.error):
-        whole = False
-    if not whole:
-        raise CertificateError(f"tree.{name} of the proof is damaged or cut short")
-    gathered = np.frombuffer(raw, np.uint8).reshape(size, count).T
-    return np.ascontiguousarray(gathered).reshape(-1).view(dtype)

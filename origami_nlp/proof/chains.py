@@ -20,9 +20,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -48,7 +46,6 @@ from origami_nlp.proof.collinear_creases import (
     twins_asked,
 )
 from origami_nlp.proof.law_torques import LawTorques
-from origami_nlp.proof.straight_line import straight_line
 
 SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
@@ -74,15 +71,10 @@ class VanishingRows:
 
 
 class Enclosed:
-    """Rows that are computed of angles by sums and products alone: by NumPy, or compiled (`straight_line`)."""
+    """Rows that are computed of angles by sums and products alone."""
 
     size: int
     laws: LawTorques | None = None
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        raise NotImplementedError
 
     @property
     def springs(self) -> np.ndarray:
@@ -96,10 +88,6 @@ class Enclosed:
     def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return which minors and twins hold on the strata of boxes, [R, K]; pins, and those at +-pi, [n, K]."""
         raise NotImplementedError
-
-    @cached_property
-    def _program(self) -> Callable[[Angles], tuple[Affine, Affine]] | None:
-        return straight_line(self)
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose the rows over boxes.
@@ -118,7 +106,7 @@ class Enclosed:
         angles = Angles.over(lower, upper, pins)
         if self.laws is not None:
             angles = replace(angles, torque=self.laws.over(angles.middle, angles.half))
-        closure, critical = (self._program or self.enclosed)(angles)
+        closure, critical = self.enclosed(angles)
         return VanishingRows(closure, critical, self.asked(pins, folded_flat(lower, pins)))
 
 
@@ -187,15 +175,7 @@ class VertexForms(Enclosed):
         )
         self._pose_triples()
         self._pose_minors()
-        self.minor_count = len(self.fours)
-        self.minor_creases = tuple(map(tuple, self.fours.tolist()))
         self.twin_rule = collinear_creases_of_loop(self.sectors, doubt)
-        self.twins = tuple(t.creases for t in self.twin_rule)
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return self.sectors.tobytes(), self.whole
 
     @property
     def springs(self) -> np.ndarray:
@@ -288,10 +268,10 @@ class VertexForms(Enclosed):
         turn = angles.whole
         on, back = self._next_axes(turn, boxes), self._next_axes(turn, boxes, -1)
         # a triple product is zero for any sectors where all is flat; its mixed derivatives are at most 2
-        share, kind = angles.share, angles.share.dtype
+        share = angles.share
         count = len(self.triples)
-        centre, error = np.empty((count, boxes), kind), np.empty((count, boxes), kind)
-        slopes = np.zeros((count, n, boxes), kind)
+        centre, error = np.empty((2, count, boxes))
+        slopes = np.zeros((count, n, boxes))
         for (p, q), members in self.kinds.items():
             number, j = (np.array(v) for v in zip(*members, strict=True))
             z, w = back[p - 1][:, j], on[q - 1][:, j]
@@ -343,9 +323,9 @@ class VertexForms(Enclosed):
         t = self.triple_products(angles)
         torque, lean, error_of, room = torques(self, angles)
         steep = lean if error_of is None else np.abs(lean)
-        count, kind = len(self.fours), angles.share.dtype
-        centre, error, total = (np.zeros((count, boxes), kind) for _ in range(3))
-        slopes = np.zeros((count, n, boxes), kind)
+        count = len(self.fours)
+        centre, error, total = np.zeros((3, count, boxes))
+        slopes = np.zeros((count, n, boxes))
         rows = np.arange(count)
         magnitude = t.magnitude()
         own = t.slopes[self.without, self.fours]  # [M, 4, K]: of T_a in the variable of G_a
@@ -378,7 +358,7 @@ def torques(
     if angles.torque is not None:
         centre, lean, error = angles.torque
         return centre, lean, error, error
-    k, rest = piece.springs if angles.springs is None else angles.springs
+    k, rest = piece.springs
     return k * (angles.middle - rest), k * angles.half, None, 8 * k
 
 

@@ -9,7 +9,6 @@ from typing import Any
 
 from flint import arb, ctx
 
-from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval
 
@@ -21,6 +20,10 @@ STATED = 1e-11
 """Beyond its radius, by how much a fold angle may be listed off [rad]."""
 WIDEST = 1e-6
 """Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
+
+
+class Refused(Exception):
+    """A claim that was not confirmed; its text says which."""
 
 
 @contextmanager

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import STATED, ListCheck, precision, refuse_wide
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import STATED, ListCheck, Refused, precision, refuse_wide
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
@@ -156,8 +155,8 @@ class MeshCheck(ListCheck):
             found[i] += power
         return found
 
-    def _signed(self, kinds: Sequence[int]) -> Iterator[tuple[dict[int, int], list[RowGroup]]]:
-        """Yield signs along rows and which rows move together, where these are 0, at +-180 degrees, or neither."""
+    def _set(self, kinds: Sequence[int]) -> Iterator[list[Any]]:
+        """Yield the minima in which rows are 0, at +-180 degrees, or neither, as these kinds say."""
         ways: list[list[int]] = []
         for crossing in self.crossings:
             one, two = (kinds[r] for r in crossing.rows)
@@ -173,12 +172,8 @@ class MeshCheck(ListCheck):
             if along is None:
                 continue
             moving = self._moving({r for r, k in enumerate(kinds) if k == FREE}, signs, along)
-            if moving is not None:
-                yield along, moving
-
-    def _set(self, kinds: Sequence[int]) -> Iterator[list[Any]]:
-        """Yield the minima in which rows are 0, at +-180 degrees, or neither, as these kinds say."""
-        for along, moving in self._signed(kinds):
+            if moving is None:
+                continue
             self.counts["sets"] += 1
             at: list[list[dict[int, Any]]] = [
                 [
@@ -196,7 +191,7 @@ class MeshCheck(ListCheck):
                 for part in parts:
                     for c, value in part.items():
                         folds[c] = value
-                if self._stays(kinds, folds, moving):
+                if self._stays(kinds, folds):
                     self._closes(folds)
                     yield folds
 
@@ -356,11 +351,9 @@ class MeshCheck(ListCheck):
             found[c] = sign * fold
         return found
 
-    def _stays(
-        self, kinds: Sequence[int], folds: Sequence[Any], moving: Sequence[RowGroup] = ()
-    ) -> bool:
+    def _stays(self, kinds: Sequence[int], folds: Sequence[Any]) -> bool:
         """Return whether the energy grows as rows that are 0, or at +-180 degrees, begin to move."""
-        for slope, _, _ in self._all_leaving(kinds, folds):
+        for slope in self._all_leaving(kinds, folds):
             if slope < 0:
                 return False
             if not slope:
@@ -368,9 +361,7 @@ class MeshCheck(ListCheck):
                 return False
         return True
 
-    def _all_leaving(
-        self, kinds: Sequence[int], folds: Sequence[Any]
-    ) -> Iterator[tuple[int, RowGroup, tuple[int, ...]]]:
+    def _all_leaving(self, kinds: Sequence[int], folds: Sequence[Any]) -> Iterator[int]:
         for kind in (ZERO, TURNED):
             rows = [r for r, k in enumerate(kinds) if k == kind]
             for many in range(1, len(rows) + 1):
@@ -379,10 +370,8 @@ class MeshCheck(ListCheck):
 
     def _leaving(
         self, some: set[int], kind: int, kinds: Sequence[int], folds: Sequence[Any]
-    ) -> Iterator[tuple[int, RowGroup, tuple[int, ...]]]:
-        """Yield, for each way in which these rows move all at once, the sign of the slope of the energy, the rows as
-        they move, and to which sides of T.
-        """
+    ) -> Iterator[int]:
+        """Yield the sign of the slope of the energy for each way in which these rows move all at once."""
         signs = [_sign(f) for f in folds]
         ways = []
         for c in self.crossings:
@@ -410,17 +399,12 @@ class MeshCheck(ListCheck):
             (group,) = groups
             if kind == ZERO:
                 slope, bend = self._chart(group, 0, arb(0))
-                even = self._even(group)
-                yield (
-                    _sign(bend) if even else -abs(_sign(slope)),
-                    group,
-                    (1, -1) if even else (-_sign(slope),),
-                )
+                yield _sign(bend) if self._even(group) else -abs(_sign(slope))
                 continue
             sides = {signs[c] * sign for c, _, sign, _ in group.creases}
             if len(sides) == 1:
                 (side,) = sides
-                yield side * _sign(self._chart(group, side, arb(0))[0]), group, (side,)
+                yield side * _sign(self._chart(group, side, arb(0))[0])
 
     def _closes(self, folds: Sequence[Any]) -> None:
         """Refuse a state of the statement round a vertex of which facets do not come back.

@@ -27,9 +27,8 @@ from typing import Any
 
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_lists import ListCheck, precision, refuse_wide
+from origami_nlp.proof.check_lists import ListCheck, Refused, precision, refuse_wide
 from origami_nlp.proof.check_mesh import EXACT
-from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_quad_curves import (
     DEPTH,
     PIECES,

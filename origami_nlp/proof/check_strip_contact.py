@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_sheet import FlatDisk
 from origami_nlp.proof.strip_certificate import CertifiedTouch
@@ -128,25 +128,13 @@ class CheckedContact:
         Weakly: a fold that is nowhere 0 and reaches 180 degrees at most keeps its facet on one side of the one beside
         it, until both are in one plane; then over all states of the box that close.
         """
-        return not any(True for p in self._not_apart(over, weakly) if p not in but)
-
-    def open_pairs(self, over: ThetaBall, weakly: bool = False) -> list[tuple[int, int]]:
-        """Return the pairs that are not certainly apart over a box, weakly as `apart`."""
-        return list(self._not_apart(over, weakly))
-
-    def _not_apart(self, over: ThetaBall, weakly: bool) -> Iterator[tuple[int, int]]:
         balls, _, middle = self._over(over)
-        for a, b in self.pairs:
-            if not (
-                _plane_between(balls[a], balls[b], middle[a], middle[b])
-                or self._beside(over, a, b, weakly)
-            ):
-                yield a, b
-
-    @property
-    def sizes(self) -> list[int]:
-        """How many corners the facets have."""
-        return [len(f) for f in self.sheet.facets]
+        return all(
+            _plane_between(balls[a], balls[b], middle[a], middle[b])
+            or self._beside(over, a, b, weakly)
+            for a, b in self.pairs
+            if (a, b) not in but
+        )
 
     def _beside(self, over: ThetaBall, a: int, b: int, weakly: bool) -> bool:
         """Return whether the plane of some facet is between two, corners of it in it."""

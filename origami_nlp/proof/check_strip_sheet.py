@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, Protocol
 from flint import arb, arb_series, fmpq
 
 from origami_nlp.proof.check_laws import ExactLaw
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.sheet_certificate import StatedSheet
 from origami_nlp.proof.strip_certificate import StripCertificate
 
@@ -164,7 +164,7 @@ class FlatSheet(FlatDisk):
         self.said: StripCertificate = said
         self.vertices, self.squares = self._row()
         laws = said.laws or (None,) * len(self.rest)
-        self.laws = [None if law is None else ExactLaw(law, 0.0) for law in laws]
+        self.laws = [None if law is None else ExactLaw(law) for law in laws]
         self.stops = dict(self._stops())
         self.across = [c for v in self.vertices for c in (v.creases[1], v.creases[3])]
 

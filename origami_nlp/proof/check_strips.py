@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from origami_nlp.proof.check_lists import precision, refuse_wide
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import Refused, precision, refuse_wide
 from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_contact import CheckedContact
 from origami_nlp.proof.check_strip_sheet import FlatSheet, turned

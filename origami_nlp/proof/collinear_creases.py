@@ -130,8 +130,7 @@ def collinear_rows(
         Of every crease at the middle of boxes, and its slope, [n, K].
     """
     n, boxes = torque.shape
-    kind = torque.dtype
-    centre, slopes = np.zeros((len(twins), boxes), kind), np.zeros((len(twins), n, boxes), kind)
+    centre, slopes = np.zeros((len(twins), boxes)), np.zeros((len(twins), n, boxes))
     for t, twin in enumerate(twins):
         for crease, factor in zip(twin.creases, (1.0, -float(twin.sign)), strict=False):
             centre[t] += factor * torque[crease]

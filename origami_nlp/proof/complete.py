@@ -31,7 +31,6 @@ from origami_nlp.proof.roots import (
     none_certified,
 )
 from origami_nlp.proof.system import BoxKkt
-from origami_nlp.proof.tree import NodeKind, Recorder
 
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
@@ -43,7 +42,6 @@ def prove(
     model: Model,
     *,
     seconds: float | None = None,
-    record: bool = False,
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
 ) -> Proof:
@@ -55,8 +53,6 @@ def prove(
         Of a scene with contact "fold-limits".
     seconds
         Stop after so much processor time; what is left then is undecided.
-    record
-        Whether to keep the tree of boxes.
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
@@ -84,15 +80,12 @@ def prove(
     started = time.process_time()
     posed, flat = pose(model)
     start = strata(posed.size, model.fold_limits)
-    recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
     within = model.fold_limits
     limits = {"most": options.boxes, "seconds": seconds, "until": until}
-    left = prune(posed, start, flat=near, options=options, recorder=recorder, **limits)  # type: ignore[arg-type]
+    left = prune(posed, start, flat=near, options=options, **limits)  # type: ignore[arg-type]
     system = BoxKkt(model)
-    roots, held, number, rest, more = certified(
-        system, posed, left.candidates, near, recorder, options
-    )
+    roots, held, number, rest, more = certified(system, posed, left.candidates, near, options)
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
     # between the limits for certain on the open stratum
     inside = (within.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
@@ -100,32 +93,15 @@ def prove(
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
     order = order[inside.all(axis=1)[order]]
     points = tuple(_point(model, roots, int(i)) for i in order)
-    # leaves of roots name points by their places in the list, which is ordered by energy
-    position = np.full(len(roots), -1)
-    position[order] = np.arange(len(order))
     singular: list[Cluster] = []
     undecided: list[Cluster] = []
-    leaves: list[tuple[np.ndarray, NodeKind, int]] = []
     for i in ends:
-        group = held[number == i]
-        leaves.append((group.node, NodeKind.SINGULAR, len(singular)))
-        singular.append(
-            cluster_of(model, group, "free angles at their limits: a state of other strata")
-        )
+        reason = "free angles at their limits: a state of other strata"
+        singular.append(cluster_of(model, held[number == i], reason))
     for group in [rest[g] for g in clusters(rest, options)]:
         reason, is_singular = reason_of(system, group)
-        kept = singular if is_singular else undecided
-        leaves.append(
-            (group.node, NodeKind.SINGULAR if is_singular else NodeKind.UNDECIDED, len(kept))
-        )
-        kept.append(cluster_of(model, group, reason))
-    if recorder:
-        recorder.leaves(held.node, NodeKind.ROOT, position[number])
-        for nodes, kind, place in leaves:
-            recorder.leaves(nodes, kind, place)
+        (singular if is_singular else undecided).append(cluster_of(model, group, reason))
     for group in [left.open[g] for g in by_stratum(left.open)]:
-        if recorder:
-            recorder.leaves(group.node, NodeKind.UNDECIDED, len(undecided))
         undecided.append(cluster_of(model, group, "time was up"))
     if left.flat and not flat.radius:
         undecided.append(_near_flat(model, near))
@@ -139,7 +115,6 @@ def prove(
         flat.text,
         flat.radius,
         flat.minimum,
-        recorder.tree(posed.size, posed.minor_creases, posed.twins) if recorder else None,
         left=most_left(model, left.open),
     )
 
@@ -205,7 +180,6 @@ def certified(
     posed: BoxProblem,
     boxes: Boxes,
     flat: float,
-    recorder: Recorder | None,
     options: ProofOptions,
 ) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
@@ -237,7 +211,6 @@ def certified(
                 small=small,
                 options=options,
                 most=options.smaller_boxes,
-                recorder=recorder,
             )
             fresh = joined([again.candidates, again.open])
             boxes, more = joined([boxes[~which], fresh]), more + again.boxes
@@ -377,6 +350,5 @@ def _near_flat(model: Model, radius: float) -> Cluster:
         np.full((n, 1), -radius),
         np.full((n, 1), radius),
         np.zeros((n, 1), np.int8),
-        np.zeros(1, int),
     )
     return cluster_of(model, box, "near the flat state")

@@ -12,7 +12,7 @@ g = 0 has K_l (x_l - rest_l) / share_l = m . df/dtheta_l + nu . dg/dtheta_l at e
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -155,12 +155,6 @@ class FundamentalDomain:
         self.doubt = SECTORS * 4 * UNIT + 2 * TRIGONOMETRIC
 
     @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that it hangs on but springs and laws."""
-        sectors, share = self.sectors.tobytes(), self.share.tobytes()
-        return self.kind, self.order, tuple(self.has_crease), sectors, share
-
-    @property
     def springs(self) -> np.ndarray:
         """Stiffness, and rest angles, [2, n, 1]."""
         return np.stack([self.stiffness, self.rest])[:, :, None]
@@ -203,8 +197,8 @@ class FundamentalDomain:
         """Enclose stiffness_l (x_l - rest_l), or what laws are in its place, [n, K]."""
         middle, half = angles.middle, angles.half
         n, boxes = middle.shape
-        k, rest = self.springs if angles.springs is None else angles.springs
-        slopes = np.zeros((n, n, boxes), half.dtype)
+        k, rest = self.springs
+        slopes = np.zeros((n, n, boxes))
         if angles.torque is not None:
             slopes[np.arange(n), np.arange(n)] = angles.torque[1]
             return Affine(angles.torque[0], slopes, angles.torque[2])

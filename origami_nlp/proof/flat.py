@@ -88,9 +88,6 @@ class ClosedDirections:
 
     linear = slice(0, 2)
     pivots = 2
-    minor_count = 0
-    minor_creases: tuple[tuple[int, ...], ...] = ()
-    twins: tuple[tuple[int, ...], ...] = ()
 
     def __init__(self, vertex: VertexForms, radius: float) -> None:
         n = vertex.size
@@ -142,7 +139,7 @@ class ClosedDirections:
         """Return the boxes to start from: u_i = 1, the others and r / radius in [-1, 1]."""
         n = self.size - 1
         pins = np.concatenate([np.eye(n, dtype=np.int8), np.zeros((1, n), np.int8)])
-        return Boxes(-1.0 + 2.0 * pins, np.ones((n + 1, n)), pins, np.arange(n))
+        return Boxes(-1.0 + 2.0 * pins, np.ones((n + 1, n)), pins)
 
     def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose all rows over boxes, as rows of closure: x, y, the minors, z."""

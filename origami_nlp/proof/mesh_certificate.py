@@ -36,15 +36,12 @@ class MeshCertificate(StatedSheet):
         What is left open.
     generic
         Whether vertices need not fold flat: then the deviation is of equal sectors alone.
-    contact
-        Whether states in which facets cross are left out, and minima that touching facets hold are listed.
     """
 
     deviation: Finite
     minima: tuple[CertifiedState, ...]
     undecided: tuple[OpenInterval, ...]
     generic: bool = field(default=False, metadata={"omit": True})
-    contact: bool = field(default=False, metadata={"omit": True})
 
 
 def mesh_to_dict(certificate: MeshCertificate) -> dict[str, Any]:
@@ -57,8 +54,4 @@ def mesh_from_dict(data: dict[str, Any]) -> MeshCertificate:
     own = {key: value for key, value in data.items() if key != "schema"}
     said = from_plain(MeshCertificate, own, "proof", CertificateError)
     check_sheet(said, said.minima)
-    if said.generic and said.contact:
-        raise CertificateError(
-            "a mesh that need not fold flat is proved here within fold limits only"
-        )
     return said

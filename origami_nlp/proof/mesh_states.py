@@ -115,11 +115,6 @@ class FoldingMesh:
     creases: int
     moved: float
 
-    @property
-    def in_line(self) -> bool:
-        """Whether opposite creases of some vertex are in one line."""
-        return any(None in c.multipliers.values() for c in self.crossings)
-
     def multiplier(self, key: Key) -> Ball:
         """Return kappa > 0, enclosed."""
         square = exact(1.0)

@@ -16,7 +16,6 @@ from origami_nlp.pattern import Pattern, laid_flat
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.flat_sheets import SheetProof
 from origami_nlp.proof.mesh_certificate import MeshCertificate
-from origami_nlp.proof.mesh_contact import why_no_mesh_contact
 from origami_nlp.proof.mesh_minima import MeshMinima
 from origami_nlp.proof.mesh_states import (
     MOST_MODES,
@@ -53,13 +52,12 @@ class MeshProof(SheetProof):
             f"{self.isolated} products are of flat and flat-folded states alone)"
         )
 
-    meant = "of the sheet whose vertices fold flat and whose equal sectors and lengths are equal exactly"
+    meant = "of the sheet whose vertices fold flat and whose equal sectors are equal exactly"
 
 
 def prove_mesh(
     pattern: Pattern,
     *,
-    contact: bool = False,
     boxes: int = 1_000_000,
     until: float = math.inf,
     modes: int = MOST_MODES,
@@ -70,8 +68,6 @@ def prove_mesh(
     ----------
     pattern
         Flat vertices of degree four, opposite sectors of each summing to 180 degrees; in any order, with cycles.
-    contact
-        Whether facets must not cross.
     boxes
         At most so many boxes of theta; what is left is undecided.
     until
@@ -87,8 +83,7 @@ def prove_mesh(
     Raises
     ------
     OptionError
-        If the pattern is no such mesh, or its contact cannot be proved: `why_no_mesh` and `why_no_mesh_contact` say
-        why.
+        If the pattern is no such mesh: `why_no_mesh` says why.
 
     Examples
     --------
@@ -104,21 +99,18 @@ def prove_mesh(
         raise OptionError(
             f"pattern = {pattern.title}: no mesh that can be proved: {why or why_no_mesh(pattern)}"
         )
-    if contact and (why := why_no_mesh_contact(pattern)):
-        raise OptionError(f"pattern = {pattern.title}: no mesh whose contact can be proved: {why}")
     started = time.process_time()
     search = MeshMinima(mesh, laid_flat(pattern), boxes, until)
-    search.run(contact)
+    search.run()
     return MeshProof(
         curves=len({c for f in search.products for c in f.curves}),
         minima=tuple(search.minima),
         maxima=search.maxima,
         undecided=tuple(search.open),
-        deviation=search.deviation + 4 * UNIT,
+        deviation=mesh.deviation + 4 * UNIT,
         moved=mesh.moved,
         boxes=search.boxes,
         seconds=time.process_time() - started,
-        contact=contact,
         products=len(search.products),
         isolated=sum(not f.curves for f in search.products),
         together=max((len(f.curves) for f in search.products), default=0),
@@ -150,10 +142,8 @@ def certificate_of_mesh(
         If a facet is of several pieces, or there are stops or hinge laws: the check knows none.
     """
     pattern.check_plain_hinges("the certificate of a mesh")
-    if generic and proof.contact:
-        raise OptionError(
-            "the certificate of a mesh that does not fold flat: within fold limits only"
-        )
+    if proof.contact:
+        raise OptionError("the certificate of a mesh: within fold limits only")
     return MeshCertificate(
         **stated_sheet(pattern),
         deviation=proof.deviation,
@@ -163,5 +153,4 @@ def certificate_of_mesh(
             for low, high, why in proof.undecided
         ),
         generic=generic,
-        contact=proof.contact,
     )

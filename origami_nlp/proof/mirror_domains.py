@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Hashable
 from fractions import Fraction
 
 import numpy as np
@@ -49,7 +48,6 @@ from origami_nlp.proof.chains import (
 )
 from origami_nlp.proof.collinear_creases import collinear_creases_of_wedge
 from origami_nlp.proof.law_torques import LawTorques
-from origami_nlp.proof.straight_line import at_most, length
 
 SHORTEST = 1e-3
 """Vectors that are taken for frames are longer; a shorter one gives a frame that bounds nothing well."""
@@ -93,15 +91,8 @@ class WedgeForms(Enclosed):
         self.linear = slice(1, 3) if order == 1 else slice(0, 1)
         many = 3 if order == 1 else 2
         self.minor_creases = tuple(itertools.combinations(range(n), many))
-        self.minor_count = len(self.minor_creases)
         self.twin_rule = collinear_creases_of_wedge(self.sectors, crease, doubt)
-        self.twins = tuple(t.creases for t in self.twin_rule)
         self.ray_of = [r for r, c in enumerate(crease) if c is not None]
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return self.order, self.sectors.tobytes(), tuple(self.crease)
 
     @property
     def springs(self) -> np.ndarray:
@@ -263,13 +254,10 @@ def _placed(form: Affine, variable: int) -> Affine:
 
 def frame_of(normal: np.ndarray) -> np.ndarray:
     """Return frames [3, 3, K] whose first axis is along vectors [3, K] that are not small."""
-    normal = normal / length(normal, SHORTEST)
-    a, b, c = np.abs(normal)
+    normal = normal / np.maximum(np.linalg.norm(normal, axis=0), SHORTEST)
     # the axis of the smallest entry, of equal ones the first
-    one = at_most(a, b) * at_most(a, c)
-    two = (1.0 - one) * at_most(b, c)
-    second = np.cross(normal, np.stack([one, two, 1.0 - one - two]), axis=0)
-    second = second / length(second, SHORTEST)
+    second = np.cross(normal, np.eye(3)[:, np.abs(normal).argmin(axis=0)], axis=0)
+    second = second / np.maximum(np.linalg.norm(second, axis=0), SHORTEST)
     return np.stack([normal, second, np.cross(normal, second, axis=0)])
 
 

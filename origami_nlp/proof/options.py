@@ -17,10 +17,10 @@ class ProofOptions:
     Attributes
     ----------
     boxes
-        Boxes within fold limits after which a proof gives up: 10 million take about two minutes, five times what
+        Boxes within fold limits after which a proof gives up: 10 million take about ten minutes, five times what
         degree 7 needs.
     touching_boxes
-        Boxes for all sets of touches together, some 50,000 a second.
+        Boxes for all sets of touches together.
     isolated_boxes
         Candidates of a set of touches up to which they are taken for isolated points, and not for a curve.
     batch

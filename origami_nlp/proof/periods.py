@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Hashable
 
 import numpy as np
 
@@ -73,7 +72,6 @@ class PeriodForms(Enclosed):
         self.sectors = np.asarray(sectors, float)
         self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
         self.minor_creases = tuple(itertools.combinations(range(n), 2))
-        self.minor_count = len(self.minor_creases)
         doubt = SECTORS * 4 * UNIT
         self.doubt = n * (doubt + 2 * TRIGONOMETRIC)
         found = {}
@@ -84,12 +82,6 @@ class PeriodForms(Enclosed):
                 if not {a, b} & set(closed):
                     found[min(a, b), max(a, b), closed] = twin.sign
         self.twin_rule = tuple(CollinearPair((a, b), sign, c) for (a, b, c), sign in found.items())
-        self.twins = tuple(t.creases for t in self.twin_rule)
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return self.order, self.level, self.sectors.tobytes()
 
     @property
     def springs(self) -> np.ndarray:

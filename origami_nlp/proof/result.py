@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from origami_nlp.proof.tree import Tree
-
 
 @dataclass(frozen=True)
 class ProvedCriticalPoint:
@@ -116,8 +114,6 @@ class Proof:
         Within this of the flat state it is the only critical point [rad]; 0.0 where that is not shown.
     flat_is_minimum
         False where the flat state is shown not to be one; None: not decided here.
-    tree
-        All boxes, if they were recorded.
     left
         Where most boxes were left when it ended, in words; "" where none were, or no variable is at +-pi there.
     crossing
@@ -133,7 +129,6 @@ class Proof:
     flat: str
     flat_radius: float
     flat_is_minimum: bool | None
-    tree: Tree | None
     crossing: int = 0
     left: str = ""
 

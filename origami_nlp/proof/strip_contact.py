@@ -115,12 +115,10 @@ class StripContact:
     ----------
     pattern
         A strip of which `why_no_strip_contact` says nothing.
-    pairs
-        Polygons that are asked about, if not all that share no interior vertex.
     """
 
-    def __init__(self, pattern: Pattern, pairs: list[tuple[int, int]] | None = None) -> None:
-        self.pattern, self.pairs = pattern, _far_pairs(pattern) if pairs is None else pairs
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern, self.pairs = pattern, _far_pairs(pattern)
         self._between = [_between(pattern, a, b) for a, b in self.pairs]
         self.steps = [(*step, _turning(pattern, *step[2:])) for step in _walk(pattern)]
 

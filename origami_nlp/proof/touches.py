@@ -87,7 +87,6 @@ def prove(
     model: Model,
     *,
     seconds: float | None = None,
-    record: bool = False,
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
 ) -> Proof:
@@ -99,8 +98,6 @@ def prove(
         Of a scene with contact "fold-limits" or "full".
     seconds
         Stop after so much processor time; what is left then is undecided.
-    record
-        Whether to keep the tree of boxes; with full contact there is none.
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
@@ -127,7 +124,7 @@ def prove(
     model.scene.check_no_forces("a proof")
     asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
-        return prove_within_limits(model, record=record, **asked)
+        return prove_within_limits(model, **asked)
     started = time.process_time()
     # strata without touches
     limits = prove_within_limits(Model(replace(model.scene, contact="fold-limits")), **asked)
@@ -287,9 +284,7 @@ def with_touches(
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
         system = ContactSystem(model, tuple(t.gap for t in touches))
-        roots, _, _, rest, more = certified(
-            system, stratum.posed, left.candidates, 0.0, None, options
-        )
+        roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, options)
         treated += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
         new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]

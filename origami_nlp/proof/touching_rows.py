@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,6 @@ from origami_nlp.proof.domains import (
     next_frame,
 )
 from origami_nlp.proof.law_torques import LawTorques
-from origami_nlp.proof.straight_line import at_most
 
 COSINE = 1e-15
 """Error of the cosine of a sector angle, in the proof's forms."""
@@ -125,19 +124,12 @@ class TouchedWedge(Enclosed):
         self.size = piece.size
         self.pivots = min(piece.equations + len(touches), self.size)
         self.linear = slice(0, self.pivots)
-        self.minor_creases: tuple[tuple[int, ...], ...] = ()
-        self.twins: tuple[tuple[int, ...], ...] = ()
         self.minor_count = 1 if piece.equations + len(touches) < self.size else 0
         self.kite = None
         a = piece.sectors
         axis = touches[0].kind in ("start", "end") and len(touches) == 1
         if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
             self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return *self.piece.geometry, tuple((t.kind, t.rays) for t in self.touches)
 
     @property
     def springs(self) -> np.ndarray:
@@ -199,8 +191,7 @@ class TouchedVertex(VertexForms):
     ) -> None:
         super().__init__(sectors, stiffness, rest, laws=laws)
         self.touches = touches
-        self.number = {f: i for i, f in enumerate(self.minor_creases)}
-        self.minor_creases = ()
+        self.number = {tuple(f): i for i, f in enumerate(self.fours.tolist())}
         self.minor_count = 1 if 3 + len(touches) < self.size else 0
 
     def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
@@ -223,11 +214,6 @@ class TouchedVertex(VertexForms):
         if self.minor_count:
             critical = [self._minor(angles, slopes[0])]
         return concatenated(closure), stacked(critical, boxes, n)
-
-    @property
-    def geometry(self) -> tuple[Hashable, ...]:
-        """All that rows hang on but springs and laws."""
-        return *super().geometry, self.touches
 
     def _chain(self, angles: Angles, j: int, k: int, way: int) -> list[Affine]:
         """Enclose the rays j+1 .. k, or j .. k backwards, seen from the first: [3, K] each in n variables."""
@@ -279,7 +265,7 @@ class TouchedVertex(VertexForms):
 
 def _refused(forms: Sequence[Affine]) -> Affine:
     """A row that excludes boxes where one of these is certainly positive, and says nothing elsewhere, [1, K]."""
-    out = 1.0 - np.stack([at_most(f.centre, f.radius()) for f in forms]).prod(axis=0)
+    out = 1.0 - np.all([f.centre <= f.radius() for f in forms], axis=0)
     slopes = np.zeros((1, *forms[0].slopes.shape))
     return Affine(out[None], slopes, 2.0 - 1.5 * out[None])
 

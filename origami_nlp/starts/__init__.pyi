@@ -51,7 +51,7 @@ from .options import (
     SearchOptions as SearchOptions,
     options_of as options_of,
 )
-from .projected import BATCH as BATCH, Projected as Projected, states_on_limits as states_on_limits
+from .projected import BATCH as BATCH, Projected as Projected
 from .rounds import (
     CORNER as CORNER,
     DRAWN as DRAWN,

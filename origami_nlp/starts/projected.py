@@ -19,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSURE_TOL, OUTSIDE
-from origami_nlp.problem import Problem
+from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import StartFamily
 
@@ -81,28 +80,3 @@ class Projected(StartFamily):
         if keep.sum() < BATCH // 8:
             keep[:] = True
         return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)]
-
-
-MOST_BATCHES = 4
-SAMPLES_ON_A_LIMIT = 8
-
-
-def states_on_limits(model: Problem, rng: np.random.Generator) -> list[np.ndarray]:
-    """Return closed states within the fold limits that have one or two creases at theirs."""
-    n = model.size
-    single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
-    faces = [(v, s) for v in range(n) for s in (-1, 1)]
-    double = [pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]] * 3
-    patterns = (single[:BATCH] + double)[: MOST_BATCHES * BATCH] if n > 4 else single + double
-    patterns = patterns[: MOST_BATCHES * BATCH]
-    limits = model.fold_limits
-    x = rng.uniform(limits.low, limits.high, (len(patterns), n))
-    frozen = np.zeros_like(x, dtype=bool)
-    for row, pattern in enumerate(patterns):
-        for v, s in pattern:
-            x[row, v], frozen[row, v] = (limits.high if s > 0 else limits.low)[v], True
-    x, residual = project(model, x, frozen=frozen)
-    # what closing moved onto a limit, to rounding, is at the limit
-    x = limits.hold(x, limits.near(x, OUTSIDE))
-    good = (residual <= CLOSURE_TOL) & limits.inside(x).all(axis=1)
-    return [state for state in x[good] if model.lifts_to_one(state)]

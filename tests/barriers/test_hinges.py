@@ -13,7 +13,6 @@ import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.barriers.descents import STOPPED
 from origami_nlp.pattern import HingeLaw, Relabelling, double_well, linear, sum_of, well
-from origami_nlp.pattern_problem import flat_with, least_flat_energy
 from tests.computed_once import thinned
 from tests.independent import scan_four
 from tests.independent.admissible import admissible
@@ -40,9 +39,8 @@ def of_laws(plain):
     ids=["degree 4", "degree 4, stops", "panel", "panel, stops"],
 )
 def test_linear_laws_have_the_barriers_of_springs(scene):
-    spacing = {"spacing": 0.25} if scene.degree == 6 else {}
     one, two = (
-        o.find_barriers(s, o.find_minima(s, prove=False, escape=False, max_starts=64), **spacing)
+        o.find_barriers(s, o.find_minima(s, prove=False, escape=False, max_starts=64))
         for s in (scene, of_laws(scene))
     )
     assert len(one.passes) and np.allclose(one.matrix(), two.matrix(), rtol=1e-9, atol=1e-9)
@@ -125,7 +123,7 @@ def test_passes_of_a_panel_with_laws_against_a_flood_of_its_chart():
     laws = [sum_of([linear(*s), well(0.05, 0.8, 0.4)]) for s in zip(k, rest, strict=True)]
     scene = replace(plain, laws=(laws[0], None, None) * 2)
     result = o.find_minima(scene, escape=False, max_starts=64)
-    found = o.find_barriers(scene, result, spacing=0.15)
+    found = o.find_barriers(scene, result)
     assert len(found.merges) >= 1
     # the springs of the plain scene, and wells on creases 1 and 4 (its wedge: 1 once, of an orbit of its own each)
     orbit = np.array(scene.group.orbit)
@@ -150,28 +148,6 @@ def test_passes_of_a_panel_with_laws_against_a_flood_of_its_chart():
     assert over.min() > -1e-6 and over[-1, 0] < 0.1 * over[0, 0]
     # over the flat state and the highest saddle the grid's own ways stay above, by less than these
     assert over[-1].max() < 0.02 * max(p.energy for p in found.passes)
-
-
-def test_closed_form_bounds_count_laws_and_stops():
-    """No closed state with the vertex flat is below the bound; a stop that forbids it closes the way."""
-    sheet = o.examples.pattern("yoshimura:2x2")
-    laws = sheet.with_laws(double_well(1.0, 0.8))
-    flat = flat_with(sheet, sheet.vertices[0].vertex)
-    bound = least_flat_energy(laws, flat)
-    assert bound == pytest.approx(flat.sum() * 1.0, rel=1e-6)
-    states = np.random.default_rng(0).uniform(-3, 3, (200, sheet.creases)) * ~flat
-    assert (laws.energy(states) >= bound - 1e-9).all()
-    # linear springs as laws have the bound of springs, with stops as well
-    for limits in ((), (-0.4, 0.5)):
-        plain = sheet.with_limits(limits)
-        pairs = zip(plain.stiffness.tolist(), plain.rest.tolist(), strict=True)
-        linear_laws = plain.with_laws([linear(k, r) for k, r in pairs])
-        assert least_flat_energy(linear_laws, flat) == pytest.approx(
-            least_flat_energy(plain, flat), rel=1e-9
-        )
-    one = int(np.flatnonzero(flat)[0])
-    stops = [(0.1, 3.0) if i == one else (-math.pi, math.pi) for i in range(sheet.creases)]
-    assert least_flat_energy(sheet.with_limits(stops), flat) == math.inf
 
 
 def test_a_stop_before_flat_parts_the_two_sides_of_a_vertex():

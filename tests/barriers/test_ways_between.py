@@ -8,32 +8,30 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import SIGNED
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, relaxed, ways_between
-from tests.barriers.test_signs import checked
+from origami_nlp.pattern_states import PatternTerrain, ways_between
+from tests.barriers.test_patterns import checked
 from tests.independent.elastic_bands import Facets, Springs, admissible, passes
 from tests.independent.search_sheets import sheet_of
 
 
 @functools.cache
 def of_a_waterbomb():
-    """Four states, of which descents from states with a vertex flat join two: the others had no path."""
+    """Four states, of which no two are joined by descents."""
     stiffness, rest = [3.7, 0.47, 1.91, 0.99, 8.33, 0.17], [-0.3, -2.6, -1.9, 0.1, 0.2, -1.0]
     pattern = as_pattern("waterbomb:1x1").with_springs(stiffness, rest)
     return o.find_barriers(pattern, o.find_minima(pattern, starts=4, escape=False))
 
 
-def test_all_states_are_joined_and_no_path_is_below_a_bound():
+def test_all_states_are_joined():
     found = of_a_waterbomb()
     checked(found)
     assert len(found.result.minima) == 4 and not found.left_out
     assert all(math.isfinite(p.energy) for p in found.passes)
-    assert sum(p.why == SIGNED for p in found.passes) == 2
     for p in found.passes:
         ends = [found.result.minima[k - 1].energy for k in (p.from_state, p.to_state)]
-        assert p.energy >= max(ends) and (math.isnan(p.least) or p.energy >= p.least * (1 - 1e-12))
+        assert p.energy >= max(ends)
     high = [p for p in found.passes if not p.is_lowest and p.pass_kind == "saddle"]
     assert len(high) == 3 and max(p.residual for p in high) < 1e-9
     assert "an upper bound" in str(found)
@@ -55,25 +53,6 @@ def test_a_string_of_others_climbs_no_less():
     assert p.energy - springs.stiffness.max() * 0.06**2 / 8 <= min(heights)
 
 
-def test_strings_slide_down():
-    """A straight path over the flat state, bent: it comes down, and its ends and states with a vertex flat stay."""
-    found = of_a_waterbomb()
-    pattern = found.result.pattern
-    problem, minima = PatternProblem(pattern), np.array([m.phi for m in found.result.minima])
-    terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
-    for k in range(len(minima)):
-        path, arrives = terrain.walk_to(minima[k], np.zeros(problem.size))
-        assert arrives
-        path = terrain.with_tops(path)
-        lower = relaxed(terrain, path)
-        if path[pattern.energy(path).argmax()].any():
-            assert pattern.energy(lower).max() < pattern.energy(path).max()
-            assert np.abs(lower[[0, -1]] - path[[0, -1]]).max() == 0
-            assert all(terrain.is_admissible(x) for x in lower)
-        else:
-            assert lower is None
-
-
 def test_paths_are_looked_at_closely_where_they_are_highest():
     found = of_a_waterbomb()
     problem = PatternProblem(found.result.pattern)
@@ -92,10 +71,8 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
 def test_the_limit_of_time_is_kept(seconds):
     result = of_a_waterbomb().result
     begin = time.monotonic()
-    found = o.find_barriers(result.pattern, result, seconds=seconds)
+    o.find_barriers(result.pattern, result, seconds=seconds)
     assert time.monotonic() - begin < seconds + 1.0
-    for p in found.passes:
-        assert math.isnan(p.least) or p.energy >= p.least * (1 - 1e-12)
 
 
 def test_sheets_folded_onto_themselves_are_unfolded_in_stages():

@@ -64,7 +64,7 @@ def test_contacts_and_barriers_are_those_of_the_winding():
     )
     assert {m.winding for m in find_minima(two, prove=False, escape=False).minima} == {1, 3}
     for scene in (two, replace(two, winding=3)):
-        found = find_barriers(scene, spacing=0.5)
+        found = find_barriers(scene)
         assert {m.winding for m in found.result.minima} == {scene.winding or 1}
         assert len(found.passes) == math.comb(len(found.result.minima), 2) > 0
 

@@ -4,14 +4,12 @@ import io
 import json
 import re
 import sys
-from functools import partial
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
 from origami_nlp import pattern
-from origami_nlp.barriers import find_barriers
 from origami_nlp.pattern import examples, fold_vertices, format_scene, parse_fold
 from tests.command_line import run, scene_file
 from tests.fold_files import disc, miura
@@ -203,10 +201,8 @@ def test_letters_alone_are_said_to_mean_shut(tmp_path):
 
 
 @pytest.mark.slow
-def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
+def test_paths_are_frames_of_states_that_close(pocket, tmp_path):
     fold, _, options = pocket
-    coarse = partial(find_barriers, spacing=0.5)
-    monkeypatch.setattr("origami_nlp.barriers.find_barriers", coarse)
     out = tmp_path / "path.fold"
     barrier = run("barriers", fold, *options, "-o", out, "-o", tmp_path / "b.json")
     assert barrier.code == 0, barrier.err

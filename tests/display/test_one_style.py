@@ -24,7 +24,7 @@ from origami_nlp.display import (
     mark_minimum,
 )
 from origami_nlp.landscape import draw_landscape
-from tests.computed_once import PANELS, barriers_with_handles, panel_boundary, panel_result, thinned
+from tests.computed_once import PANELS, panel_barriers, panel_boundary, panel_result, thinned
 
 TRACED = [o.examples.degree6("pi/4"), o.examples.degree6("pi/3"), o.examples.degree8("pi/12", 0.01)]
 """Of these panels other tests have the boundary."""
@@ -122,7 +122,7 @@ def test_labels_find_room(points):
 
 
 def test_merge_trees_are_drawn_once_each_and_explained():
-    found = barriers_with_handles()
+    found = panel_barriers()
     figure = draw_barriers(found, found, found)
     assert len([axes for axes in figure.axes if axes.lines]) == 1
     assert "and 2 more with this tree" in figure.axes[0].get_title()
@@ -136,7 +136,7 @@ def test_merge_trees_are_drawn_once_each_and_explained():
 
 
 def test_labels_of_many_minima_do_not_meet():
-    found = barriers_with_handles()
+    found = panel_barriers()
     many = dataclasses.replace(found.result, minima=found.result.minima * 12)
     figure = draw_barriers(dataclasses.replace(found, result=many))
     figure.draw_without_rendering()

@@ -26,7 +26,7 @@ def results():
     points = compare_minima(o.find_critical_points(scene, samples=512), result)
     contacts = o.find_contacts(result, segments=True, check=False)
     found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=16)]
-    found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, size=31)]
+    found += [o.find_barriers(scene, result), o.find_landscape(result, size=31)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     found.append(o.find_modes(result, state=1))

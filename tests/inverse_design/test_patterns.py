@@ -106,7 +106,7 @@ def test_what_is_for_vertices_alone_is_named():
         Targets(pattern, state, equal=(1, 2))
     with pytest.raises(OptionError, match=r"contact = .none. must be"):
         Targets(pattern, state, contact="none")
-    ask = o.inverse_design.Ask(extra_states="forbid")
-    with pytest.raises(OptionError, match=r"extra_states = 'forbid' is not for a pattern: "):
+    ask = o.inverse_design.Ask(maximise="barrier")
+    with pytest.raises(OptionError, match=r"maximise = 'barrier' is not for a pattern: "):
         o.design(Targets(pattern, state), ask)
     assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]

@@ -10,10 +10,29 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError, SceneError
-from origami_nlp.inverse_design import Targets, design_with_library, parse_targets
+from origami_nlp.inverse_design import Target, Targets, parse_targets
+from origami_nlp.kkt import project
 from origami_nlp.pattern import tapered_limit
 from tests.independent import scan_four
-from tests.inverse_design.test_library import three_states
+
+
+def three_states(rng):
+    """A random vertex of degree four and three of its states, 20 degrees apart."""
+    while True:
+        sectors = rng.uniform(40, 140, 3)
+        sectors = np.append(sectors, 360 - sectors.sum())
+        if 40 < sectors[3] < 140:
+            break
+    vertex = o.Vertex.from_degrees(tuple(sectors))
+    model = o.Model(o.Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits"))
+    states: list[Target] = []
+    while len(states) < 3:  # (closed the other way round is no sheet)
+        x, residual = project(model, rng.uniform(-2.5, 2.5, model.size))
+        far = [np.abs(model.expand(x) - np.array(s.fold_angles)).max() for s in states]
+        admissible = residual < 1e-9 and not o.State(model, x).refused
+        if admissible and 0.3 < np.abs(x).max() < 2.8 and min(far, default=1) > 0.35:
+            states.append(Target(f"s{len(states)}", tuple(model.expand(x))))
+    return Targets(vertex, tuple(states), contact="fold-limits")
 
 
 def drawn(rng):
@@ -32,7 +51,7 @@ def drawn(rng):
 
 
 def held(scene, targets):
-    """Which states the scan finds as minima, of the angles and energies of springs or laws alone."""
+    """Which states the scan finds as minima, of the angles and energies of springs alone."""
     _, found = scan_four.minima(
         scene.energy,
         np.array(scene.vertex.sector_angles),
@@ -62,8 +81,6 @@ def test_states_on_stops_are_held(count):
         )
         # it presses: springs that only balance there would hold it without the stop as well
         assert first.contacts[0].multiplier > 0
-        library = design_with_library(targets, escape=False)
-        assert library.verified and held(library.scene, targets).all()
     assert made >= count / 2
 
 

@@ -98,7 +98,7 @@ def capabilities() -> Iterator[Question]:
         lambda: o.follow(e.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False),
     )
     scene = e.degree6("pi/4", ratio=0.01)
-    yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)
+    yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene))
     yield "critical points", lambda: o.find_critical_points(scene, samples=16)
     yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import math
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers import find_barriers
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.space import find_space
@@ -29,10 +27,8 @@ def folder_written():
     options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 101]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
-        # meshes of tests/space and tests/barriers, which find the same on them as on finer ones
+        # meshes of tests/space, which find the same on them as on finer ones
         patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=16))
-        coarse = functools.partial(find_barriers, spacing=0.25)
-        patch.setattr("origami_nlp.barriers.find_barriers", coarse)
         assert run("landscape", path, *options).code == 0
     return folder
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, find_barriers, find_minima, load
-from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, State, energy_scale, escape_paths, project
+from origami_nlp import Model, Scene, Vertex, examples, find_minima, load
+from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
@@ -130,20 +130,6 @@ def test_bounds_from_descents_are_never_below_exact_barriers(seed):
         assert bound.escape.method != TRACED
         if m.escape.known and bound.escape.known:
             assert bound.escape.barrier >= m.escape.barrier * (1 - 1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("contact", ["full", "fold-limits"])
-@pytest.mark.parametrize("angle", ["pi/4", "pi/3"])
-@pytest.mark.parametrize("ratio", [0.01, 1, 100])
-def test_bounds_are_never_below_the_merge_tree(angle, ratio, contact):
-    scene = examples.degree6(angle, ratio=ratio, contact=contact)
-    result = find_minima(scene, prove=False)
-    tree = find_barriers(scene, result).result
-    for m, exact in zip(result.minima, tree.minima, strict=True):
-        if m.local_dimension:
-            assert exact.escape.method == TREE
-            assert not m.escape.known or m.escape.barrier >= exact.escape.barrier * (1 - 1e-6)
 
 
 def rounded_otherwise(function, rng):

@@ -24,7 +24,7 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         actuation/branches.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
-        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/find.SPACINGS barriers/passes.OFF
+        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
@@ -45,17 +45,17 @@ BESIDE_THE_TABLE = {
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
         pattern_states/plane_faces.STEP pattern_states/strings.LONGEST
          space/mesh.DIFFERENCE
-        inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
+        starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
-        barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
+        contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
-        inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
+        starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
@@ -75,7 +75,6 @@ BESIDE_THE_TABLE = {
  chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
-        inverse_design/library_design.FOUND inverse_design/library.USED
         pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
@@ -94,7 +93,7 @@ BESIDE_THE_TABLE = {
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
-        inverse_design/convex.LEAST_MARGIN inverse_design/library.LEAST_SHARE inverse_design/finding.PRICES
+        inverse_design/convex.LEAST_MARGIN
     """,
     "options of IPOPT and of a conic solver": """
         minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM numerics/conic.ACCURACIES
@@ -106,17 +105,16 @@ BESIDE_THE_TABLE = {
         minima/full_space.KEPT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
-        proof/compiled_boxes.WIDER proof/compiled_boxes.EXACT proof/check_bounds.BLUNT
-        proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
+        proof/boxes.WIDER proof/boxes.EXACT
+        proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
         proof/strip_states.REACHES proof/check_strip_sheet.NEAR proof/check_strip_sheet.FLAT proof/strip_ends.WIDEST
-        proof/check_layers.DEEP proof/check_layers.GRAZING
         proof/check_strips.STATED proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
     "bounds on rounding in proofs": """
-        proof/check_bounds.TINY proof/check_whole.AGREES proof/flat.CLEAR
+        proof/flat.CLEAR
         proof/touching_rows.COSINE
     """,
     "room for rounding": """

@@ -20,7 +20,7 @@ from origami_nlp import (
 )
 from origami_nlp.errors import FoldFileError, SceneError, SymmetryError
 from origami_nlp.pattern import PRELOAD_KEY, canonical_labels, scene_from_dict, scene_to_dict
-from origami_nlp.proof import certificate_of, check_proof, prove
+from origami_nlp.proof import prove
 from origami_nlp.sweep import parse_sweep
 
 FOUR = Vertex.from_degrees((80, 100, 70, 110))
@@ -103,12 +103,11 @@ def test_wrong_preload_is_refused_by_name(preload, word):
         replace(WOUND, preload=preload)
 
 
-def test_search_proof_and_its_check_agree_under_preload():
+def test_search_and_proof_agree_under_preload():
     found = find_minima(WOUND, prove=False, escape=False)
-    proof = prove(Model(WOUND), record=True)
-    checked = check_proof(certificate_of(WOUND, proof))
-    assert not checked.refused
-    points = np.array([checked.points[p - 1] for p in checked.minima])
+    proof = prove(Model(WOUND))
+    assert proof.complete
+    points = np.array([p.x for p in proof.minima])
     states = np.array([m.fold_angles for m in found.minima])
     apart = np.abs(points[:, None] - states).max(axis=2)
     assert apart.min(axis=0).max() < 1e-9 and apart.min(axis=1).max() < 1e-9

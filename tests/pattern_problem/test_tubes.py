@@ -26,7 +26,6 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
     find_labels,
     find_screws,
-    flat_with,
     image,
     measured_cell,
     pattern_to_fold,
@@ -295,15 +294,6 @@ def test_symmetries_of_a_tube_take_closed_states_to_closed_ones(name, rolled):
     assert len(images) >= (1 if name == "resch" else 4)
     assert (len(find_labels(tube(name, 0)).images) > len(images)) == (name == "resch")
     assert max(problem.residual(image(one, phi)) for one in images) < 1e-10
-
-
-def test_flat_with_a_vertex_of_a_tube_are_the_creases_round_it_alone():
-    """Facets that are joined in a cell need not be in one plane where copies of it are turned."""
-    cell, plane = tube("metasheet", [0, 5]), tube("metasheet", None)
-    vertex = cell.vertices[0].vertex
-    around = set(cell.vertices[0].creases)
-    assert set(np.flatnonzero(flat_with(cell, vertex))) >= around
-    assert flat_with(plane, vertex).sum() >= flat_with(cell, vertex).sum()
 
 
 def test_what_is_no_tube_is_refused_in_one_line():

@@ -73,14 +73,10 @@ def test_searches_of_sheets_say_where_they_are():
 def test_barriers_end_with_what_they_have():
     words = []
     whole = find_barriers("yoshimura:2x2", progress=words.append)
-    assert any("random starts" in text for text in words) and words[-1] == "paths made lower"
+    assert any("random starts" in text for text in words) and words[-1] == "saddles beside paths"
     assert not whole.left_out and not whole.interrupted
     cut = find_barriers("yoshimura:2x2", whole.result, seconds=0.0)
     assert cut.left_out and cut.interrupted and OUT_OF_TIME in str(cut)
-    # what bounds them in closed form does not hang on the time, nor is any bound above
-    assert all(
-        0 <= a.least <= b.least for a, b in zip(cut.flat_vertices, whole.flat_vertices, strict=True)
-    )
     for p, q in zip(cut.passes, whole.passes, strict=True):
         assert q.energy <= p.energy + 1e-12
     assert whole.result.model.until == np.inf

@@ -8,10 +8,3 @@ def fifty_digits():
     """Of mpmath, by which intervals and forms are judged."""
     with pytest.importorskip("mpmath").mp.workdps(50):
         yield
-
-
-@pytest.fixture
-def bits_64():
-    """Of FLINT, in which most of a check is done."""
-    with pytest.importorskip("flint").ctx.workprec(64):
-        yield

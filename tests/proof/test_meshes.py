@@ -21,11 +21,13 @@ from origami_nlp.proof import (
     mesh_to_dict,
     read_certificate,
     why_no_mesh,
+    why_no_strip,
     write_certificate,
 )
 from origami_nlp.proof.mesh_states import as_folding_mesh
 from origami_nlp.proof.sheet_certificate import OpenInterval
 from tests.computed_once import prove_mesh, thinned
+from tests.folding_rows import folding_row
 from tests.independent.rigid import Rigid
 from tests.patterns import wheel
 
@@ -169,6 +171,23 @@ def test_a_search_has_the_same_list():
     assert found.completeness.proved and len(found.minima) == 14
     assert not found.completeness.added
     assert "proportional" in found.completeness.over
+
+
+def test_with_contact_only_the_list_within_fold_limits_is_proved():
+    found = o.find_minima(o.examples.pattern("miura", 2, 2), escape=False, prove=True)
+    assert found.completeness.status == "not-proved" and len(found.minima) == 2
+    assert "contact of meshes that fold flat is not proved" in found.completeness.reason
+    assert not found.completeness.added
+
+
+def test_a_row_that_folds_flat_is_proved_as_a_mesh():
+    """A strip's curves end where it is folded flat: other signs of folds are states there that no curve reaches."""
+    sheet = folding_row(0)
+    assert why_no_strip(sheet) == "vertex 1 folds flat"
+    proof = prove_mesh(sheet)
+    assert len(proof.minima) == 28 and proof.undecided == ()
+    folded = [m for m in proof.minima if np.abs(m.fold_angles).min() > 3.14]
+    assert len(folded) == 24
 
 
 def test_what_was_judged_is_listed_where_time_ends():

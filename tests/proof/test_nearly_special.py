@@ -17,8 +17,8 @@ from origami_nlp.proof import (
     prove_strip,
     why_no_mesh,
 )
+from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.check_mesh import MeshCheck
-from origami_nlp.proof.check_points import Refused
 from tests.folding_rows import folding_row
 
 

@@ -20,7 +20,7 @@ from origami_nlp.proof import (
     why_no_strip,
     write_certificate,
 )
-from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.check_strips import StripCheck
 from origami_nlp.proof.law_torques import LawPieces
 from origami_nlp.proof.strip_certificate import CertifiedStop

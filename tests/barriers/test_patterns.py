@@ -1,0 +1,105 @@
+"""Barriers of patterns: paths between their states, over curves and over any height."""
+
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.barriers.passes import RIGID
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, classify
+from origami_nlp.pattern import as_pattern
+from origami_nlp.pattern_problem import PatternProblem, PopSigns
+from tests.command_line import run
+from tests.independent.search_sheets import sheet_of
+
+
+def checked(found) -> None:
+    """Paths lead from one minimum to the other, do not cross, climb as high as is said, and change signs where flat."""
+    pattern, problem = found.result.pattern, PatternProblem(found.result.pattern)
+    for p in found.passes:
+        if not len(p.path):
+            continue
+        ends = [found.result.minima[k - 1].phi for k in (p.from_state, p.to_state)]
+        assert all(np.abs(x - y).max() < 1e-6 for x, y in zip(p.path[[0, -1]], ends, strict=True))
+        energies = pattern.energy(p.path)
+        assert energies.max() == pytest.approx(p.energy, rel=1e-9)
+        assert max(p.path_energy) == pytest.approx(p.energy, rel=1e-9)
+        assert np.abs(np.diff(p.path, axis=0)).max() < 0.5
+        for x in p.path:
+            assert problem.residual(x) < 1e-12 and not problem.crossings.find(x)
+        for vertex in PopSigns(pattern).vertices:
+            around = (pattern.ends == vertex).any(axis=1)
+            sides = np.sign(np.where(np.abs(s := p.path[:, around].sum(axis=1)) < 1e-9, 0, s))
+            passed = [k for k in range(1, len(sides)) if sides[k - 1] * sides[k] < 0]
+            assert not passed
+            assert not np.abs(p.path[sides == 0][:, around]).any()
+
+
+def test_the_barrier_of_a_yoshimura(tmp_path):
+    """Above 0.372454 J: of the lowest state with its vertex flat, which every path passes."""
+    out = tmp_path / "barriers.json"
+    done = run("barriers", "yoshimura:2x2", "-o", out)
+    assert done.code == 0 and "at most" in done.out
+    found = o.load(out)
+    (p,) = found.passes
+    flat = float(found.result.pattern.energy(np.zeros(found.result.pattern.creases)))
+    assert 0.372453 < p.energy <= flat * (1 + 1e-12) and not p.is_lowest
+    checked(found)
+    assert found.matrix().max() == p.energy and len(o.draw(found, tmp_path / "b.png").axes) == 1
+
+
+def test_a_twist_passes_through_its_flat_state():
+    """Generic vertices of degree 4: one flat, all flat."""
+    found = o.find_barriers("squaretwist", o.find_minima("squaretwist", starts=4, escape=False))
+    pattern = found.result.pattern
+    flat = float(pattern.energy(np.zeros(pattern.creases)))
+    exact = [p for p in found.passes if p.pass_kind == "flat state"]
+    assert len(exact) == 6 and all(p.is_lowest for p in exact)
+    assert [p.energy for p in exact] == pytest.approx([flat] * 6, rel=1e-12)
+    checked(found)
+    others = [p for p in found.passes if math.isinf(p.energy)]
+    assert {p.why for p in others} == {RIGID} and len(others) == 22
+    # fully folded states are isolated: what closes beside them is there, or beyond fold limits
+    sheet, rng = sheet_of(pattern), np.random.default_rng(0)
+    alone = [m for m in found.result.minima if not m.local_dimension]
+    assert len(alone) == 4 and all((np.abs(m.phi) == math.pi).all() for m in alone)
+    for m in alone:
+        inward = -np.sign(m.phi) * rng.uniform(0, 0.1, (400, pattern.creases))
+        states, closed = sheet.closed(m.phi + inward, 30)
+        near = closed & (np.abs(states - m.phi).max(axis=1) < 0.3)
+        assert near.sum() > 30 and math.isinf(m.escape.barrier if m.escape else math.inf)
+        within = near & (np.abs(states) <= math.pi + 1e-9).all(axis=1)
+        assert (np.abs(states[within] - m.phi).max(axis=1) < 1e-3).all()
+
+
+@pytest.mark.parametrize("signs", ["-++-+-+++-++", "-++-+--+++--"])
+def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
+    """Planes of motions that closure leaves to second order are shut as well; what closes there is beyond limits."""
+    pattern = as_pattern("miura:3x3")
+    phi = np.array([math.pi if c == "+" else -math.pi for c in signs])
+    what = classify(State(PatternProblem(pattern), phi))
+    assert (what.verdict, what.local_dimension) == ("minimum", 0)
+    assert what.reason.startswith("isolated: contact closes every direction that closure leaves to")
+    rng = np.random.default_rng(0)
+    inward = -np.sign(phi) * rng.uniform(0, 0.1, (1000, len(phi)))
+    inward *= rng.uniform(size=inward.shape) < 0.5
+    states, closed = sheet_of(pattern).closed(phi + inward, 30)
+    near = closed & (np.abs(states - phi).max(axis=1) < 0.3)
+    assert near.sum() > 900
+    assert (np.abs(states[near]).max(axis=1) > math.pi + 1e-6).all()
+
+
+def test_facets_that_may_cross_and_no_curve_are_refused():
+    free = o.find_minima("yoshimura:2x2", contact="fold-limits", starts=2, escape=False)
+    with pytest.raises(OptionError, match="facets may cross"):
+        o.find_barriers(free.pattern, free)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["yoshimura:3x3", "waterbomb:2x2", "miura:3x3"])
+def test_paths_of_whole_sheets_are_checked_state_by_state(name):
+    found = o.find_barriers(name)
+    checked(found)
+    assert any(p.energy < math.inf for p in found.passes)
