@@ -1,5 +1,4 @@
 from . import inverse_design as inverse_design, paper as paper, sweep as sweep
-from .actuation import Actuation as Actuation, actuate as actuate
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .bifurcation import (
     Atlas as Atlas,
@@ -17,12 +16,6 @@ from .critical import CriticalPoints as CriticalPoints, find_critical_points as 
 from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
 from .folding import check_admissible as check_admissible
-from .friction import (
-    CoulombHold as CoulombHold,
-    Friction as Friction,
-    find_friction as find_friction,
-    least_coulomb as least_coulomb,
-)
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum

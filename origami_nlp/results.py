@@ -25,8 +25,6 @@ _READ = (
     ("landscape/2", "points", "critical", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
-    ("friction/1", "regions", "friction", "Friction"),
-    ("coulomb/1", "coefficient", "friction", "CoulombHold"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
     ("follow/3", "curves", "bifurcation", "BifurcationSet"),
@@ -34,7 +32,6 @@ _READ = (
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),
     ("hinge/1", "law", "hinges", "MeasuredHinge"),
-    ("actuation/1", "loads", "actuation", "Actuation"),
     ("layers/1", "components", "validity", "LayerOrders"),
     ("validity/1", "tests", "validity", "Validity"),
 )

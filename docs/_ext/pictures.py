@@ -6,10 +6,8 @@ Without names those that take seconds; ``all`` takes about half an hour.  Measur
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -116,15 +114,6 @@ def own(name: str) -> None:
         vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
         scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
         draw_row(o.find_minima(scene), path)
-    elif name == "actuated":
-        sheet = o.examples.pattern("metasheet:3x3").with_springs(0.02, 0.0)
-        driven = o.actuate(sheet).driven[1]
-        torques = zip(driven.creases, (0.02 * t for t in driven.torques), strict=True)
-        o.draw(o.actuate(sheet, dict(torques)), path)
-    elif name == "square_twist":
-        sheet = o.examples.pattern("squaretwist", alpha=np.radians(50)).with_springs(0.001, 0.0)
-        load = 0.05 * o.actuate(sheet).branches[0].velocities[:, 0]
-        o.draw(o.actuate(sheet, {k + 1: float(t) for k, t in enumerate(load)}), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
@@ -241,7 +230,7 @@ def drawn_laser(name: str) -> None:
 
 
 def drawn_hinges(name: str) -> None:
-    """Draw the examples of hinges, a crease that yields, and what friction leaves open."""
+    """Draw the examples of hinges, and a crease that yields."""
     folder = FOLDER / name
     with tempfile.TemporaryDirectory() as there:
         for word, text in HINGE_EXAMPLES.items():
@@ -249,13 +238,6 @@ def drawn_hinges(name: str) -> None:
             file.write_text(text())
             read = o.read_pattern if file.suffix == ".fold" else o.read_scene
             o.draw(o.find_minima(read(file)), folder / f"{word}.png")
-        page = (FOLDER.parent / "how_to" / "hinges.md").read_text()
-        tape = Path(there) / "tape.toml"
-        tape.write_text(page.split("<!-- file: tape.toml -->\n```toml\n")[1].split("```")[0])
-        shutil.copy(FOLDER.parent / "files" / "tape.csv", there)
-        with contextlib.chdir(there):
-            found = o.find_friction(o.find_minima(o.read_scene("tape.toml")), 0.0003)
-        o.draw(found, folder / "friction.png")
     vertex = o.Vertex.from_degrees((70, 80, 120, 90))
     rest = tuple(np.radians((-50, 20, -60, -15)))
     creased = o.Scene(vertex, (1.0,) * 4, rest, symmetry="none")
@@ -316,11 +298,9 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "degree6_pi3": own,
     "six_states": own,
     "birds_foot": own,
-    "actuated": own,
     "sheet_counts": counted,
     "at_most_four": boxed,
     "at_most_six": grown,
-    "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "rolled_yoshimura": drawn_tubes,

@@ -16,7 +16,7 @@ from origami_nlp.cli import app as command_line
 from origami_nlp.references import REFERENCES
 
 ROOMS = (
-    "drawings pattern problem kkt minima loading actuation modes friction bifurcation inverse_design proof contact "
+    "drawings pattern problem kkt minima loading modes bifurcation inverse_design proof contact "
     "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()
@@ -34,8 +34,7 @@ TASKS = {
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
-        "load_path actuate find_barriers find_modes find_contacts find_friction least_coulomb LoadPath Barriers Modes "
-        "ContactReport Friction CoulombHold Actuation"
+        "load_path find_barriers find_modes find_contacts LoadPath Barriers Modes ContactReport"
     ),
     "Over a parameter": (
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"

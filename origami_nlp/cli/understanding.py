@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `load`, `actuate`, `friction`, `barriers`, `critical`, ..."""
+"""Commands that say more of states: `contacts`, `modes`, `load`, `barriers`, `critical`, ..."""
 
 from __future__ import annotations
 
@@ -169,56 +169,6 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     return find_modes(search(stated, scene.name, escape=False, **options), state=state)
 
 
-FrictionAt: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--torque",
-        metavar="T|K=T",
-        help="Largest dry friction torque [N m] at hinges: T at all, K=T at crease K alone; repeated.",
-    ),
-]
-
-
-@bounded
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "markdown", search=SEARCHES, details=True)
-def friction(
-    scene: Source,
-    torque: FrictionAt = None,
-    facets: Annotated[
-        bool,
-        typer.Option(
-            "--facets",
-            help="Instead, the least Coulomb coefficient between facets that holds the folded state in a FOLD file.",
-        ),
-    ] = False,
-    state: o.StateNumber = None,
-    **options: Any,
-) -> Any:
-    """Report the states around each minimum of ORIGAMI that dry friction at its hinges holds."""
-    from origami_nlp.friction import find_friction, least_coulomb
-    from origami_nlp.pattern import Scene
-
-    if facets:
-        if torque is not None or state is not None:
-            raise OptionError(
-                "--facets asks about the state in the file: leave out --torque and --state"
-            )
-        sheet = scene.read_pattern(contact=True)
-        if sheet.stated is None:
-            raise OptionError(
-                f"--facets: {scene.name!r} describes no folded state: edges_foldAngle or coordinates do"
-            )
-        return least_coulomb(sheet, sheet.stated.tolist())
-    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
-    stated = scene.read_whole(contact=True)
-    creases = stated.degree if isinstance(stated, Scene) else stated.creases
-    bounds = torque_bounds("--torque", torque, creases)
-    if bounds is None:
-        raise OptionError("--torque T is missing: the largest friction torque of hinges [N m]")
-    return find_friction(search(stated, scene.name, escape=False, **options), bounds, state=state)
-
-
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
     "json",
@@ -288,68 +238,6 @@ def load(
     search |= {"yield_torque": torque_bounds("--yield", yields, count), "starts": starts}
     with progress(f"{scene.name} under load"):
         return load_path(what, work, to=end, state=state, unload=unload, confirm=confirm, **search)
-
-
-def torques_of(text: str) -> dict[int, Any]:
-    """Return what ``--torques`` says, crease by crease: torques, or their signs."""
-    pairs = [part.partition("=") for part in text.split(",")]
-    try:
-        found = {int(k): t if t in ("+", "-") else float(t) for k, _, t in pairs}
-    except ValueError:
-        found = {}
-    if len(found) < len(pairs):
-        raise OptionError(
-            f"--torques = {text!r} must name each crease once, with its torque: 1=0.02,3=-0.01"
-        )
-    return found
-
-
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "fold", "markdown", search=("effort", "seed", "seconds"), details=True)
-def actuate(
-    scene: Source,
-    torques: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="K=T,K=T",
-            help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other. "
-            "T = + or - on each: torques of some size.",
-        ),
-    ] = None,
-    start: Annotated[
-        str,
-        typer.Option(
-            metavar="flat|K|all",
-            help="State from which loads begin: flat, stable state K without torques, or all of them.",
-        ),
-    ] = "flat",
-    relaxed: Annotated[
-        bool,
-        typer.Option("--relaxed", help="Springs at rest in the flat state: what torques do alone."),
-    ] = False,
-    **search: Any,
-) -> Any:
-    """Put torques on creases of ORIGAMI: which states are reached, is the fold unique, which few creases would do.
-
-    Without --torques: the branches of the flat state, and the fewest creases on which torques start one alone.  With
-    several --torques each is put on and taken off before the next; with --start all the graph of where each leads from
-    each stable state.
-    """
-    from origami_nlp.actuation import actuate as find
-
-    if start not in ("flat", "all") and not start.isdecimal():
-        raise OptionError(f"--start = {start!r} must be flat, all, or the number of a stable state")
-    begin = int(start) if start.isdecimal() else start
-    loads = [torques_of(text) for text in torques or ()]
-    what = scene.read_whole()
-    with progress(f"{scene.name} actuated"):
-        return find(
-            what,
-            loads[0] if len(loads) == 1 else loads or None,
-            start=begin,
-            relaxed=relaxed,
-            **search,
-        )
 
 
 @bounded

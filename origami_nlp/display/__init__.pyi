@@ -85,4 +85,4 @@ from .text import (
     short_label as short_label,
     subscript as subscript,
 )
-from .touches import contact_legend as contact_legend, contact_places as contact_places
+from .touches import contact_places as contact_places

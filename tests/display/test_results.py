@@ -35,7 +35,6 @@ def results():
     found += [o.analyze_mobility(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))
-    found.append(o.actuate("miura:2x2", {1: 0.01}))
     phi = np.linspace(-1.5, 1.5, 61)
     found.append(o.fit_hinge(o.HingeData(phi, phi * (phi**2 - 1))))
     named = {type(one).__name__: one for one in found}
@@ -61,7 +60,6 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "MeasuredHinge": (lambda r: len(r.angle), True, True, True),
     "Modes": (lambda r: sum(len(s.modes) for s in r.states), True, True, True),
     "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),
-    "Actuation": (lambda r: len(r.branches) + len(r.states), True, True, True),
     "Mobility": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.fold_angles), True, True, True),
     "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),

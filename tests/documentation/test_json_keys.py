@@ -21,9 +21,6 @@ CLASSES = {
     for one in (
         *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.Modes, o.ContactReport),
         *(
-            o.Actuation,
-            o.Friction,
-            o.CoulombHold,
             o.Barriers,
             o.CriticalPoints,
             o.Space,

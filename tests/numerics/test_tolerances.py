@@ -22,7 +22,7 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure 
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        actuation/branches.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
+        bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/find.SPACINGS barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
@@ -36,7 +36,7 @@ BESIDE_THE_TABLE = {
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
         minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
-        continuation/curve.STEPS friction/hinges.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
+        continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG
