@@ -51,7 +51,6 @@ from .pattern_states import (
 )
 from .problem import Model as Model
 from .proof import ProofOptions as ProofOptions
-from .references import citations as citations
 from .results import (
     draw as draw,
     load as load,

@@ -116,7 +116,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
 
 
 def save(result: Result, path: str | PathLike[str]) -> None:
-    """Write a result as JSON, or as an exporter of a plug-in has it by the ending: ``result.save(path)``.
+    """Write a result as JSON: ``result.save(path)``.
 
     Parameters
     ----------

@@ -13,7 +13,6 @@ from typer.main import get_command
 
 import origami_nlp
 from origami_nlp.cli import app as command_line
-from origami_nlp.references import REFERENCES
 
 ROOMS = (
     "drawings pattern problem kkt minima loading modes bifurcation inverse_design proof contact "
@@ -41,7 +40,7 @@ TASKS = {
     ),
     "Springs for given states": "design inverse_design Design",
     "Other formats, lasers": "convert DrawingOptions WriteOptions",
-    "Draw, write, read, cite": "draw draw_minima view save load to_frame write_fold write_mesh citations",
+    "Draw, write, read": "draw draw_minima view save load to_frame write_fold write_mesh",
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"
     ),
@@ -135,12 +134,6 @@ def by_task() -> str:
     return "\n".join(parts)
 
 
-def cited() -> str:
-    """All that a result may be cited with, one a line."""
-    rows = [f"| {one.why} | {plain(one.text)} |" for one in REFERENCES]
-    return "\n".join(["| for | reference |", "|---|---|", *rows]) + "\n"
-
-
 def face_page(name: str) -> str:
     """The page of a face: what stands on it, by kind; what stands on the face of the package is named only."""
     room = import_module(name)
@@ -207,7 +200,6 @@ def write(app) -> None:
     pages = {f"commands/{'_'.join(path)}.md": command_page(path, c) for path, c in commands()}
     pages["commands/overview.txt"] = overview()
     pages["python/overview.txt"] = by_task()
-    pages["python/cited.txt"] = cited()
     for name in ("origami_nlp", *(f"origami_nlp.{room}" for room in ROOMS)):
         pages[f"python/{name}.rst"] = face_page(name)
     folder = Path(app.srcdir) / "reference"

@@ -23,7 +23,7 @@ Files = Annotated[
 ]
 
 
-@writes("json", "figure", "markdown", "bibtex")
+@writes("json", "figure", "markdown")
 def check(
     out: Output,
     files: Files,
@@ -82,8 +82,6 @@ def check(
     out.write("json", lambda: seen[0].to_dict() if len(files) == 1 else [s.to_dict() for s in seen])
     out.write("figure", lambda: seen[0].draw())
     out.write("markdown", lambda: "\n".join(one.to_markdown() for one in seen))
-    if seen:
-        out.others(seen[0])
     if unread or any(one.verdict != "valid" for one in seen):
         raise typer.Exit(2 if unread else 1)
 

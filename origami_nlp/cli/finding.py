@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh", "animate", "bibtex")
+@writes("json", "figure", "html", "fold", "mesh", "animate")
 def minima(
     out: Output,
     scene: Source,
@@ -87,7 +87,6 @@ def minima(
         found.print_to(out.console, verbose)
         out.write("json", found.to_dict)
         out.turn(*found.results)
-        out.others(found)
         return
     stated = scene.read_whole(contact=True)
     if seconds is not None:  # the limit is the command's: reading a large sheet takes of it
@@ -110,7 +109,6 @@ def minima(
         _write_certificate(result, certificate)
         out.written(certificate)
     out.turn(result)
-    out.others(result)
     if stopped:
         raise KeyboardInterrupt
 
@@ -184,7 +182,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
     write_certificate(certificate_of_strip(result.pattern, proof), file)
 
 
-@writes("json", "bibtex")
+@writes("json")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
     """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
 
@@ -208,7 +206,6 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
     out.write("json", found.to_dict)
-    out.others(found)
     if found.refused:
         raise typer.Exit(1)
 
@@ -218,7 +215,7 @@ SMALLEST, LARGEST = 16, 4097
 
 @bounded
 @takes_scene(o.SceneFile, springs=False)
-@writes("json", "figure", "html", "npz", "bibtex")
+@writes("json", "figure", "html", "npz")
 def landscape(
     out: Output,
     scene: Source,
@@ -268,7 +265,6 @@ def landscape(
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
     out.save("html", lambda file: InteractivePage(exact.view_content(barriers)).save(file))
-    out.others(exact)
 
 
 def _npz(exact: ExactLandscape) -> bytes:

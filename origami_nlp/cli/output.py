@@ -14,12 +14,9 @@ from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Result, Table, Viewable
+    from origami_nlp.display import Table, Viewable
     from origami_nlp.io import Screen
-    from origami_nlp.proof import Check
 
-EXPORT = "export"
-"""Kind of a file that a plug-in writes."""
 LONG = 24
 """Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
@@ -35,10 +32,9 @@ KINDS = {
     "markdown": ((".md",), "table"),
     "latex": ((".tex",), "snippets"),
     "npz": ((".npz",), "arrays for NumPy"),
-    "bibtex": ((".bib",), "what to cite"),
 }
 """What files may hold: endings of their names, and what help calls it."""
-TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex", "bibtex")
+TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex")
 """Kinds of files that may go to standard output."""
 SEARCH = {
     "full": (o.FullOrNot, None),
@@ -149,20 +145,6 @@ class Output:
         self.save("html", lambda file: InteractivePage(*contents).save(file))
         self.save("animate", lambda file: write_animation(contents[0], file))
 
-    def others(self, result: Result | Check) -> None:
-        """Write what any result can be written as: what to cite for it and for its files, and exports of plug-ins."""
-        for kind, file in self._given:
-            if kind == EXPORT:
-                from origami_nlp.plugins import export
-
-                _write(export(result, file), file)
-                self.written(file)
-        if self.files("bibtex"):
-            from origami_nlp.references import citations
-
-            beside = [file for kind, file in self._given if kind != "bibtex"]
-            self.write("bibtex", lambda: citations(result, *beside).bibtex())
-
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
         from origami_nlp.io import is_stdout, printable
@@ -219,10 +201,9 @@ def answers(
             out.save("fold", _save_frames, found)
             out.save("mesh", write_mesh, found)
             out.turn(found)
-            out.others(found)
             end_of(found)
 
-        return writes(*kinds, "bibtex")(o.extended(run, command, own))
+        return writes(*kinds)(o.extended(run, command, own))
 
     return decorate
 
@@ -243,11 +224,6 @@ def _kind(file: str, kinds: Sequence[str]) -> str:
             return kinds[0]
     if os.path.isdir(place):
         raise OptionError(f"-o = {file!r} is a folder: give a file name")
-    if "bibtex" in kinds and ending:  # a result is written, not a scene or a table
-        from origami_nlp.plugins import has_exporter
-
-        if has_exporter(file):
-            return EXPORT
     endings = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
     raise OptionError(f"-o = {file!r} must end in one of {endings}")
 

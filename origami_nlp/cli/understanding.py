@@ -242,7 +242,7 @@ def load(
 
 @bounded
 @takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
-@writes("json", "figure", "html", "fold", "animate", "markdown", "bibtex")
+@writes("json", "figure", "html", "fold", "animate", "markdown")
 def barriers(
     out: Output,
     scene: Source,
@@ -261,7 +261,7 @@ def barriers(
 
     given = scene.name
     if scene.is_panels:
-        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate", "bibtex")
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate")
     stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
@@ -283,7 +283,6 @@ def barriers(
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
-    out.others(found[0])
     end_of(found[0])
 
 

@@ -92,7 +92,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
+        pattern/examples.RATIOS pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
         inverse_design/convex.LEAST_MARGIN inverse_design/library.LEAST_SHARE inverse_design/finding.PRICES
     """,
