@@ -24,7 +24,6 @@ from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     JudgedState as JudgedState,
     MinimaResult as MinimaResult,
-    VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
 )
 from .modes import Modes as Modes, find_modes as find_modes

@@ -23,7 +23,7 @@ ROOMS = (
 
 TASKS = {
     "Find stable states": (
-        "find_minima classify check_admissible MinimaResult VertexwiseMinima JudgedState SearchOptions"
+        "find_minima classify check_admissible MinimaResult JudgedState SearchOptions"
     ),
     "State a vertex or a pattern": (
         "examples read_scene read_pattern read_fold_scene read_fold_scenes parse_scene format_scene "

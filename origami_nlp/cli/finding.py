@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import io
 import time
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.group import FOLD_FILES
 from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
@@ -25,18 +23,10 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh", "animate")
+@writes("json", "figure", "html", "fold", "mesh")
 def minima(
     out: Output,
     scene: Source,
-    each_vertex: Annotated[
-        bool,
-        typer.Option(
-            "--each-vertex",
-            rich_help_panel=FOLD_FILES,
-            help="Every vertex by itself, equal ones once, as one table.",
-        ),
-    ] = False,
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
     max_starts: o.MaxStarts = None,
@@ -53,7 +43,7 @@ def minima(
 
     Of a scene they are those with its symmetry; whether they are stable without it is judged where that is cheap, or
     as --full and --no-full say.  A FOLD file or an example is
-    a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
+    a pattern with all its vertices coupled; --vertex takes one of them.
     """
     from origami_nlp.pattern import Scene
     from origami_nlp.results import draw
@@ -73,21 +63,6 @@ def minima(
         # a certificate asks for a proof
         "prove": o.wanted_proof(prove) if prove or certificate is None else True,
     }
-    if each_vertex:
-        from origami_nlp.minima import find_vertexwise
-
-        scenes = scene.read_all()
-        why = f"this is for one vertex: choose one of {len(scenes)} with --vertex"
-        out.refuse(why, "figure", "fold", "mesh", "animate")
-        if certificate is not None:
-            raise OptionError(f"--certificate = {certificate!r}: {why}")
-        found = find_vertexwise(
-            scenes, find=partial(search, name=scene.name), found=out.say, **options
-        )
-        found.print_to(out.console, verbose)
-        out.write("json", found.to_dict)
-        out.turn(*found.results)
-        return
     stated = scene.read_whole(contact=True)
     if seconds is not None:  # the limit is the command's: reading a large sheet takes of it
         options["seconds"] = max(seconds - (time.monotonic() - begun), 0.0)

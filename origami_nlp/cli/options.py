@@ -140,7 +140,7 @@ def output_files(help: str) -> Any:
 
 
 def place(file: str) -> str:
-    """Return where a file goes: ``-`` for standard output, which ``-.md`` is too, else the file."""
+    """Return where a file goes: ``-`` for standard output, which ``-.fold`` is too, else the file."""
     return "-" if Path(file).name == file and Path(file).stem == "-" else file
 
 

@@ -28,7 +28,6 @@ KINDS = {
     "figure": ((".png", ".pdf", ".svg"), "figure"),
     "html": ((".html", ".htm"), "page with states to turn"),
     "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
-    "animate": ((".gif", ".mp4"), "states in turn, .mp4 with ffmpeg"),
     "markdown": ((".md",), "table"),
     "latex": ((".tex",), "snippets"),
     "npz": ((".npz",), "arrays for NumPy"),
@@ -57,8 +56,8 @@ class Output:
     Parameters
     ----------
     files
-        Names; the ending says what is written.  ``-`` is standard output and the first of `kinds`, ``-.md`` standard
-        output and Markdown; a device or a pipe without an ending gets the first of `kinds`.
+        Names; the ending says what is written.  ``-`` is standard output and the first of `kinds`, ``-.csv`` standard
+        output and a table; a device or a pipe without an ending gets the first of `kinds`.
     kinds
         Of `KINDS`: what the command can write.
 
@@ -76,10 +75,6 @@ class Output:
                 from origami_nlp.minima import check_mesh
 
                 check_mesh(file)
-            elif kind == "animate":
-                from origami_nlp.display import check_animation
-
-                check_animation(file)
 
     def check(self, *more: tuple[str, Target | None]) -> None:
         """Check that all files can be written, and those of more options (pairs of option and file) too."""
@@ -136,14 +131,13 @@ class Output:
             self.written(file)
 
     def turn(self, *results: Viewable) -> None:
-        """Write a page on all `results`, and a film of the states of the first, where asked for."""
-        if not self.files("html", "animate"):
+        """Write a page on all `results` where asked for."""
+        if not self.files("html"):
             return
-        from origami_nlp.display import InteractivePage, write_animation
+        from origami_nlp.display import InteractivePage
 
         contents = [result.view_content() for result in results]
         self.save("html", lambda file: InteractivePage(*contents).save(file))
-        self.save("animate", lambda file: write_animation(contents[0], file))
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
@@ -196,7 +190,6 @@ def answers(
             found = command(**said)
             found.print_to(out.console, verbose)
             out.write("json", lambda: found.to_dict())
-            out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)
             out.save("fold", _save_frames, found)
             out.save("mesh", write_mesh, found)

@@ -182,12 +182,6 @@ class Source:
             raise OptionError("--diagonal is for facets that bend: give their stiffness, --bend K")
         return whole if bend is None else with_bending(whole, bend, diagonal or "short")
 
-    def read_all(self) -> dict[int, Scene]:
-        """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
-        from origami_nlp.pattern import vertex_scenes
-
-        return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
-
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
         """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
         if given := [name for name in self.given if name not in but]:

@@ -140,7 +140,7 @@ SEARCHES = ("seed", "effort")
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True, springs=False)
-@answers("json", "html", "markdown", search=SEARCHES)
+@answers("json", "html", search=SEARCHES)
 def contacts(
     scene: Source,
     state: o.StateNumber = None,
@@ -159,7 +159,7 @@ def contacts(
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True, springs=False)
-@answers("json", "figure", "markdown", search=SEARCHES)
+@answers("json", "figure", search=SEARCHES)
 def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
     from origami_nlp.modes import find_modes
@@ -242,7 +242,7 @@ def load(
 
 @bounded
 @takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
-@writes("json", "figure", "html", "fold", "animate", "markdown")
+@writes("json", "figure", "html", "fold")
 def barriers(
     out: Output,
     scene: Source,
@@ -256,12 +256,12 @@ def barriers(
     where the signs of that vertex differ; with three or more degrees of freedom along descents, as upper bounds.  With
     --full the barriers of a vertex (two degrees of freedom) without the symmetry are bounded as well.
     """
-    from origami_nlp.barriers import barriers_table, check_dof, draw_barriers, find_barriers
+    from origami_nlp.barriers import check_dof, draw_barriers, find_barriers
     from origami_nlp.pattern import Scene, examples
 
     given = scene.name
     if scene.is_panels:
-        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate")
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold")
     stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
@@ -279,7 +279,6 @@ def barriers(
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])
-    out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
@@ -288,7 +287,7 @@ def barriers(
 
 @bounded
 @takes_scene(o.SceneOrPanels, springs=False)
-@writes("json", "markdown")
+@writes("json")
 def critical(
     out: Output,
     scene: Source,
@@ -307,7 +306,7 @@ def critical(
     from rich.text import Text
 
     from origami_nlp.critical import PANEL_HEADS, compare_minima, find_critical_points, panel_row
-    from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.display import rows_table
     from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
@@ -338,7 +337,6 @@ def critical(
             out.say(f"{stated.label}: {verdict.text}")
     if scene.is_panels:
         out.say(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
-    out.write("markdown", rows_markdown, PANEL_HEADS, rows)
     out.write("json", lambda: data if scene.is_panels else data[0])
 
 

@@ -7,7 +7,7 @@ is null.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -30,7 +30,6 @@ HEADS = (
     "load margin [N m]",
 )
 CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
-CREASES = "Largest moment on the creases of one orbit alone:"
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
@@ -168,17 +167,6 @@ class ContactReport(Report, Viewable):
         if self.segments is not None:
             yield from self.segments.report_sections()
 
-    def to_markdown(self) -> str:
-        """Return the report as a page of Markdown."""
-        parts = [f"# {self.headline}\n", self.full_table().markdown()]
-        for state in self.states:
-            parts += [f"## State {state.number}\n", _bullets(margin_lines(state.margin))]
-            if state.margin.creases:
-                parts += [f"{CREASES}\n", state.creases_table().markdown()]
-        if self.segments is not None:
-            parts += ["## Metastable segments\n", _bullets(self.segments.report_sections())]
-        return "\n".join(parts)
-
     def view_content(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
         from origami_nlp.chart import landscape
@@ -215,10 +203,6 @@ class ContactReport(Report, Viewable):
                 own = {"contact": c.text, "moment_N_m": c.multiplier}
                 own |= {"least_N_m": least, "most_N_m": most}
                 yield row | own | last
-
-
-def _bullets(lines: Iterable[str]) -> str:
-    return "".join(f"- {line}\n" for line in lines)
 
 
 def margin_number(margin: LoadMargin) -> str:

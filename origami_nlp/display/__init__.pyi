@@ -1,4 +1,3 @@
-from .animation import check_animation as check_animation, write_animation as write_animation
 from .bodies import (
     Body as Body,
     Content as Content,

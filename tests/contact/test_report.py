@@ -72,7 +72,7 @@ def test_every_status_of_a_margin_has_words() -> None:
     words = {s.margin.status: margin_number(s.margin) for s in report.states}
     assert words["zero"] == "0" and words["unbounded"] == "unbounded"
     assert float(words["exact"]) > 0
-    text = report.to_markdown()
+    text = report.full_table().markdown() + str(report)
     assert "unbounded" in text and "any of" in text  # ranges of dependent contacts
     rows = [line for line in text.splitlines() if line.startswith("|")]
     assert len({line.count("|") - line.count("\\|") for line in rows[:3]}) == 1
