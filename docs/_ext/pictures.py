@@ -202,33 +202,6 @@ def drawn_load(name: str) -> None:
     o.draw(path, FOLDER / f"{name}.png")
 
 
-def drawn_laser(name: str) -> None:
-    """Draw what the laser file of a pattern says, line by line as it is read in the file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "laser.svg"
-        o.convert(
-            "waterbomb:3x3", path, write=o.WriteOptions("laser", size=150, dash=(3, 1), holes=0.8)
-        )
-        text = path.read_text()
-    figure = Figure(figsize=(4.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    for layer in text.split("<g ")[1:]:
-        label, colour = (re.search(rf'{key}="([^"]*)"', layer)[1] for key in ("id", "stroke"))
-        axes.plot([], [], color=colour, label=label)
-        for d in re.findall(r' d="M([^"]*)"', layer):
-            x, y = np.array(re.findall(r"[\d.]+", d), float).reshape(-1, 2).T
-            if "Z" in d:
-                x, y = np.append(x, x[0]), np.append(y, y[0])
-            axes.plot(x, y, color=colour, linewidth=1)
-        for ends in re.findall(r'cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', layer):
-            x, y, r = map(float, ends)
-            axes.add_patch(Circle((x, y), r, fill=False, edgecolor=colour))
-    axes.set(aspect="equal", xlabel="mm", ylabel="mm")
-    axes.invert_yaxis()
-    figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=8)
-    figure.savefig(FOLDER / f"{name}.png", dpi=150)
-
-
 def drawn_hinges(name: str) -> None:
     """Draw the examples of hinges, and a crease that yields."""
     folder = FOLDER / name
@@ -343,7 +316,6 @@ PICTURES: dict[str, Callable[[str], None]] = {
         for family in ("degree6", "degree8")
     },
     "bistable_waterbomb": drawn_load,
-    "laser": drawn_laser,
     "hinges": drawn_hinges,
     "soft_facets": lambda _: by_command("studies.soft_facets"),
     "metastable_degree8": own,

@@ -81,9 +81,6 @@ BESIDE_THE_TABLE = {
     "shares of a drawing: what is joined, what is straight, what is rounding": """
         drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
     """,
-    "lengths in files [mm]": """
-        drawings/laser.GRID drawings/writing.HAIRLINE drawings/writing.MILLIMETRES
-    """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,
