@@ -26,7 +26,6 @@ from .minima import (
     MinimaResult as MinimaResult,
     draw_minima as draw_minima,
 )
-from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
     HingeData as HingeData,
     Load as Load,

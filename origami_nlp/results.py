@@ -23,7 +23,6 @@ _READ = (
     ("minima/2", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "critical", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
-    ("modes/2", "states", "modes", "Modes"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
     ("follow/3", "curves", "bifurcation", "BifurcationSet"),
@@ -43,7 +42,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     Parameters
     ----------
     result
-        Minima, barriers, an admissible space, a landscape, metastable segments, modes, a load path, or the phase
+        Minima, barriers, an admissible space, a landscape, metastable segments, a load path, or the phase
         diagram of a cone.
     path
         Where to save it (.png, .pdf or .svg), if anywhere.
@@ -75,8 +74,8 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
     Parameters
     ----------
     result
-        Minima, barriers, a landscape, a contact report, an atlas or a load path; of modes and of a design the minima
-        that they are of.
+        Minima, barriers, a landscape, a contact report, an atlas or a load path; of a design the minima
+        that it is of.
     path
         Where to save it as one file that needs no network (.html), if anywhere.
 
@@ -99,7 +98,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
     """
     from origami_nlp.display import Viewable
 
-    if isinstance(result, Result) and not isinstance(result, Viewable):  # of a design, or modes
+    if isinstance(result, Result) and not isinstance(result, Viewable):  # of a design
         of = getattr(result, "minima", None) or getattr(result, "result", None)
         result = of if isinstance(of, Viewable) else result
     if not isinstance(result, Viewable):
@@ -149,7 +148,7 @@ def load(path: str | PathLike[str]) -> Any:
     Parameters
     ----------
     path
-        A JSON file of minima, critical points, barriers, a load path, an atlas, boundaries or modes of a vertex, or of
+        A JSON file of minima, critical points, barriers, a load path, an atlas or boundaries of a vertex, or of
         counts, stable states, a folding motion or a load path of a pattern.
 
     Returns

@@ -15,7 +15,7 @@ import origami_nlp
 from origami_nlp.cli import app as command_line
 
 ROOMS = (
-    "drawings pattern problem kkt minima loading modes bifurcation inverse_design proof contact "
+    "drawings pattern problem kkt minima loading bifurcation inverse_design proof contact "
     "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()
@@ -33,7 +33,7 @@ TASKS = {
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
-        "load_path find_barriers find_modes find_contacts LoadPath Barriers Modes ContactReport"
+        "load_path find_barriers find_contacts LoadPath Barriers ContactReport"
     ),
     "Over a parameter": (
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"

@@ -28,7 +28,6 @@ from origami_nlp.cli.understanding import (
     contacts,
     critical,
     load,
-    modes,
     space,
 )
 from origami_nlp.errors import OrigamiError
@@ -50,7 +49,7 @@ app = Group(
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
 app.add(inspect, example, hinge, check, convert, under=FIRST)
-app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
+app.add(landscape, barriers, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 

@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `load`, `barriers`, `critical`, ..."""
+"""Commands that say more of states: `contacts`, `load`, `barriers`, `critical`, ..."""
 
 from __future__ import annotations
 
@@ -155,18 +155,6 @@ def contacts(
     stated = scene.read_whole(contact=True)
     result = search(stated, scene.name, contact=scene.whole_contact, escape=False, **options)
     return find_contacts(result, state=state, segments=segments)
-
-
-@bounded
-@takes_scene(o.OrigamiFile, whole=True, springs=False)
-@answers("json", "figure", search=SEARCHES)
-def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
-    """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
-    from origami_nlp.modes import find_modes
-
-    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
-    stated = scene.read_whole(contact=True)
-    return find_modes(search(stated, scene.name, escape=False, **options), state=state)
 
 
 @takes_scene(o.OrigamiFile, whole=True)

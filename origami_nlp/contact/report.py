@@ -15,11 +15,13 @@ import numpy as np
 
 from origami_nlp.contact.margin import CreaseMargin, LoadMargin, MarginCheck, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments, find_segments
+from origami_nlp.contact.symmetry_blocks import breaking_stiffnesses
 from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import ContactForce, classify
-from origami_nlp.minima import CELLS, MinimaResult
+from origami_nlp.kkt import ContactForce, State, classify
+from origami_nlp.minima import CELLS, MinimaResult, full_scene
+from origami_nlp.problem import Model
 
 HEADS = (
     "#",
@@ -49,6 +51,10 @@ class PinnedState(ShortRepr):
     stiffness
         Tangential stiffness [N m/rad], eigenvalues of the Hessian on the space that keeps the loaded contacts
         closed, per unit length in the space of all N fold angles; empty where that space is a point.
+    breaking
+        Stiffness against motions that break the symmetry which the search kept, with the loaded contacts closed
+        [N m/rad]: the eigenvalues of that block of the Hessian, see `breaking_stiffnesses`; empty where there is
+        none.
     softness
         The smallest over the sum of all k; inf where there is none.
     margin
@@ -61,6 +67,7 @@ class PinnedState(ShortRepr):
     minimum: Any = field(metadata={"plain": False})
     contacts: tuple[ContactForce, ...]
     stiffness: tuple[float, ...]
+    breaking: tuple[Unbounded, ...]
     softness: Unbounded
     margin: LoadMargin
 
@@ -107,7 +114,7 @@ class ContactReport(Report, Viewable):
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
-    SCHEMA, READS = "origami-nlp/contacts/2", False
+    SCHEMA, READS = "origami-nlp/contacts/3", False
 
     @property
     def headline(self) -> str:
@@ -160,6 +167,9 @@ class ContactReport(Report, Viewable):
         for state in self.states:
             yield Words(f"#{state.number}", "bold")
             yield from (f"   contact {c.words()}" for c in state.contacts)
+            if state.breaking:
+                values = ", ".join(f"{v:.4g}" for v in state.breaking)
+                yield f"   stiffness against motions that break the symmetry [N m/rad]: {values}"
             yield from (f"   {line}" for line in margin_lines(state.margin))
             for crease in state.margin.creases:
                 names, up, down = crease_cells(crease)
@@ -310,6 +320,12 @@ def find_contacts(
         stiffness = what.hessian_eigenvalues if one else what.eigenvalues
         total = at.problem.scale * float(np.sum(at.problem.parameters.stiffness))
         softness = min(stiffness, default=math.inf) / total
-        states.append(PinnedState(number, minimum, what.contacts, stiffness, softness, margin))
+        breaking: tuple[float, ...] = ()
+        if one and not result.scene.group.is_trivial:
+            whole = State(Model(full_scene(result.scene)), np.array(minimum.fold_angles))
+            breaking = breaking_stiffnesses(whole, result.scene)
+        states.append(
+            PinnedState(number, minimum, what.contacts, stiffness, breaking, softness, margin)
+        )
     found = find_segments(result) if segments else None
     return ContactReport(result, tuple(states), found)

@@ -35,9 +35,7 @@ def pocket(tmp_path):
     return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
 
 
-COMMANDS = (
-    "inspect minima contacts modes load barriers critical space landscape follow boundary".split()
-)
+COMMANDS = "inspect minima contacts load barriers critical space landscape follow boundary".split()
 OVER = ("--parameter", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 

@@ -28,7 +28,7 @@ from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
 
 SEARCHES = (
-    "minima landscape contacts modes load barriers critical space transitions design follow boundary sweep"
+    "minima landscape contacts load barriers critical space transitions design follow boundary sweep"
 ).split()
 
 

@@ -29,7 +29,6 @@ def results():
     found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, size=31)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
-    found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
     states = o.find_minima(sheet, starts=1, escape=False)
     found += [o.analyze_mobility(sheet), o.find_motion(sheet)]
@@ -58,7 +57,6 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "MeasuredHinge": (lambda r: len(r.angle), True, True, True),
-    "Modes": (lambda r: sum(len(s.modes) for s in r.states), True, True, True),
     "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),
     "Mobility": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.fold_angles), True, True, True),
@@ -72,7 +70,6 @@ STRICT = (
     "Barriers",
     "LoadPath",
     "LoadPath of a pattern",
-    "Modes",
     "Motion",
 )
 

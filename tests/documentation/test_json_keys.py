@@ -19,7 +19,7 @@ ROWS = re.findall(
 CLASSES = {
     one.__name__: one
     for one in (
-        *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.Modes, o.ContactReport),
+        *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.ContactReport),
         *(
             o.Barriers,
             o.CriticalPoints,

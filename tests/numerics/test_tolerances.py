@@ -34,7 +34,7 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
-        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
+        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
