@@ -42,7 +42,6 @@ from origami_nlp.minima.report_lines import (
     residual_cells,
     scene_lines,
     sign_lines,
-    sign_tables,
     state_lines,
     survival_lines,
     touching_cells,
@@ -363,7 +362,7 @@ class MinimaResult(Report, Viewable):
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         elif self.minima and self._pop_signs:
-            yield from sign_lines(self._pop_signs, self.signs, self.search)
+            yield from sign_lines(self._pop_signs, self.signs)
         lies = not self.is_pattern or self.model.flattened is not None
         yield from survival_lines(self.minima, self.is_pattern, lies)
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
@@ -398,7 +397,6 @@ class MinimaResult(Report, Viewable):
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
         if self.is_pattern:
-            yield from sign_tables(self.minima, self.shown_signs, self.search, self.model.scale)
             yield from (
                 f"rejected: energy {s.energy:.6g} J: {s.certificate}" for s in self.crossing
             )

@@ -55,7 +55,7 @@ BESIDE_THE_TABLE = {
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
-        inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
+        inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
