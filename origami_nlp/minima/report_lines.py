@@ -18,8 +18,7 @@ from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
-from origami_nlp.pattern import Scene, listed, tapered_limit
-from origami_nlp.pattern_problem import PopSigns
+from origami_nlp.pattern import Scene, tapered_limit
 
 if TYPE_CHECKING:
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
@@ -169,19 +168,6 @@ def _tube_table(tubes: Sequence[FoldedTube], numbers: Sequence[str], first: str)
         rows.append([number, *said[:3], *turns, *said[3:]])
     title = "copies of a cell lie round an axis: the next along a or b is turned about it and advanced along it"
     return Table(heads, rows, title, "r" * len(heads), framed=False, narrow=True)
-
-
-def sign_lines(pops: PopSigns, signs: Sequence[str]) -> Iterator[str]:
-    """Say what the signs of states are, and at which vertices they say nothing."""
-    if pops.vertices:
-        many = len(set(signs))
-        yield (
-            f"signs: of the sum of fold angles round vertices {listed([*pops.vertices])} (0: flat); {many} "
-            f"combination{'s' * (many != 1)}; motions without crossing facets change a sign only where that vertex is "
-            "flat"
-        )
-    if pops.without:
-        yield f"no sign at vertices {listed([*pops.without])}, with more than 360 degrees of paper"
 
 
 def flag_lines(flags: ResultFlags) -> list[str]:
