@@ -49,7 +49,7 @@ minima scene.toml --prove 0 -o minima.json -o minima.png -o minima.fold -o minim
 minima scene.toml --prove 0 -o minima.glb
 pattern miura:2x2 -o motion.json
 design three-equal -o design.json
-modes scene.toml
+contacts scene.toml
 load scene.toml --crease 1 --to 0.001 -o load.json
 paper cone count --degree 6 --rest-elevation 0.3
 """
@@ -59,7 +59,6 @@ minima miura:2x2 --starts 1 -o pattern.json
 follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 -o follow.json
 boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 -o set.json
 barriers scene.toml -o barriers.json
-contacts scene.toml
 landscape degree6.toml --size 33 -o landscape.npz
 critical degree6.toml --no-compare
 space degree6.toml --rings 16

@@ -1,5 +1,4 @@
 from . import inverse_design as inverse_design, paper as paper, sweep as sweep
-from .actuation import Actuation as Actuation, actuate as actuate
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .bifurcation import (
     Atlas as Atlas,
@@ -17,12 +16,6 @@ from .critical import CriticalPoints as CriticalPoints, find_critical_points as 
 from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
 from .folding import check_admissible as check_admissible
-from .friction import (
-    CoulombHold as CoulombHold,
-    Friction as Friction,
-    find_friction as find_friction,
-    least_coulomb as least_coulomb,
-)
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
@@ -31,10 +24,8 @@ from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     JudgedState as JudgedState,
     MinimaResult as MinimaResult,
-    VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
 )
-from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
     HingeData as HingeData,
     Load as Load,
@@ -58,7 +49,6 @@ from .pattern_states import (
 )
 from .problem import Model as Model
 from .proof import ProofOptions as ProofOptions
-from .references import citations as citations
 from .results import (
     draw as draw,
     load as load,

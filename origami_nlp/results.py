@@ -20,13 +20,9 @@ if TYPE_CHECKING:
     from origami_nlp.display import InteractivePage
 
 _READ = (
-    ("minima/2", "classes", "minima", "VertexwiseMinima"),
-    ("minima/2", "minima", "minima", "MinimaResult"),
+    ("minima/3", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "critical", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
-    ("modes/2", "states", "modes", "Modes"),
-    ("friction/1", "regions", "friction", "Friction"),
-    ("coulomb/1", "coefficient", "friction", "CoulombHold"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
     ("follow/3", "curves", "bifurcation", "BifurcationSet"),
@@ -34,7 +30,6 @@ _READ = (
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),
     ("hinge/1", "law", "hinges", "MeasuredHinge"),
-    ("actuation/1", "loads", "actuation", "Actuation"),
     ("layers/1", "components", "validity", "LayerOrders"),
     ("validity/1", "tests", "validity", "Validity"),
 )
@@ -47,7 +42,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     Parameters
     ----------
     result
-        Minima, barriers, an admissible space, a landscape, metastable segments, modes, a load path, or the phase
+        Minima, barriers, an admissible space, a landscape, metastable segments, a load path, or the phase
         diagram of a cone.
     path
         Where to save it (.png, .pdf or .svg), if anywhere.
@@ -79,8 +74,8 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
     Parameters
     ----------
     result
-        Minima, barriers, a landscape, a contact report, an atlas or a load path; of modes and of a design the minima
-        that they are of.
+        Minima, barriers, a landscape, a contact report, an atlas or a load path; of a design the minima
+        that it is of.
     path
         Where to save it as one file that needs no network (.html), if anywhere.
 
@@ -103,7 +98,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
     """
     from origami_nlp.display import Viewable
 
-    if isinstance(result, Result) and not isinstance(result, Viewable):  # of a design, or modes
+    if isinstance(result, Result) and not isinstance(result, Viewable):  # of a design
         of = getattr(result, "minima", None) or getattr(result, "result", None)
         result = of if isinstance(of, Viewable) else result
     if not isinstance(result, Viewable):
@@ -119,7 +114,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> Interactive
 
 
 def save(result: Result, path: str | PathLike[str]) -> None:
-    """Write a result as JSON, or as an exporter of a plug-in has it by the ending: ``result.save(path)``.
+    """Write a result as JSON: ``result.save(path)``.
 
     Parameters
     ----------
@@ -153,7 +148,7 @@ def load(path: str | PathLike[str]) -> Any:
     Parameters
     ----------
     path
-        A JSON file of minima, critical points, barriers, a load path, an atlas, boundaries or modes of a vertex, or of
+        A JSON file of minima, critical points, barriers, a load path, an atlas or boundaries of a vertex, or of
         counts, stable states, a folding motion or a load path of a pattern.
 
     Returns

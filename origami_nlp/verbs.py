@@ -7,7 +7,7 @@ function hands over to the room that knows the one or the other.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, overload
 
@@ -20,7 +20,7 @@ from origami_nlp.numerics import CLOSURE_TOL
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
     from origami_nlp.loading import LoadPath
-    from origami_nlp.minima import MinimaResult, VertexwiseMinima
+    from origami_nlp.minima import MinimaResult
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.proof import ProofOptions
     from origami_nlp.starts import SearchOptions
@@ -76,10 +76,8 @@ def find_minima(
     progress: Callable[[int, int, str], object] | None = ...,
     found: Callable[[float, np.ndarray], object] | None = ...,
 ) -> MinimaResult: ...
-@overload
-def find_minima(origami: Mapping[int, Scene], **options: Any) -> VertexwiseMinima: ...
 def find_minima(
-    origami: Scene | Pattern | str | PathLike[str] | Mapping[int, Scene],
+    origami: Scene | Pattern | str | PathLike[str],
     *,
     seed: int = 0,
     effort: str = "normal",
@@ -89,15 +87,14 @@ def find_minima(
     escape: bool = True,
     noise: float | None = None,
     **others: Any,
-) -> MinimaResult | VertexwiseMinima:
+) -> MinimaResult:
     """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
 
     Parameters
     ----------
     origami
         A scene, which is one vertex, or a scene file; or a pattern with all its vertices coupled: itself, the name of
-        an example such as ``"miura:4x4"``, or a FOLD file.  Or several scenes by the numbers of vertices, as
-        `read_fold_scenes` returns them: each by itself, equal ones once.
+        an example such as ``"miura:4x4"``, or a FOLD file.
     seed
         Of the random starts; the same seed gives the same answer.
     effort
@@ -126,8 +123,8 @@ def find_minima(
 
     Returns
     -------
-    MinimaResult or VertexwiseMinima
-        The minima in order of energy, and the record of the search; of several scenes one for each that differs.
+    MinimaResult
+        The minima in order of energy, and the record of the search.
 
     Raises
     ------
@@ -135,7 +132,7 @@ def find_minima(
         If an argument is not what it must be, or the other kind alone takes it.
     KeyboardInterrupt
         If the user interrupts it, in a notebook as well; its attribute ``result`` holds what was found, a
-        `MinimaResult` (of several scenes that of the one it was at): ``except KeyboardInterrupt as stop: found =
+        `MinimaResult`: ``except KeyboardInterrupt as stop: found =
         stop.result``, or afterwards at a prompt ``sys.last_value.result``.
 
     Examples
@@ -151,7 +148,7 @@ def find_minima(
     from origami_nlp.pattern import Scene
 
     stated: Any = origami
-    if not isinstance(origami, Scene | Mapping):
+    if not isinstance(origami, Scene):
         from origami_nlp.pattern import as_origami
 
         stated = as_origami(origami)
@@ -163,10 +160,9 @@ def find_minima(
     }
     given = {"max_starts": max_starts, **others}
     both |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
-    if isinstance(stated, Scene | Mapping):
+    if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, **given)
-        one = isinstance(stated, Scene)
-        find: Any = minima.find_minima if one else minima.find_vertexwise
+        find: Any = minima.find_minima
     else:
         refuse("pattern", _OF_A_SCENE, **given)
         if "contact" in both:

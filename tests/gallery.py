@@ -31,7 +31,6 @@ Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad.
 origami-nlp example miura > miura.toml            # the vertex as a scene
 origami-nlp minima miura.toml --full              # its stable states
 origami-nlp example miura:4x4 -o miura.fold   # the pattern, with the same springs
-origami-nlp minima miura.fold --each-vertex       # every vertex of it, equal ones once
 ```
 
 Whole sheets: [sheets by name](sheets.md).

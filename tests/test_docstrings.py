@@ -66,7 +66,6 @@ DEAR = {
         "minima.figure",
         "minima.minimum",
         "minima.result",
-        "modes.find",
         "pattern_states.find",
         "verbs",
     )

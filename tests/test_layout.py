@@ -24,10 +24,10 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers io plugins numerics closed_forms symbolic drawings pattern folding problem kkt "
+    "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
     "pattern_problem starts continuation display hinges chart proof "
-    "minima pattern_states contact modes friction critical barriers space landscape bifurcation inverse_design "
-    "loading actuation sweep validity results verbs references paper cli __main__"
+    "minima pattern_states contact critical barriers space landscape bifurcation inverse_design "
+    "loading sweep validity results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks", "studies")

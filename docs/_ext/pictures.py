@@ -6,10 +6,8 @@ Without names those that take seconds; ``all`` takes about half an hour.  Measur
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -115,15 +113,6 @@ def own(name: str) -> None:
         vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
         scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
         draw_row(o.find_minima(scene), path)
-    elif name == "actuated":
-        sheet = o.examples.pattern("metasheet:3x3").with_springs(0.02, 0.0)
-        driven = o.actuate(sheet).driven[1]
-        torques = zip(driven.creases, (0.02 * t for t in driven.torques), strict=True)
-        o.draw(o.actuate(sheet, dict(torques)), path)
-    elif name == "square_twist":
-        sheet = o.examples.pattern("squaretwist", alpha=np.radians(50)).with_springs(0.001, 0.0)
-        load = 0.05 * o.actuate(sheet).branches[0].velocities[:, 0]
-        o.draw(o.actuate(sheet, {k + 1: float(t) for k, t in enumerate(load)}), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
@@ -207,35 +196,8 @@ def drawn_load(name: str) -> None:
     o.draw(path, FOLDER / f"{name}.png")
 
 
-def drawn_laser(name: str) -> None:
-    """Draw what the laser file of a pattern says, line by line as it is read in the file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "laser.svg"
-        o.convert(
-            "waterbomb:3x3", path, write=o.WriteOptions("laser", size=150, dash=(3, 1), holes=0.8)
-        )
-        text = path.read_text()
-    figure = Figure(figsize=(4.2, 4.6), layout="constrained")
-    axes = figure.subplots()
-    for layer in text.split("<g ")[1:]:
-        label, colour = (re.search(rf'{key}="([^"]*)"', layer)[1] for key in ("id", "stroke"))
-        axes.plot([], [], color=colour, label=label)
-        for d in re.findall(r' d="M([^"]*)"', layer):
-            x, y = np.array(re.findall(r"[\d.]+", d), float).reshape(-1, 2).T
-            if "Z" in d:
-                x, y = np.append(x, x[0]), np.append(y, y[0])
-            axes.plot(x, y, color=colour, linewidth=1)
-        for ends in re.findall(r'cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', layer):
-            x, y, r = map(float, ends)
-            axes.add_patch(Circle((x, y), r, fill=False, edgecolor=colour))
-    axes.set(aspect="equal", xlabel="mm", ylabel="mm")
-    axes.invert_yaxis()
-    figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=8)
-    figure.savefig(FOLDER / f"{name}.png", dpi=150)
-
-
 def drawn_hinges(name: str) -> None:
-    """Draw the examples of hinges, a crease that yields, and what friction leaves open."""
+    """Draw the examples of hinges, and a crease that yields."""
     folder = FOLDER / name
     with tempfile.TemporaryDirectory() as there:
         for word, text in HINGE_EXAMPLES.items():
@@ -243,13 +205,6 @@ def drawn_hinges(name: str) -> None:
             file.write_text(text())
             read = o.read_pattern if file.suffix == ".fold" else o.read_scene
             o.draw(o.find_minima(read(file)), folder / f"{word}.png")
-        page = (FOLDER.parent / "how_to" / "hinges.md").read_text()
-        tape = Path(there) / "tape.toml"
-        tape.write_text(page.split("<!-- file: tape.toml -->\n```toml\n")[1].split("```")[0])
-        shutil.copy(FOLDER.parent / "files" / "tape.csv", there)
-        with contextlib.chdir(there):
-            found = o.find_friction(o.find_minima(o.read_scene("tape.toml")), 0.0003)
-        o.draw(found, folder / "friction.png")
     vertex = o.Vertex.from_degrees((70, 80, 120, 90))
     rest = tuple(np.radians((-50, 20, -60, -15)))
     creased = o.Scene(vertex, (1.0,) * 4, rest, symmetry="none")
@@ -310,11 +265,9 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "degree6_pi3": own,
     "six_states": own,
     "birds_foot": own,
-    "actuated": own,
     "sheet_counts": counted,
     "at_most_four": boxed,
     "at_most_six": grown,
-    "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "rolled_yoshimura": drawn_tubes,
@@ -357,7 +310,6 @@ PICTURES: dict[str, Callable[[str], None]] = {
         for family in ("degree6", "degree8")
     },
     "bistable_waterbomb": drawn_load,
-    "laser": drawn_laser,
     "hinges": drawn_hinges,
     "soft_facets": lambda _: by_command("studies.soft_facets"),
     "metastable_degree8": own,

@@ -13,10 +13,9 @@ from typer.main import get_command
 
 import origami_nlp
 from origami_nlp.cli import app as command_line
-from origami_nlp.references import REFERENCES
 
 ROOMS = (
-    "drawings pattern problem kkt minima loading actuation modes friction bifurcation inverse_design proof contact "
+    "drawings pattern problem kkt minima loading bifurcation inverse_design proof contact "
     "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()
@@ -24,7 +23,7 @@ ROOMS = (
 
 TASKS = {
     "Find stable states": (
-        "find_minima classify check_admissible MinimaResult VertexwiseMinima JudgedState SearchOptions"
+        "find_minima classify check_admissible MinimaResult JudgedState SearchOptions"
     ),
     "State a vertex or a pattern": (
         "examples read_scene read_pattern read_fold_scene read_fold_scenes parse_scene format_scene "
@@ -34,15 +33,14 @@ TASKS = {
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
-        "load_path actuate find_barriers find_modes find_contacts find_friction least_coulomb LoadPath Barriers Modes "
-        "ContactReport Friction CoulombHold Actuation"
+        "load_path find_barriers find_contacts LoadPath Barriers ContactReport"
     ),
     "Over a parameter": (
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"
     ),
     "Springs for given states": "design inverse_design Design",
-    "Other formats, lasers": "convert DrawingOptions WriteOptions",
-    "Draw, write, read, cite": "draw draw_minima view save load to_frame write_fold write_mesh citations",
+    "Other formats": "convert DrawingOptions WriteOptions",
+    "Draw, write, read": "draw draw_minima view save load to_frame write_fold write_mesh",
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"
     ),
@@ -136,12 +134,6 @@ def by_task() -> str:
     return "\n".join(parts)
 
 
-def cited() -> str:
-    """All that a result may be cited with, one a line."""
-    rows = [f"| {one.why} | {plain(one.text)} |" for one in REFERENCES]
-    return "\n".join(["| for | reference |", "|---|---|", *rows]) + "\n"
-
-
 def face_page(name: str) -> str:
     """The page of a face: what stands on it, by kind; what stands on the face of the package is named only."""
     room = import_module(name)
@@ -208,7 +200,6 @@ def write(app) -> None:
     pages = {f"commands/{'_'.join(path)}.md": command_page(path, c) for path, c in commands()}
     pages["commands/overview.txt"] = overview()
     pages["python/overview.txt"] = by_task()
-    pages["python/cited.txt"] = cited()
     for name in ("origami_nlp", *(f"origami_nlp.{room}" for room in ROOMS)):
         pages[f"python/{name}.rst"] = face_page(name)
     folder = Path(app.srcdir) / "reference"

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origami_nlp.bifurcation.records import PathBranch, StateAt
+from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import (
     BifurcationDiagram,
     BranchSegment,
@@ -17,7 +18,6 @@ from origami_nlp.continuation import (
     ParameterLine,
 )
 from origami_nlp.kkt import State, classify
-from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
@@ -86,7 +86,8 @@ def breaking_eigenvalue(
     open_now = closed and np.abs(full.local.openings(closed)[0]).max() > CONTACT_TOL
     if pieces is None or open_now:
         pieces = touching[frame.hold] = tuple(full.pieces)
-    return breaking_stiffness(full, scene, pieces[0]) if len(pieces) == 1 else math.nan
+    found = breaking_stiffnesses(full, scene, pieces[0]) if len(pieces) == 1 else (math.nan,)
+    return min(found, default=math.inf)
 
 
 def states_at(

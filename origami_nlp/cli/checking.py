@@ -23,7 +23,7 @@ Files = Annotated[
 ]
 
 
-@writes("json", "figure", "markdown", "bibtex")
+@writes("json", "figure")
 def check(
     out: Output,
     files: Files,
@@ -81,15 +81,12 @@ def check(
         )
     out.write("json", lambda: seen[0].to_dict() if len(files) == 1 else [s.to_dict() for s in seen])
     out.write("figure", lambda: seen[0].draw())
-    out.write("markdown", lambda: "\n".join(one.to_markdown() for one in seen))
-    if seen:
-        out.others(seen[0])
     if unread or any(one.verdict != "valid" for one in seen):
         raise typer.Exit(2 if unread else 1)
 
 
 @takes_scene(o.PatternFile, whole=True, springs=False)
-@answers("json", "fold", "markdown")
+@answers("json", "fold")
 def layers(
     scene: Source,
     most: Annotated[int, typer.Option(metavar="N", help="Orders that are listed in files.")] = 100,

@@ -1,4 +1,4 @@
-"""The command `convert`: a crease pattern from format to format, for simulators, lasers and the bench."""
+"""The command `convert`: a crease pattern from format to format."""
 
 from __future__ import annotations
 
@@ -51,13 +51,6 @@ def convert(
         int | None,
         typer.Option(metavar="K", help="One of several sheets, from 1, the largest first."),
     ] = None,
-    style: Annotated[
-        str | None,
-        typer.Option(
-            metavar="simulator|laser|bench",
-            help="Colours of Origami Simulator (default); layers for a laser; numbers and fold angles to print.",
-        ),
-    ] = None,
     scale: Annotated[
         float | None, typer.Option(metavar="MM", help="Millimetres for one unit of the file.")
     ] = None,
@@ -65,18 +58,8 @@ def convert(
         float | None,
         typer.Option("--longest", metavar="MM", help="Millimetres of the longest side."),
     ] = None,
-    dash: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ON,OFF", help="Dashes of creases and least gap between them [mm], for lasers."
-        ),
-    ] = None,
-    holes: Annotated[
-        float,
-        typer.Option(metavar="R", help="Radius of a hole at each inner vertex [mm], for lasers."),
-    ] = 0.0,
 ) -> None:
-    """Write the crease pattern of SOURCE as OUT: another format, a file for a laser, or a page for the bench.
+    """Write the crease pattern of SOURCE as OUT, in another format.
 
     What was repaired, left out or taken is listed.  A frame with a folded form (--frame K) is drawn flat, with its fold
     angles.
@@ -93,7 +76,7 @@ def convert(
         to,
         frame=frame,
         drawing=asked if asked != DrawingOptions() else None,
-        write=WriteOptions(style, scale, size, _pair(dash), holes),
+        write=WriteOptions(scale, size),
     )
     for note in made.notes:
         out.say(f"note: {note}", highlight=False)
@@ -114,13 +97,3 @@ def _letters(given: list[str]) -> dict[str, str]:
                 f"--colour = {key + sign + letter!r} must be KEY=LETTER, such as '#EE1032=M'"
             )
     return {key: letter.upper() for key, _, letter in pairs}
-
-
-def _pair(dash: str | None) -> tuple[float, float] | None:
-    if dash is None:
-        return None
-    try:
-        on, off = map(float, dash.split(","))
-    except ValueError:
-        raise OptionError(f"--dash = {dash!r} must be two lengths [mm], such as 2,0.5") from None
-    return on, off

@@ -24,13 +24,10 @@ from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import (
-    actuate,
     barriers,
     contacts,
     critical,
-    friction,
     load,
-    modes,
     space,
 )
 from origami_nlp.errors import OrigamiError
@@ -52,7 +49,7 @@ app = Group(
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
 app.add(inspect, example, hinge, check, convert, under=FIRST)
-app.add(actuate, landscape, barriers, modes, contacts, friction, critical, space, under=ANALYSIS)
+app.add(landscape, barriers, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import io
 import time
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.group import FOLD_FILES
 from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
@@ -25,18 +23,10 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh", "animate", "bibtex")
+@writes("json", "figure", "html", "fold", "mesh")
 def minima(
     out: Output,
     scene: Source,
-    each_vertex: Annotated[
-        bool,
-        typer.Option(
-            "--each-vertex",
-            rich_help_panel=FOLD_FILES,
-            help="Every vertex by itself, equal ones once, as one table.",
-        ),
-    ] = False,
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
     max_starts: o.MaxStarts = None,
@@ -53,7 +43,7 @@ def minima(
 
     Of a scene they are those with its symmetry; whether they are stable without it is judged where that is cheap, or
     as --full and --no-full say.  A FOLD file or an example is
-    a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
+    a pattern with all its vertices coupled; --vertex takes one of them.
     """
     from origami_nlp.pattern import Scene
     from origami_nlp.results import draw
@@ -73,22 +63,6 @@ def minima(
         # a certificate asks for a proof
         "prove": o.wanted_proof(prove) if prove or certificate is None else True,
     }
-    if each_vertex:
-        from origami_nlp.minima import find_vertexwise
-
-        scenes = scene.read_all()
-        why = f"this is for one vertex: choose one of {len(scenes)} with --vertex"
-        out.refuse(why, "figure", "fold", "mesh", "animate")
-        if certificate is not None:
-            raise OptionError(f"--certificate = {certificate!r}: {why}")
-        found = find_vertexwise(
-            scenes, find=partial(search, name=scene.name), found=out.say, **options
-        )
-        found.print_to(out.console, verbose)
-        out.write("json", found.to_dict)
-        out.turn(*found.results)
-        out.others(found)
-        return
     stated = scene.read_whole(contact=True)
     if seconds is not None:  # the limit is the command's: reading a large sheet takes of it
         options["seconds"] = max(seconds - (time.monotonic() - begun), 0.0)
@@ -110,7 +84,6 @@ def minima(
         _write_certificate(result, certificate)
         out.written(certificate)
     out.turn(result)
-    out.others(result)
     if stopped:
         raise KeyboardInterrupt
 
@@ -173,7 +146,7 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
     write_certificate(certificate_of_strip(result.pattern, proof), file)
 
 
-@writes("json", "bibtex")
+@writes("json")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
     """Check a proof that the list of minima of a strip or a mesh is complete, claim by claim, in ball arithmetic.
 
@@ -196,7 +169,6 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
     out.write("json", found.to_dict)
-    out.others(found)
     if found.refused:
         raise typer.Exit(1)
 
@@ -206,7 +178,7 @@ SMALLEST, LARGEST = 16, 4097
 
 @bounded
 @takes_scene(o.SceneFile, springs=False)
-@writes("json", "figure", "html", "npz", "bibtex")
+@writes("json", "figure", "html", "npz")
 def landscape(
     out: Output,
     scene: Source,
@@ -256,7 +228,6 @@ def landscape(
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
     out.save("html", lambda file: InteractivePage(exact.view_content(barriers)).save(file))
-    out.others(exact)
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -100,7 +100,7 @@ def _pattern(scene: Source, out: Output) -> None:
     out.write("fold", lambda: json.dumps(pattern_to_fold(sheet), indent=1) + "\n")
 
 
-@answers("json", "figure", "markdown")
+@answers("json", "figure")
 def hinge(
     data: Annotated[
         str,

@@ -23,7 +23,7 @@ REFUTED, OPEN = 1, 3
 
 
 @bounded
-@writes("json", "scene", "fold", "figure", "bibtex")
+@writes("json", "scene", "fold", "figure")
 def design(
     out: Output,
     targets: Annotated[
@@ -78,7 +78,6 @@ def design(
         else:
             out.write("scene", format_scene, made)
         out.write("figure", lambda: draw_design(answer))
-    out.others(answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)
 

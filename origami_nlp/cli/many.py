@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.PatternFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh", "bibtex")
+@writes("json", "figure", "html", "fold", "mesh")
 def pattern(
     out: Output,
     scene: Source,
@@ -65,7 +65,6 @@ class _Files:
         out.save("fold", self._fold)
         out.save("mesh", self._mesh)
         out.save("html", self._page)
-        out.others(self.motion or self.seen)
 
     def _data(self) -> dict[str, Any]:
         data = self.seen.to_dict()

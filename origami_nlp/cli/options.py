@@ -57,14 +57,6 @@ def _rest_angle(value: str | None) -> str | None:
     return value
 
 
-def _stiffness(value: str | None) -> float | str | None:
-    """Return a number, or the name of a material."""
-    try:
-        return None if value is None else float(value)
-    except ValueError:
-        return value
-
-
 def extended(
     run: Callable[..., None],
     command: Callable[..., Any],
@@ -148,7 +140,7 @@ def output_files(help: str) -> Any:
 
 
 def place(file: str) -> str:
-    """Return where a file goes: ``-`` for standard output, which ``-.md`` is too, else the file."""
+    """Return where a file goes: ``-`` for standard output, which ``-.fold`` is too, else the file."""
     return "-" if Path(file).name == file and Path(file).stem == "-" else file
 
 
@@ -353,13 +345,11 @@ Diagonal = Annotated[
     ),
 ]
 FoldStiffness = Annotated[
-    str | None,
+    float | None,
     typer.Option(
         metavar="K",
-        callback=_stiffness,
         **_OF_FOLD,
-        help="Stiffness of creases for which the file gives none [N m/rad] (default 1); of a whole pattern also a "
-        "hinge material of a plug-in, by its name.",
+        help="Stiffness of creases for which the file gives none [N m/rad] (default 1).",
     ),
 ]
 FoldRestAngle = Annotated[

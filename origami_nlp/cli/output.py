@@ -14,12 +14,9 @@ from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Result, Table, Viewable
+    from origami_nlp.display import Table, Viewable
     from origami_nlp.io import Screen
-    from origami_nlp.proof import Check
 
-EXPORT = "export"
-"""Kind of a file that a plug-in writes."""
 LONG = 24
 """Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
@@ -31,14 +28,12 @@ KINDS = {
     "figure": ((".png", ".pdf", ".svg"), "figure"),
     "html": ((".html", ".htm"), "page with states to turn"),
     "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
-    "animate": ((".gif", ".mp4"), "states in turn, .mp4 with ffmpeg"),
     "markdown": ((".md",), "table"),
     "latex": ((".tex",), "snippets"),
     "npz": ((".npz",), "arrays for NumPy"),
-    "bibtex": ((".bib",), "what to cite"),
 }
 """What files may hold: endings of their names, and what help calls it."""
-TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex", "bibtex")
+TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex")
 """Kinds of files that may go to standard output."""
 SEARCH = {
     "full": (o.FullOrNot, None),
@@ -61,8 +56,8 @@ class Output:
     Parameters
     ----------
     files
-        Names; the ending says what is written.  ``-`` is standard output and the first of `kinds`, ``-.md`` standard
-        output and Markdown; a device or a pipe without an ending gets the first of `kinds`.
+        Names; the ending says what is written.  ``-`` is standard output and the first of `kinds`, ``-.csv`` standard
+        output and a table; a device or a pipe without an ending gets the first of `kinds`.
     kinds
         Of `KINDS`: what the command can write.
 
@@ -80,10 +75,6 @@ class Output:
                 from origami_nlp.minima import check_mesh
 
                 check_mesh(file)
-            elif kind == "animate":
-                from origami_nlp.display import check_animation
-
-                check_animation(file)
 
     def check(self, *more: tuple[str, Target | None]) -> None:
         """Check that all files can be written, and those of more options (pairs of option and file) too."""
@@ -140,28 +131,13 @@ class Output:
             self.written(file)
 
     def turn(self, *results: Viewable) -> None:
-        """Write a page on all `results`, and a film of the states of the first, where asked for."""
-        if not self.files("html", "animate"):
+        """Write a page on all `results` where asked for."""
+        if not self.files("html"):
             return
-        from origami_nlp.display import InteractivePage, write_animation
+        from origami_nlp.display import InteractivePage
 
         contents = [result.view_content() for result in results]
         self.save("html", lambda file: InteractivePage(*contents).save(file))
-        self.save("animate", lambda file: write_animation(contents[0], file))
-
-    def others(self, result: Result | Check) -> None:
-        """Write what any result can be written as: what to cite for it and for its files, and exports of plug-ins."""
-        for kind, file in self._given:
-            if kind == EXPORT:
-                from origami_nlp.plugins import export
-
-                _write(export(result, file), file)
-                self.written(file)
-        if self.files("bibtex"):
-            from origami_nlp.references import citations
-
-            beside = [file for kind, file in self._given if kind != "bibtex"]
-            self.write("bibtex", lambda: citations(result, *beside).bibtex())
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
@@ -214,15 +190,13 @@ def answers(
             found = command(**said)
             found.print_to(out.console, verbose)
             out.write("json", lambda: found.to_dict())
-            out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)
             out.save("fold", _save_frames, found)
             out.save("mesh", write_mesh, found)
             out.turn(found)
-            out.others(found)
             end_of(found)
 
-        return writes(*kinds, "bibtex")(o.extended(run, command, own))
+        return writes(*kinds)(o.extended(run, command, own))
 
     return decorate
 
@@ -243,11 +217,6 @@ def _kind(file: str, kinds: Sequence[str]) -> str:
             return kinds[0]
     if os.path.isdir(place):
         raise OptionError(f"-o = {file!r} is a folder: give a file name")
-    if "bibtex" in kinds and ending:  # a result is written, not a scene or a table
-        from origami_nlp.plugins import has_exporter
-
-        if has_exporter(file):
-            return EXPORT
     endings = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
     raise OptionError(f"-o = {file!r} must end in one of {endings}")
 

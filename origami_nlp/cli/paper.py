@@ -47,10 +47,10 @@ def demo(folder: Annotated[Path, o.OutFolder] = Path("origami_demo"), seed: o.Se
     output.written(*files)
 
 
-@writes("json", "markdown")
+@writes("json")
 def panels(out: Output, full: o.FullOrNot = None, seed: o.Seed = 0) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.display import rows_table
     from origami_nlp.minima import table
 
     results = search_panels(seed, bool(full))
@@ -61,7 +61,6 @@ def panels(out: Output, full: o.FullOrNot = None, seed: o.Seed = 0) -> None:
         rows.append(("total", *totals, ""))
     seconds = sum(r.search.seconds for r in results)
     out.say(rows_table(heads, rows, f"all panels of the paper, {seconds:.1f} s in total"))
-    out.write("markdown", rows_markdown, heads, rows)
     out.write("json", lambda: [r.to_dict() for r in results])
 
 
@@ -71,7 +70,7 @@ def _claims() -> list[str]:
     return [claim.id for claim in claims()]
 
 
-@writes("json", "markdown", "latex")
+@writes("json", "latex")
 def verify(
     out: Output,
     only: Annotated[
@@ -88,7 +87,7 @@ def verify(
     statement proved); 1: some claim is not; 2: an option has a value it cannot take.
     """
     from origami_nlp.symbolic.catalogue import claim_by_id, claims, decide_all
-    from origami_nlp.symbolic.report import as_json, as_latex, as_markdown
+    from origami_nlp.symbolic.report import as_json, as_latex
     from origami_nlp.symbolic.table import print_results
 
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
@@ -100,7 +99,6 @@ def verify(
         results = decide_all(chosen, progress=advance)
     print_results(results, out.console)
     out.write("json", as_json, results)
-    out.write("markdown", as_markdown, results)
     out.write("latex", as_latex, results)
     if not all(r.verdict.decided for r in results):
         raise typer.Exit(1)

@@ -135,7 +135,6 @@ class Source:
         for option in PER_LENGTH.keys() & self.given.keys():
             named = option.replace("_", "-")
             raise OptionError(f"--{named} is for whole patterns, not for a vertex of one")
-        self._refuse_material()
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         return vertex_scene(self._frame(), self.vertex, on_note=_note, **self._spring_options())
@@ -176,8 +175,6 @@ class Source:
                 )
         options = self._spring_options()
         options.pop("contact", None)
-        if "per_length" in self.given and isinstance(options.get("stiffness"), str):
-            raise OptionError("--per-length: a material is per length already, leave it out")
         whole = frame_pattern(self._frame(), **options)
         whole = whole.with_springs(per_length=True) if self.given.get("per_length") else whole
         bend, diagonal = self.given.get("bend"), self.given.get("diagonal")
@@ -185,25 +182,11 @@ class Source:
             raise OptionError("--diagonal is for facets that bend: give their stiffness, --bend K")
         return whole if bend is None else with_bending(whole, bend, diagonal or "short")
 
-    def read_all(self) -> dict[int, Scene]:
-        """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
-        from origami_nlp.pattern import vertex_scenes
-
-        self._refuse_material()
-        return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
-
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
         """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
         if given := [name for name in self.given if name not in but]:
             option = given[0].replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
-
-    def _refuse_material(self) -> None:
-        """Raise an error for a hinge material: the creases of a vertex have no length."""
-        if isinstance(name := self.given.get("stiffness"), str):
-            raise OptionError(
-                f"--stiffness = {name!r}: a material is for whole patterns, whose creases have lengths; give a number"
-            )
 
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold

@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `load`, `actuate`, `friction`, `barriers`, `critical`, ..."""
+"""Commands that say more of states: `contacts`, `load`, `barriers`, `critical`, ..."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ SEARCHES = ("seed", "effort")
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True, springs=False)
-@answers("json", "html", "markdown", search=SEARCHES)
+@answers("json", "html", search=SEARCHES)
 def contacts(
     scene: Source,
     state: o.StateNumber = None,
@@ -155,68 +155,6 @@ def contacts(
     stated = scene.read_whole(contact=True)
     result = search(stated, scene.name, contact=scene.whole_contact, escape=False, **options)
     return find_contacts(result, state=state, segments=segments)
-
-
-@bounded
-@takes_scene(o.OrigamiFile, whole=True, springs=False)
-@answers("json", "figure", "markdown", search=SEARCHES)
-def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
-    """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
-    from origami_nlp.modes import find_modes
-
-    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
-    stated = scene.read_whole(contact=True)
-    return find_modes(search(stated, scene.name, escape=False, **options), state=state)
-
-
-FrictionAt: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--torque",
-        metavar="T|K=T",
-        help="Largest dry friction torque [N m] at hinges: T at all, K=T at crease K alone; repeated.",
-    ),
-]
-
-
-@bounded
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "markdown", search=SEARCHES, details=True)
-def friction(
-    scene: Source,
-    torque: FrictionAt = None,
-    facets: Annotated[
-        bool,
-        typer.Option(
-            "--facets",
-            help="Instead, the least Coulomb coefficient between facets that holds the folded state in a FOLD file.",
-        ),
-    ] = False,
-    state: o.StateNumber = None,
-    **options: Any,
-) -> Any:
-    """Report the states around each minimum of ORIGAMI that dry friction at its hinges holds."""
-    from origami_nlp.friction import find_friction, least_coulomb
-    from origami_nlp.pattern import Scene
-
-    if facets:
-        if torque is not None or state is not None:
-            raise OptionError(
-                "--facets asks about the state in the file: leave out --torque and --state"
-            )
-        sheet = scene.read_pattern(contact=True)
-        if sheet.stated is None:
-            raise OptionError(
-                f"--facets: {scene.name!r} describes no folded state: edges_foldAngle or coordinates do"
-            )
-        return least_coulomb(sheet, sheet.stated.tolist())
-    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
-    stated = scene.read_whole(contact=True)
-    creases = stated.degree if isinstance(stated, Scene) else stated.creases
-    bounds = torque_bounds("--torque", torque, creases)
-    if bounds is None:
-        raise OptionError("--torque T is missing: the largest friction torque of hinges [N m]")
-    return find_friction(search(stated, scene.name, escape=False, **options), bounds, state=state)
 
 
 @takes_scene(o.OrigamiFile, whole=True)
@@ -290,71 +228,9 @@ def load(
         return load_path(what, work, to=end, state=state, unload=unload, confirm=confirm, **search)
 
 
-def torques_of(text: str) -> dict[int, Any]:
-    """Return what ``--torques`` says, crease by crease: torques, or their signs."""
-    pairs = [part.partition("=") for part in text.split(",")]
-    try:
-        found = {int(k): t if t in ("+", "-") else float(t) for k, _, t in pairs}
-    except ValueError:
-        found = {}
-    if len(found) < len(pairs):
-        raise OptionError(
-            f"--torques = {text!r} must name each crease once, with its torque: 1=0.02,3=-0.01"
-        )
-    return found
-
-
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "fold", "markdown", search=("effort", "seed", "seconds"), details=True)
-def actuate(
-    scene: Source,
-    torques: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="K=T,K=T",
-            help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other. "
-            "T = + or - on each: torques of some size.",
-        ),
-    ] = None,
-    start: Annotated[
-        str,
-        typer.Option(
-            metavar="flat|K|all",
-            help="State from which loads begin: flat, stable state K without torques, or all of them.",
-        ),
-    ] = "flat",
-    relaxed: Annotated[
-        bool,
-        typer.Option("--relaxed", help="Springs at rest in the flat state: what torques do alone."),
-    ] = False,
-    **search: Any,
-) -> Any:
-    """Put torques on creases of ORIGAMI: which states are reached, is the fold unique, which few creases would do.
-
-    Without --torques: the branches of the flat state, and the fewest creases on which torques start one alone.  With
-    several --torques each is put on and taken off before the next; with --start all the graph of where each leads from
-    each stable state.
-    """
-    from origami_nlp.actuation import actuate as find
-
-    if start not in ("flat", "all") and not start.isdecimal():
-        raise OptionError(f"--start = {start!r} must be flat, all, or the number of a stable state")
-    begin = int(start) if start.isdecimal() else start
-    loads = [torques_of(text) for text in torques or ()]
-    what = scene.read_whole()
-    with progress(f"{scene.name} actuated"):
-        return find(
-            what,
-            loads[0] if len(loads) == 1 else loads or None,
-            start=begin,
-            relaxed=relaxed,
-            **search,
-        )
-
-
 @bounded
 @takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
-@writes("json", "figure", "html", "fold", "animate", "markdown", "bibtex")
+@writes("json", "figure", "html", "fold")
 def barriers(
     out: Output,
     scene: Source,
@@ -366,12 +242,12 @@ def barriers(
     Along traced curves; with two or more degrees of freedom along descents and, of patterns, paths over any height, as
     upper bounds, exact where the flat state parts two minima of a vertex.
     """
-    from origami_nlp.barriers import barriers_table, check_dof, draw_barriers, find_barriers
+    from origami_nlp.barriers import check_dof, draw_barriers, find_barriers
     from origami_nlp.pattern import Scene, examples
 
     given = scene.name
     if scene.is_panels:
-        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate", "bibtex")
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold")
     stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
@@ -389,17 +265,15 @@ def barriers(
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])
-    out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
-    out.others(found[0])
     end_of(found[0])
 
 
 @bounded
 @takes_scene(o.SceneOrPanels, springs=False)
-@writes("json", "markdown")
+@writes("json")
 def critical(
     out: Output,
     scene: Source,
@@ -418,7 +292,7 @@ def critical(
     from rich.text import Text
 
     from origami_nlp.critical import PANEL_HEADS, compare_minima, find_critical_points, panel_row
-    from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.display import rows_table
     from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
@@ -449,7 +323,6 @@ def critical(
             out.say(f"{stated.label}: {verdict.text}")
     if scene.is_panels:
         out.say(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
-    out.write("markdown", rows_markdown, PANEL_HEADS, rows)
     out.write("json", lambda: data if scene.is_panels else data[0])
 
 

@@ -6,3 +6,4 @@ from .segments import (
     flat_parts as flat_parts,
 )
 from .segments_figure import draw_segments as draw_segments
+from .symmetry_blocks import breaking_stiffnesses as breaking_stiffnesses

@@ -7,7 +7,7 @@ is null.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,11 +15,13 @@ import numpy as np
 
 from origami_nlp.contact.margin import CreaseMargin, LoadMargin, MarginCheck, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments, find_segments
+from origami_nlp.contact.symmetry_blocks import breaking_stiffnesses
 from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import ContactForce, classify
-from origami_nlp.minima import CELLS, MinimaResult
+from origami_nlp.kkt import ContactForce, State, classify
+from origami_nlp.minima import CELLS, MinimaResult, full_scene
+from origami_nlp.problem import Model
 
 HEADS = (
     "#",
@@ -30,7 +32,6 @@ HEADS = (
     "load margin [N m]",
 )
 CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
-CREASES = "Largest moment on the creases of one orbit alone:"
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
@@ -50,6 +51,10 @@ class PinnedState(ShortRepr):
     stiffness
         Tangential stiffness [N m/rad], eigenvalues of the Hessian on the space that keeps the loaded contacts
         closed, per unit length in the space of all N fold angles; empty where that space is a point.
+    breaking
+        Stiffness against motions that break the symmetry which the search kept, with the loaded contacts closed
+        [N m/rad]: the eigenvalues of that block of the Hessian, see `breaking_stiffnesses`; empty where there is
+        none.
     softness
         The smallest over the sum of all k; inf where there is none.
     margin
@@ -62,6 +67,7 @@ class PinnedState(ShortRepr):
     minimum: Any = field(metadata={"plain": False})
     contacts: tuple[ContactForce, ...]
     stiffness: tuple[float, ...]
+    breaking: tuple[Unbounded, ...]
     softness: Unbounded
     margin: LoadMargin
 
@@ -108,7 +114,7 @@ class ContactReport(Report, Viewable):
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
-    SCHEMA, READS = "origami-nlp/contacts/2", False
+    SCHEMA, READS = "origami-nlp/contacts/3", False
 
     @property
     def headline(self) -> str:
@@ -161,23 +167,15 @@ class ContactReport(Report, Viewable):
         for state in self.states:
             yield Words(f"#{state.number}", "bold")
             yield from (f"   contact {c.words()}" for c in state.contacts)
+            if state.breaking:
+                values = ", ".join(f"{v:.4g}" for v in state.breaking)
+                yield f"   stiffness against motions that break the symmetry [N m/rad]: {values}"
             yield from (f"   {line}" for line in margin_lines(state.margin))
             for crease in state.margin.creases:
                 names, up, down = crease_cells(crease)
                 yield f"   moment on creases {names} alone: valley {up}; mountain {down}"
         if self.segments is not None:
             yield from self.segments.report_sections()
-
-    def to_markdown(self) -> str:
-        """Return the report as a page of Markdown."""
-        parts = [f"# {self.headline}\n", self.full_table().markdown()]
-        for state in self.states:
-            parts += [f"## State {state.number}\n", _bullets(margin_lines(state.margin))]
-            if state.margin.creases:
-                parts += [f"{CREASES}\n", state.creases_table().markdown()]
-        if self.segments is not None:
-            parts += ["## Metastable segments\n", _bullets(self.segments.report_sections())]
-        return "\n".join(parts)
 
     def view_content(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
@@ -215,10 +213,6 @@ class ContactReport(Report, Viewable):
                 own = {"contact": c.text, "moment_N_m": c.multiplier}
                 own |= {"least_N_m": least, "most_N_m": most}
                 yield row | own | last
-
-
-def _bullets(lines: Iterable[str]) -> str:
-    return "".join(f"- {line}\n" for line in lines)
 
 
 def margin_number(margin: LoadMargin) -> str:
@@ -326,6 +320,12 @@ def find_contacts(
         stiffness = what.hessian_eigenvalues if one else what.eigenvalues
         total = at.problem.scale * float(np.sum(at.problem.parameters.stiffness))
         softness = min(stiffness, default=math.inf) / total
-        states.append(PinnedState(number, minimum, what.contacts, stiffness, softness, margin))
+        breaking: tuple[float, ...] = ()
+        if one and not result.scene.group.is_trivial:
+            whole = State(Model(full_scene(result.scene)), np.array(minimum.fold_angles))
+            breaking = breaking_stiffnesses(whole, result.scene)
+        states.append(
+            PinnedState(number, minimum, what.contacts, stiffness, breaking, softness, margin)
+        )
     found = find_segments(result) if segments else None
     return ContactReport(result, tuple(states), found)

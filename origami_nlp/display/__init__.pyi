@@ -1,4 +1,3 @@
-from .animation import check_animation as check_animation, write_animation as write_animation
 from .bodies import (
     Body as Body,
     Content as Content,
@@ -85,4 +84,4 @@ from .text import (
     short_label as short_label,
     subscript as subscript,
 )
-from .touches import contact_legend as contact_legend, contact_places as contact_places
+from .touches import contact_places as contact_places

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, require
 from origami_nlp.errors import OptionError
-from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json, write_whole
-from origami_nlp.plugins import export, has_exporter
+from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json
 
 if TYPE_CHECKING:
     from typing import Self
@@ -83,7 +82,7 @@ class Result:
         return figure
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the result as JSON, or as an exporter of a plug-in has it by the ending, whole or not at all.
+        """Write the result as JSON, whole or not at all.
 
         Parameters
         ----------
@@ -93,12 +92,9 @@ class Result:
         Raises
         ------
         OptionError
-            If there is no schema for such a result, or the file cannot be written, or the plug-in failed.
+            If there is no schema for such a result, or the file cannot be written.
         """
         check_path("path", path)
-        if Path(path).suffix.lower() != ".json" and has_exporter(path):
-            write_whole(path, export(self, path))
-            return
         write_json(self.to_dict(), Path(path))
 
     @classmethod

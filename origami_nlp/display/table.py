@@ -231,10 +231,6 @@ class Report(PrettyRepr, Result, ABC):
     def _repr_html_(self) -> str:
         return pieces_html(self.report_sections())
 
-    def to_markdown(self) -> str:
-        """Return tables and lines in Markdown."""
-        return "\n".join(map(_section_markdown, self.report_sections()))
-
 
 def pieces_html(pieces: Iterable[Section]) -> str:
     """Return tables and lines as HTML, static and without links.
@@ -349,14 +345,6 @@ def _rich(cell: Cell) -> Text:
     from rich.text import Text
 
     return Text(cell) if isinstance(cell, str) else Text(cell.text, cell.style)
-
-
-def _section_markdown(piece: Section) -> str:
-    if isinstance(piece, Details):
-        return "\n".join([f"{piece.title}\n", *map(_section_markdown, piece.pieces)])
-    if isinstance(piece, Table):
-        return f"{piece.title}\n\n{piece.markdown()}"
-    return f"{_markdown(piece)}  "
 
 
 def _markdown(cell: Cell) -> str:

@@ -6,4 +6,8 @@ from .reading import (
     read_drawing as read_drawing,
 )
 from .sheet import Drawing as Drawing
-from .writing import STYLES as STYLES, WriteOptions as WriteOptions, write_drawing as write_drawing
+from .writing import (
+    WRITTEN as WRITTEN,
+    WriteOptions as WriteOptions,
+    write_drawing as write_drawing,
+)

@@ -93,7 +93,3 @@ from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .terrain import VertexTerrain as VertexTerrain
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
-from .vertexwise import (
-    VertexwiseMinima as VertexwiseMinima,
-    find_vertexwise as find_vertexwise,
-)

@@ -12,7 +12,6 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.account import FEW_QUIET, SearchReport
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
-from origami_nlp.pattern_problem import SignVector
 
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
@@ -57,8 +56,6 @@ class PatternSearchReport(SearchReport):
         Minima that the starts of each family of `by_source` led to, and those of them that no other family did.
     cut
         Families of starts from minima that ended before each minimum was gone on from.
-    sign_vectors
-        Which signs of vertices occur, as far as that was asked.
     wells, resolved
         Wells of the energy along curves; how many of them were judged.
     coarse
@@ -87,7 +84,6 @@ class PatternSearchReport(SearchReport):
     reached: dict[str, int] = field(default_factory=dict)
     alone: dict[str, int] = field(default_factory=dict)
     cut: tuple[str, ...] = ()
-    sign_vectors: tuple[SignVector, ...] = ()
     wells: int = 0
     resolved: int = 0
     coarse: int = 0

@@ -7,7 +7,6 @@ matplotlib's object interface only: no global state, any backend.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,24 +66,23 @@ def compose(
     minima: tuple[JudgedState, ...],
     dof: int,
     chart: Landscape | None,
-    signs: Sequence[str] = (),
 ) -> Figure:
     """Draw minima folded, and on the landscape of their scene.
 
     dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
-    pattern.  signs: of the vertices in each state, if they are to be shown.
+    pattern.
     """
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
     places = (
         [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels.groups else []
     )
-    signs, unit = signs or [""] * len(shown), energy_unit(origami)
+    unit = energy_unit(origami)
     states = StatesDrawn(
         origami,
         [
-            _state_title(k, m, m.dof if chart is None else dof, unit, sign)
-            for k, (m, sign) in enumerate(zip(shown, signs, strict=False), start=1)
+            _state_title(k, m, m.dof if chart is None else dof, unit)
+            for k, m in enumerate(shown, start=1)
         ],
         [m.phi for m in shown],
         [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
@@ -159,7 +157,7 @@ def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[st
     return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
 
 
-def _state_title(number: int, minimum: JudgedState, dof: int, unit: float, signs: str = "") -> str:
+def _state_title(number: int, minimum: JudgedState, dof: int, unit: float) -> str:
     kind: str = minimum.kind
     if minimum.local_dimension < dof:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
@@ -168,9 +166,8 @@ def _state_title(number: int, minimum: JudgedState, dof: int, unit: float, signs
     known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
     if minimum.shallow:
         kind = f"{minimum.kind}, shallow"
-    signed = f",  {signs.replace('-', '−')}" if signs else ""
     energy = energy_words(minimum.energy, unit, 4)
-    head = f"{number}:  U = {energy} {UNIT}{known}{signed}\n{kind}"
+    head = f"{number}:  U = {energy} {UNIT}{known}\n{kind}"
     return f"{head}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
 
 

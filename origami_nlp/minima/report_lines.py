@@ -18,8 +18,7 @@ from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
-from origami_nlp.pattern import Scene, listed, tapered_limit
-from origami_nlp.pattern_problem import PopSigns, SignVector
+from origami_nlp.pattern import Scene, tapered_limit
 
 if TYPE_CHECKING:
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
@@ -169,64 +168,6 @@ def _tube_table(tubes: Sequence[FoldedTube], numbers: Sequence[str], first: str)
         rows.append([number, *said[:3], *turns, *said[3:]])
     title = "copies of a cell lie round an axis: the next along a or b is turned about it and advanced along it"
     return Table(heads, rows, title, "r" * len(heads), framed=False, narrow=True)
-
-
-def sign_lines(pops: PopSigns, signs: Sequence[str], search: SearchReport) -> Iterator[str]:
-    """Say what the signs of states are, which cannot be, and at which vertices they say nothing."""
-    if pops.vertices:
-        vectors = getattr(search, "sign_vectors", ())
-        many, none = len(set(signs)), sum(v.conflict is not None for v in vectors)
-        refused = f", {none} of {len(vectors)} proved to have no state beside the flat one" * bool(
-            none
-        )
-        yield (
-            f"signs: of the sum of fold angles round vertices {listed([*pops.vertices])} (0: flat); {many} "
-            f"combination{'s' * (many != 1)}{refused}; motions without crossing facets change a sign only where that "
-            "vertex is flat"
-        )
-    if pops.without:
-        yield f"no sign at vertices {listed([*pops.without])}, with more than 360 degrees of paper"
-
-
-def sign_tables(
-    minima: Sequence[JudgedState], signs: Sequence[str], search: SearchReport, scale: float
-) -> Iterator[Table]:
-    """Return a line for each combination of signs: its stable states, and what is known beside the flat state.
-
-    Parameters
-    ----------
-    minima, signs
-        By energy, with the signs of each; without signs there is no table.
-    search
-        What it knows of other combinations.
-    scale
-        Mean stiffness, of which rounding of energies is a share.
-
-    Yields
-    ------
-    Table
-        Combinations with states first, by their lowest energy.
-    """
-    if not any(signs):
-        return
-    vectors: Sequence[SignVector] = getattr(search, "sign_vectors", ())
-    order = ("minimum", "state", "open", "impossible")
-    known = {v.signs: v for v in sorted(vectors, key=lambda v: order.index(v.verdict))}
-    rows: list[list[Cell]] = []
-    for name in dict.fromkeys((*signs, *known)):
-        some = [m for m, own in zip(minima, signs, strict=True) if own == name]
-        lowest = energy_words(some[0].energy, scale) if some else "-"
-        rows.append([name, str(len(some)), lowest, _beside_flat(known.get(name))])
-    heads = ["signs", "states", "lowest [J]", "beside the flat state"]
-    yield Table(heads, rows, "states by signs of vertices", "lrrL", framed=False, narrow=True)
-
-
-def _beside_flat(vector: SignVector | None) -> str:
-    if vector is None or (vector.verdict == "minimum" and vector.conflict is None):
-        return ""
-    if (why := vector.conflict) is not None:
-        return f"none, proved: vertices {listed([*why.vertices])} are not {why.signs} there, nor turned over"
-    return "a state, none found stable" if vector.verdict == "state" else "not decided"
 
 
 def flag_lines(flags: ResultFlags) -> list[str]:

@@ -41,8 +41,6 @@ from origami_nlp.minima.report_lines import (
     lattice_table,
     residual_cells,
     scene_lines,
-    sign_lines,
-    sign_tables,
     state_lines,
     survival_lines,
     touching_cells,
@@ -57,7 +55,6 @@ from origami_nlp.minima.stability import (
 )
 from origami_nlp.minima.summary import (
     MOST_LINES,
-    MOST_SIGNS,
     energy_unit,
     find_images,
     summary_table,
@@ -101,7 +98,7 @@ class MinimaResult(Report, Viewable):
 
     Notes
     -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension, signs,
+    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension,
     closure, kkt (residuals), hits, stable (None where the full space was not asked), softest_N_m_per_rad, barrier_J,
     barrier_method, shallow, phi_1_rad .. phi_N_rad.
 
@@ -124,8 +121,8 @@ class MinimaResult(Report, Viewable):
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/2"
-    ALSO = ("model", "flags", "closure_stress", "signs", "sign_vertices", "lattices")
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/3"
+    ALSO = ("model", "flags", "closure_stress", "lattices")
 
     def __post_init__(self) -> None:
         stated = self.origami
@@ -245,11 +242,6 @@ class MinimaResult(Report, Viewable):
         """The vertices that `signs` are of, as a FOLD file numbers them: those with 360 degrees of paper or less."""
         return self._pop_signs.vertices if self._pop_signs else ()
 
-    @property
-    def shown_signs(self) -> tuple[str, ...]:
-        """`signs` of a pattern of few vertices, whose tables and pictures name them; else nothing."""
-        return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
-
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
         """Of a cell that repeats its folded lattice, or tube, in each minimum, and how it gives way; else nothing."""
@@ -347,7 +339,7 @@ class MinimaResult(Report, Viewable):
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
         about = self.origami, self.minima, self._images, self.verdict, energy_unit(self.origami)
-        return summary_table(*about, self.shown_signs)
+        return summary_table(*about)
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
@@ -362,8 +354,6 @@ class MinimaResult(Report, Viewable):
         yield from angle_lines(self.minima, shown)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
-        elif self.minima and self._pop_signs:
-            yield from sign_lines(self._pop_signs, self.signs, self.search)
         lies = not self.is_pattern or self.model.flattened is not None
         yield from survival_lines(self.minima, self.is_pattern, lies)
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
@@ -398,7 +388,6 @@ class MinimaResult(Report, Viewable):
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
         if self.is_pattern:
-            yield from sign_tables(self.minima, self.shown_signs, self.search, self.model.scale)
             yield from (
                 f"rejected: energy {s.energy:.6g} J: {s.certificate}" for s in self.crossing
             )
@@ -425,11 +414,9 @@ class MinimaResult(Report, Viewable):
         yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        signs = self.signs
         for number, m in enumerate(self.minima, start=1):
             row: dict[str, object] = {"scene": self.name, "number": number}
             row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
-            row["signs"] = signs[number - 1]
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
             row["stable"] = m.full_space and m.full_space.verdict
             row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}

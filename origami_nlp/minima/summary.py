@@ -27,8 +27,6 @@ from origami_nlp.pattern import Pattern, Scene, symmetries
 
 MOST_LINES = 30
 """States of which the report has a line; the others are in its details."""
-MOST_SIGNS = 9
-"""Vertices whose signs are a column of the table: those of more are in the JSON."""
 MOST_NAMES = 6
 """Creases, or pairs of facets, that a cell names."""
 STYLE = {"stable": "green", "unstable": "red", "not decided": "bold"}
@@ -288,7 +286,6 @@ def summary_table(
     images: Mapping[int, tuple[int, str]],
     title: str,
     scale: float,
-    signs: Sequence[str] = (),
 ) -> Table:
     """Return a line a state, isolated flat foldings together in one.
 
@@ -302,8 +299,6 @@ def summary_table(
         Of the table.
     scale
         Mean stiffness, of which rounding of energies is a share.
-    signs
-        Of the vertices in each state (`MinimaResult.signs`), if they are a column.
 
     Returns
     -------
@@ -312,8 +307,7 @@ def summary_table(
     """
     grouped = isolated_foldings(minima)
     kept = f"{origami.group.name} " if is_symmetric(origami) else ""  # type: ignore[union-attr]
-    shown = any(signs)
-    heads = ["#", "energy [J]", *["signs"] * shown, "stability", "held by"]
+    heads = ["#", "energy [J]", "stability", "held by"]
     heads.append("softest mode\n[N m/rad]")
     heads.append(f"{kept}escape\nbarrier [J]")
     noise = any(m.survival is not None for m in minima)
@@ -323,7 +317,6 @@ def summary_table(
         if number in grouped:
             continue
         own: list[Cell] = [str(number), energy_words(m.energy, scale)]
-        own += [signs[number - 1]] if shown else []
         survives: list[Cell] = [str(m.survival)] * noise
         if number in images:
             rows.append([*own, _stability(origami, m), images[number][1], *blank, *survives])
@@ -339,10 +332,10 @@ def summary_table(
         known = Counter(verdict(origami, m) for m in some)
         said = _stability(origami, some[0]) if len(known) == 1 else Words("see details")
         most = max((m.survival.kept for m in some if m.survival), default=0)
-        many: list[Cell] = [f"({len(some)})", f"{low} to {high}", *[""] * shown]
+        many: list[Cell] = [f"({len(some)})", f"{low} to {high}"]
         rows.append([*many, said, words, "-", "isolated"])
         rows[-1] += [f"{most} at most"] * noise
     if noise:
         heads.append("survives")
-    columns = "rr" + "l" * shown + "LLrR" + "r" * noise
+    columns = "rrLLrR" + "r" * noise
     return Table(heads, rows, title, columns, framed=False, narrow=True)

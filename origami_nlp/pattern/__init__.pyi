@@ -105,7 +105,6 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
-from .materials import Material as Material, find_material as find_material
 from .pattern_file import (
     face_oddities as face_oddities,
     frame_pattern as frame_pattern,

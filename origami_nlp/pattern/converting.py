@@ -1,9 +1,8 @@
-"""One crease pattern from format to format: FOLD, SVG, .cp, .opx, DXF; and what a laser cuts, or the bench needs."""
+"""One crease pattern from format to format: FOLD, SVG, .cp, .opx, DXF."""
 
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from origami_nlp.drawings import (
-    STYLES,
+    WRITTEN,
     Drawing,
     DrawingOptions,
     WriteOptions,
@@ -22,7 +21,6 @@ from origami_nlp.errors import DrawingError, FoldFileError
 from origami_nlp.io import write_whole
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import Frame, parse_fold, read_fold
-from origami_nlp.pattern.pattern_file import frame_pattern
 
 FOLD = ".fold"
 
@@ -48,7 +46,7 @@ def convert(
     drawing
         What is known of a drawing beside it.
     write
-        Style, size, dashes and holes.
+        Size.
 
     Returns
     -------
@@ -72,8 +70,8 @@ def convert(
     16
     """
     kind = Path(out).suffix.lower()
-    if kind != FOLD and kind not in STYLES:
-        known = ", ".join((FOLD, *STYLES))
+    if kind != FOLD and kind not in WRITTEN:
+        known = ", ".join((FOLD, *WRITTEN))
         raise DrawingError(f"OUT = {str(out)!r} must end in one of {known}")
     frames = _frames(str(source), drawing)
     chosen = _chosen(frames, frame)
@@ -82,11 +80,10 @@ def convert(
     options = write or WriteOptions()
     if kind == FOLD:
         if options != WriteOptions():
-            raise DrawingError("style, scale, size, dash and holes are for drawings, not for FOLD")
+            raise DrawingError("scale and size are for drawings, not for FOLD")
         text, notes = json.dumps(drawing_to_fold(made), indent=1) + "\n", _lost(chosen)
     else:
-        labels = _labels(flat, made) if options.style == "bench" else ()
-        text, notes = write_drawing(made, kind, options, labels)
+        text, notes = write_drawing(made, kind, options)
     write_whole(out, text.encode())
     return replace(made, notes=(*made.notes, *notes))
 
@@ -161,14 +158,3 @@ def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:
         flat.y_down,
         said.notes,
     )
-
-
-def _labels(flat: Frame, made: Drawing) -> tuple[str, ...]:
-    """Return for each edge the number of its crease, from 1 as results print it, and its fold angle [deg]."""
-    pattern = frame_pattern(flat)
-    crease = {int(number): k + 1 for k, number in enumerate(pattern.numbers)}
-    out = []
-    for number, angle in zip(flat.numbers.tolist(), made.angles.tolist(), strict=True):
-        fold = "" if math.isnan(angle) else f": {angle:+.1f}\N{DEGREE SIGN}"
-        out.append(f"{crease[number]}{fold}" if number in crease else "")
-    return tuple(out)

@@ -7,7 +7,6 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import wraps
 from typing import Any
 
 from origami_nlp.arguments import check_whole, did_you_mean, shown
@@ -33,7 +32,6 @@ from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.plugins import plugins
 
 DEGREE6_ALPHAS = ("pi/4", "pi/3", "5*pi/12")
 """Sector angles alpha_1 of the columns of the paper's degree-6 figure."""
@@ -187,12 +185,12 @@ MOST_CELLS = 100
 
 
 def names() -> tuple[str, ...]:
-    """List all examples, those of plug-ins last.
+    """List all examples.
 
     Returns
     -------
     tuple
-        Of `BY_NAME`, of `WITH_SPRINGS`, and of plug-ins with a name of their own.
+        Of `BY_NAME` and of `WITH_SPRINGS`.
 
     Examples
     --------
@@ -200,7 +198,7 @@ def names() -> tuple[str, ...]:
     >>> examples.names()[:2]
     ('miura', 'waterbomb')
     """
-    return tuple(dict.fromkeys((*BY_NAME, *WITH_SPRINGS, *plugins("example"))))
+    return (*BY_NAME, *WITH_SPRINGS)
 
 
 def is_example(name: str) -> bool:
@@ -214,7 +212,7 @@ def is_example(name: str) -> bool:
     Returns
     -------
     bool
-        Plug-ins are looked for where it is none of the package's own and has no dot, as files have.
+        True where there is one.
 
     Examples
     --------
@@ -223,20 +221,16 @@ def is_example(name: str) -> bool:
     (True, False)
     """
     word = name.partition(":")[0]
-    return (
-        word in BY_NAME
-        or word in WITH_SPRINGS
-        or ("." not in word and word != "-" and word in plugins("example"))
-    )
+    return word in BY_NAME or word in WITH_SPRINGS
 
 
 def maker(name: str) -> Callable[..., Any]:
-    """Return what makes an example: of a plug-in a scene, or the data of a FOLD file.
+    """Return what makes an example of one vertex.
 
     Parameters
     ----------
     name
-        One of `BY_NAME`, or of a plug-in.
+        One of `BY_NAME`.
 
     Returns
     -------
@@ -246,7 +240,7 @@ def maker(name: str) -> Callable[..., Any]:
     Raises
     ------
     OptionError
-        If there is no such example, or its plug-in is broken.
+        If there is no such example.
 
     Examples
     --------
@@ -254,26 +248,11 @@ def maker(name: str) -> Callable[..., Any]:
     >>> examples.maker("miura") is examples.miura
     True
     """
-    if name in BY_NAME:
-        return BY_NAME[name]
-    added = plugins("example")
-    if name not in added:
+    if name not in BY_NAME:
         raise OptionError(
             f"name = {shown(name)} is no example: use one of {', '.join(names())}{did_you_mean(name, names())}"
         )
-    plugin = added[name]
-    if not callable(made := plugin.load()):
-        raise plugin.broken("is wrong", f"{type(made).__name__} instead of a function")
-
-    @wraps(made)
-    def make(**options: Any) -> Scene | Mapping[str, Any]:
-        example = plugin.call(**options)
-        if not isinstance(example, Scene | Mapping):
-            kind = type(example).__name__
-            raise plugin.broken("is wrong", f"{kind} instead of a Scene or FOLD data")
-        return example
-
-    return make
+    return BY_NAME[name]
 
 
 def by_name(name: str, **options: Any) -> Scene:
@@ -282,7 +261,7 @@ def by_name(name: str, **options: Any) -> Scene:
     Parameters
     ----------
     name
-        One of `BY_NAME`, or of a plug-in that makes a vertex.
+        One of `BY_NAME`.
     options
         Of its function.
 
@@ -453,16 +432,6 @@ def crease_pattern(
         raise OptionError("rolled is for cells that repeat: give cell as well")
     if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
-    if name not in BY_NAME and name not in WITH_SPRINGS:  # a plug-in draws its own pattern
-        cells = {"rows": rows, "columns": columns}
-        asked = {key: value for key, value in cells.items() if value is not None}
-        if lacks := [key for key in asked if key not in inspect.signature(maker(name)).parameters]:
-            raise OptionError(f"{name} has no {' and '.join(lacks)}: leave out its size")
-        options |= asked
-        drawn = _made(name, options)
-        if not isinstance(drawn, Scene):
-            return dict(drawn)
-        return example_patterns.to_fold(*example_patterns.disc(drawn), drawn, drawn.label)
     scene = None if name in WITH_SPRINGS else by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")

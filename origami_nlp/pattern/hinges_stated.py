@@ -268,7 +268,7 @@ def same_laws(one: Laws, two: Laws) -> bool:
 
 
 def read_torque_bounds(given: Any, creases: int, what: str) -> np.ndarray:
-    """Return a bound of the torque of each crease, of friction or yielding.
+    """Return a bound of the torque at which each crease yields.
 
     Parameters
     ----------

@@ -37,7 +37,6 @@ from origami_nlp.pattern.fold_springs import (
     stated_sign,
     unused_words,
 )
-from origami_nlp.pattern.materials import Material, find_material, material_springs, material_words
 from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
@@ -48,7 +47,7 @@ def read_pattern(
     source: str | Path,
     *,
     frame: int | None = None,
-    stiffness: float | str | Material = 1.0,
+    stiffness: float = 1.0,
     rest_angle: float = math.pi,
     rest_from: Literal["file", "measured"] | None = None,
 ) -> Pattern:
@@ -89,7 +88,7 @@ def read_pattern(
 def frame_pattern(
     frame: Frame,
     *,
-    stiffness: float | str | Material = 1.0,
+    stiffness: float = 1.0,
     rest_angle: float = math.pi,
     rest_from: Literal["file", "measured"] | None = None,
 ) -> Pattern:
@@ -104,8 +103,7 @@ def frame_pattern(
     frame
         Of `read_fold`.
     stiffness
-        Of creases for which the file gives none [N m/rad]; or a hinge material, itself or by the name that a plug-in
-        gives it: its stiffness per length, times the length of the crease in the file's ``frame_unit``.
+        Of creases for which the file gives none [N m/rad].
     rest_angle
         Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
         [rad]; others rest at 0.
@@ -132,10 +130,7 @@ def frame_pattern(
     4
     """
     check_type("frame", frame, Frame)
-    material = find_material(stiffness) if isinstance(stiffness, str) else stiffness
-    check_fold_springs(
-        frame, 1.0 if isinstance(material, Material) else material, rest_angle, rest_from
-    )
+    check_fold_springs(frame, stiffness, rest_angle, rest_from)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
@@ -153,18 +148,8 @@ def frame_pattern(
     sheet.note_targets(measured)
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
-    each: np.ndarray | float
-    if isinstance(material, Material):
-        drawn_to = sheet.corners[np.array(creases, dtype=int).reshape(-1, 2)]
-        each = material_springs(
-            material, np.linalg.norm(drawn_to[:, 0] - drawn_to[:, 1], axis=1), frame.length_unit
-        )
-        if np.isnan(frame.stiffness[at]).any():
-            sheet.notes.append(material_words(material, frame.length_unit))
-    else:
-        each = material
-    k, rest = fold_springs(frame, at, found, each, rest_angle, rest_from)
-    sheet.notes += unused_words(frame, at, found, each, rest_angle, rest_from) if at else []
+    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
+    sheet.notes += unused_words(frame, at, found, stiffness, rest_angle, rest_from) if at else []
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)

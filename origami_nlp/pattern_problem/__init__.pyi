@@ -55,11 +55,6 @@ from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem
 from .scouts import Scouts as Scouts
 from .screws import Screws as Screws, find_screws as find_screws
-from .sign_vectors import (
-    SignConflict as SignConflict,
-    SignVector as SignVector,
-    VertexCones as VertexCones,
-)
 from .stacks import Stack as Stack, Unclear as Unclear
 from .tube import (
     FoldedTube as FoldedTube,

@@ -66,7 +66,6 @@ from origami_nlp.starts import (
     Given,
     OtherWells,
     SearchOptions,
-    Signed,
     families_in_turn,
     options_of,
 )
@@ -219,7 +218,6 @@ class _Search(Scouting):
         for k in range(min(asked.most_drawn * starts, most)):
             if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
                 break
-        self.part(Signed.name, self.sign, pattern)
         self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
         self.go_on(asked, starts, rng)
         self.part(IMAGES, self.add_images)
@@ -300,7 +298,6 @@ class _Search(Scouting):
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
-        self.settle_signs()
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.count_families({family.name for family in self._families})
         self.tally.seconds = time.perf_counter() - self._since

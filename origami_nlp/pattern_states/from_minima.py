@@ -1,5 +1,5 @@
-"""Starts that follow from what was found: signs that no minimum has, and of minima their images, vertices popped,
-hinges in other wells, any changes."""
+"""Starts that follow from what was found: of minima their images, vertices popped, hinges in other wells, any
+changes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ import numpy as np
 
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import MOST_DENSE, PopSigns, SignVector, image
+from origami_nlp.pattern_problem import MOST_DENSE, image
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
-    MOST_SIGNED,
     POPPED,
     Changed,
     FoldedVertices,
@@ -26,7 +24,6 @@ from origami_nlp.starts import (
     OtherWells,
     Popped,
     SearchOptions,
-    Signed,
     hinge_rests,
 )
 
@@ -109,33 +106,6 @@ class FromMinima(Parts):
             for state in [s for s in new if s.verdict == "minimum"]:
                 self.attempt(self.settle, image(symmetry, state.phi))
         self._mirrored += len(new)
-
-    def sign(self, pattern: Pattern) -> None:
-        """Ask which signs of vertices occur; start by those that no minimum has, unless branches are enumerated.
-
-        Of drawn signs only starts are wanted.
-        """
-        problem, enumerated = self.problem, self.tally.lines or self.tally.families
-        if not (self.contact and problem.pattern.lies_flat and problem.size <= MOST_DENSE):
-            return
-        if enumerated and len(PopSigns(problem.pattern).vertices) > MOST_SIGNED:
-            return
-        minima = np.array([s.phi for s in self.minima]).reshape(-1, problem.size)
-        family = Signed(problem, self.labels, minima, pattern)
-        for start in family.states():
-            problem.check_time()
-            if not enumerated:
-                self._start_apart(Signed.name, start)
-            self.tally.sign_vectors = tuple(family.vectors)
-        self.tally.sign_vectors = tuple(family.vectors)
-
-    def settle_signs(self) -> None:
-        """Of signs that some minimum has by now, say so."""
-        has = set(map(PopSigns(self.problem.pattern).of, (s.phi for s in self.minima)))
-        self.tally.sign_vectors = tuple(
-            SignVector(v.signs, "minimum", conflict=v.conflict) if v.signs in has else v
-            for v in self.tally.sign_vectors
-        )
 
     def fold_vertices(self, most: int) -> None:
         """Start from each vertex folded flat, the others as flat as closure lets them be."""

@@ -23,7 +23,6 @@
 | `Popped` | pattern | a minimum with one vertex on its other side |
 | `Changed` | pattern | a minimum crossed with another, or with one crease folded otherwise |
 | `OtherWells` | pattern | a minimum with one hinge in another well of its law |
-| `Signed` | pattern | beside the flat state, with signs of the vertices that no minimum has yet |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
 `crossings` finds where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.

@@ -59,7 +59,6 @@ from .rounds import (
     SOURCES as SOURCES,
     Rounds as Rounds,
 )
-from .signed import MOST_SIGNED as MOST_SIGNED, Signed as Signed
 from .singular import (
     FlatFoldings as FlatFoldings,
     RestState as RestState,

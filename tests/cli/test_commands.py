@@ -52,7 +52,7 @@ def test_the_help_lists_what_people_want_under_headings():
         ("load a.toml --crease one", "--crease = 'one' must be a whole number"),
         ("follow a.toml", "missing option '--parameter'"),
         ("paper cone coutn", "no such command 'coutn'"),
-        ("modes a.fold --stiffness 2", "origami-nlp inspect FILE --stiffness ... -o NEW.fold"),
+        ("contacts a.fold --stiffness 2", "origami-nlp inspect FILE --stiffness ... -o NEW.fold"),
     ],
 )
 def test_a_wrong_call_is_one_line(line, said):
@@ -77,7 +77,7 @@ def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_write
         ]
         energies = [[m["energy"] for m in one] for one in found]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
-    assert run("modes", whole).code == 0
+    assert run("contacts", whole).code == 0
 
 
 def test_the_version_is_told():

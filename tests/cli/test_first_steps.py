@@ -51,7 +51,7 @@ def test_a_fold_file_with_letters_alone(folder):
     assert json.loads((folder / "states.fold").read_text())["file_frames"]
     # written down once, the springs are there for every command
     asked("inspect", "my.fold", *springs, "-o", "mine.fold")
-    assert "along the modes of 1 minim" in asked("modes", "mine.fold", "--effort", "quick")
+    assert "1 minima" in asked("contacts", "mine.fold", "--effort", "quick")
 
 
 def test_the_load_at_which_a_bistable_waterbomb_snaps(folder):

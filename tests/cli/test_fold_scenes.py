@@ -33,9 +33,7 @@ def pocket(tmp_path):
     return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
 
 
-COMMANDS = (
-    "inspect minima contacts modes load barriers critical space landscape follow boundary".split()
-)
+COMMANDS = "inspect minima contacts load barriers critical space landscape follow boundary".split()
 OVER = ("--parameter", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 
@@ -124,76 +122,14 @@ def test_scenes_of_random_numbers_survive_the_file():
             assert o.parse_scene(format_scene(scene)) == scene
 
 
-def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
-    out = tmp_path / "all.json"
-    done = run("minima", sheet, "--each-vertex", "-o", out, "--prove", 0)
-    assert done.code == 0 and "4 vertices, each on its own: 2 different" in done.out
-    data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/2" and len(data["classes"]) == 2
-    found = o.load(out)
-    assert json.loads(json.dumps(found.to_dict())) == data
-    for number, scene in o.read_fold_scenes(sheet, on_note=lambda note: None).items():
-        # states of the class, in the labels of each of its vertices, are closed states of that vertex, and no other
-        # search finds different ones
-        states = found.at(number)
-        own = o.find_minima(scene, seed=3, prove=False)
-        assert len(states) == len(own.minima) == 2
-        angles = np.array(scene.vertex.sector_angles)
-        x, residual = project(angles, np.arange(scene.degree), states)
-        assert residual.max() < 1e-12 and np.abs(x - states).max() < 1e-9
-        for phi, m in zip(states, own.minima, strict=True):
-            assert np.isclose(scene.energy(phi), m.energy, rtol=1e-9)
-            assert np.abs(phi - m.fold_angles).max() < 1e-7
-    with pytest.raises(o.OrigamiError, match="vertex = 99"):
-        found.at(99)
-    with pytest.raises(o.OrigamiError, match="dictionary of scenes"):
-        o.find_minima({})
-    for name in ("a.png", "a.fold", "a.obj"):
-        code, _, err = run("minima", sheet, "--each-vertex", "-o", tmp_path / name)
-        assert code == 2 and name in err and "--vertex" in err and err.count("\n") == 1
-
-
-def test_noise_is_told_and_different_vertices_stay_apart():
-    """Equal within noise: one class, and how far apart; different stiffness, contact or symmetry: another class."""
-    scene = examples.waterbomb()
-    a = np.array(scene.vertex.sector_angles)
-    noisy = o.Scene(
-        o.Vertex(tuple(a + 1e-6 * np.array([1, -1, 0, 0, 0, 0]))), scene.stiffness, scene.rest_angles,
-        symmetry_tolerance=1e-4,
-    )  # fmt: skip
-    loose = o.Scene(scene.vertex, scene.stiffness, scene.rest_angles, symmetry_tolerance=1e-4)
-    stiff = o.Scene(scene.vertex, tuple(2 * k for k in scene.stiffness), scene.rest_angles)
-    over = o.Scene(scene.vertex, scene.stiffness, tuple(-v for v in scene.rest_angles))
-    free = o.Scene(scene.vertex, scene.stiffness, scene.rest_angles, "none")
-    found = o.find_minima(
-        {
-            1: loose,
-            2: noisy,
-            3: scene,
-            4: stiff,
-            5: over,
-            6: free,
-            7: examples.waterbomb(contact="none"),
-        },
-        max_starts=16,
-        prove=False,
-    )
-    assert [one.numbers for one in found.classes] == [(1, 2, 3, 5), (4,), (6,), (7,)] or [
-        one.numbers for one in found.classes
-    ] == [(1, 2), (3, 5), (4,), (6,), (7,)]
-    assert 1e-8 < found.classes[0].apart < 1e-5 and "equal within" in str(found)
-    assert np.allclose(found.at(5), -found.at(3))
-
-
 def test_letters_alone_are_said_to_mean_shut(tmp_path):
     path = tmp_path / "letters.fold"
     path.write_text(json.dumps(miura()))
-    for vertex in (("--vertex", 5), ("--each-vertex",)):
-        plain = run("minima", path, *vertex, "--prove", 0)
-        angled = run("minima", path, *vertex, "--prove", 0, "--rest-angle", 90)
-        assert plain.code == angled.code == 0
-        assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
-        assert "--rest-angle" not in angled.err
+    plain = run("minima", path, "--vertex", 5, "--prove", 0)
+    angled = run("minima", path, "--vertex", 5, "--prove", 0, "--rest-angle", 90)
+    assert plain.code == angled.code == 0
+    assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
+    assert "--rest-angle" not in angled.err
     done = run("load", path, "--crease", 99)  # the whole pattern
     assert done.code == 2 and done.err.count("--rest-angle 90") == 1
     path.write_text(json.dumps(disc([90] * 4, "MVVV", [-90, 90, 90, 90])))
@@ -278,7 +214,7 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
     done = run("inspect", path, "--vertex", 5)
     assert done.code == 0 and "2 frames have geometry: frame 0 is read, --frame" in done.err
     assert "frames" not in run("inspect", path, "--vertex", 5, "--frame", 1).err
-    path.write_text(json.dumps({"schema": "origami-nlp/minima/2", "scene": {}}))
+    path.write_text(json.dumps({"schema": "origami-nlp/minima/3", "scene": {}}))
     other = tmp_path / "result.txt"
     other.write_bytes(path.read_bytes())
     for file in (path, other):  # by its name, or by what is in it

@@ -38,7 +38,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert "full space: not asked" not in table
     assert "states that break the symmetry D1 are not listed: --symmetry none" in first
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/2"
+    assert data["schema"] == "origami-nlp/minima/3"
     assert set(data) == {
         "schema",
         "origami",
@@ -49,15 +49,9 @@ def test_minima_writes_the_contract(scene, tmp_path):
         "model",
         "flags",
         "closure_stress",
-        "signs",
-        "sign_vertices",
         "lattices",
     }
     assert data["lattices"] == []
-    assert len(data["signs"]) == len(data["minima"]) and data["sign_vertices"] == [0]
-    for sign, m in zip(data["signs"], data["minima"], strict=True):
-        total = sum(m["fold_angles"])
-        assert sign == ("0" if not any(m["fold_angles"]) else "+" if total > 0 else "-")
     assert set(data["model"]) == {
         "variables",
         "equalities",
@@ -90,7 +84,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
 def test_json_to_stdout_is_only_json(scene):
     few = ("--max-starts", 16)
     code, out, err = run("minima", scene, "-o", "-", *few)
-    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/2"
+    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/3"
     assert "stable states" in err
 
 

@@ -79,7 +79,7 @@ def test_options_for_fold_files_stand_in_one_block_at_the_end():
         before, after = run(*path, "--help").out.split(f"\n{FOLD_FILES}:\n")
         others = before.split("\nOptions:\n")[1]
         shown = re.findall(r"^  (--[a-z-]+)", after, re.MULTILINE)
-        assert set(shown) - {"--each-vertex"} == names & of_files, path
+        assert set(shown) == names & of_files, path
         assert not set(shown) & set(re.findall(r"^  (--[a-z-]+)", others, re.MULTILINE)), path
         seen += 1
     assert seen > 10

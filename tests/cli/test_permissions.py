@@ -22,7 +22,7 @@ WRITE = (
     ("minima", "miura.toml", "--certificate", "a.json"),
     ("example", "miura", "-o", "a.toml"),
     ("inspect", "miura.toml", "-o", "a.png"),
-    ("pattern", "miura:1x2", "-o", "a.bib"),
+    ("pattern", "miura:1x2", "-o", "a.svg"),
 )
 
 

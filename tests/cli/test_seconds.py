@@ -28,7 +28,7 @@ from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
 
 SEARCHES = (
-    "minima landscape contacts modes load barriers critical space transitions design follow boundary sweep"
+    "minima landscape contacts load barriers critical space transitions design follow boundary sweep"
 ).split()
 
 
@@ -193,21 +193,6 @@ def test_a_limit_is_a_number_of_seconds(tmp_path, value):
     scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
     code, _, err = run("space", scene, f"--seconds={value}")
     assert code == 2 and "seconds" in err
-
-
-def test_vertices_of_a_file_are_told_as_they_are_done(tmp_path, monkeypatch):
-    """Two classes of vertices: the first is reported before the second is begun."""
-    from origami_nlp.minima import find_vertexwise
-
-    scenes = {1: examples.degree6("pi/3"), 4: examples.degree6("pi/4")}
-    reported = []
-
-    def find(scene, **options):
-        reported.append("begun")
-        return find_minima(scene, max_starts=16, prove=False, **options)
-
-    find_vertexwise(scenes, find=find, found=reported.append)
-    assert [line.split(":")[0] for line in reported] == ["begun", "vertex 1", "begun", "vertex 4"]
 
 
 def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):

@@ -24,9 +24,7 @@ def test_forces_are_those_of_the_states(found):
         "resch:1x2" in report.headline
         and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
     )
-    assert (
-        "force" in "\n".join(map(str, report.report_sections())) and len(report.to_markdown()) > 500
-    )
+    assert "force" in "\n".join(map(str, report.report_sections()))
 
 
 @pytest.mark.slow

@@ -44,8 +44,6 @@ def test_a_result_tells_itself_in_every_form():
     assert any(line.endswith("of most terminals") for line in text.splitlines())
     html = Result()._repr_html_()
     assert "[markup] and &lt;tags&gt;" in html and "<b>a title</b>" in html
-    markdown = Result().to_markdown()
-    assert "| c |" in markdown and "[markup]" in markdown
     console = Console(file=io.StringIO(), width=80)
     Result().print_to(console)
     assert "[markup] and <tags>" in console.file.getvalue()

@@ -29,13 +29,11 @@ def results():
     found += [o.find_barriers(scene, result), o.find_landscape(result, size=31)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
-    found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
     states = o.find_minima(sheet, starts=1, escape=False)
     found += [o.analyze_mobility(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))
-    found.append(o.actuate("miura:2x2", {1: 0.01}))
     phi = np.linspace(-1.5, 1.5, 61)
     found.append(o.fit_hinge(o.HingeData(phi, phi * (phi**2 - 1))))
     named = {type(one).__name__: one for one in found}
@@ -59,9 +57,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "MeasuredHinge": (lambda r: len(r.angle), True, True, True),
-    "Modes": (lambda r: sum(len(s.modes) for s in r.states), True, True, True),
     "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),
-    "Actuation": (lambda r: len(r.branches) + len(r.states), True, True, True),
     "Mobility": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.fold_angles), True, True, True),
     "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
@@ -74,7 +70,6 @@ STRICT = (
     "Barriers",
     "LoadPath",
     "LoadPath of a pattern",
-    "Modes",
     "Motion",
 )
 

@@ -22,7 +22,6 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = {
-    "actuate",
     "barriers",
     "bistable_waterbomb",
     "check",

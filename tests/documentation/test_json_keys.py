@@ -19,11 +19,8 @@ ROWS = re.findall(
 CLASSES = {
     one.__name__: one
     for one in (
-        *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.Modes, o.ContactReport),
+        *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.ContactReport),
         *(
-            o.Actuation,
-            o.Friction,
-            o.CoulombHold,
             o.Barriers,
             o.CriticalPoints,
             o.Space,

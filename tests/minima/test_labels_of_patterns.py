@@ -44,11 +44,6 @@ def _named(name):
 def _agree(found, other, creases, sign):
     a, b = asdict(found.search), asdict(other.search)
     for search in (a, b):
-        # signs are in the order of the vertices, and turn with the sheet
-        search["sign_vectors"] = sorted(
-            (*sorted((v["signs"].count("+"), v["signs"].count("-"))), v["verdict"])
-            for v in search["sign_vectors"]
-        )
         del search["unclear"]  # facets that lie on each other do so but for rounding
         del search["seconds"], search["rejected"], search["undecided"]  # states are compared below
         search["open"] += search.pop(

@@ -37,7 +37,6 @@ def test_the_verdict_comes_first_and_the_account_on_demand(six):
     html = six.to_html(picture=False)
     assert html.count("<details>") == 1 and html.index("3 stable") < html.index("<details>")
     assert html.index("<details>") < html.index("IPOPT: ")
-    assert "IPOPT: " in six.to_markdown()
 
 
 def test_what_holds_each_state(six):

@@ -22,7 +22,7 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure 
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        actuation/branches.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
+        bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
@@ -34,9 +34,9 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
-        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
+        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
-        continuation/curve.STEPS friction/hinges.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
+        continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG
@@ -55,7 +55,7 @@ BESIDE_THE_TABLE = {
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
-        starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
+         starts/moments.SHORTEST_SHARE
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
@@ -80,9 +80,6 @@ BESIDE_THE_TABLE = {
     "shares of a drawing: what is joined, what is straight, what is rounding": """
         drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
     """,
-    "lengths in files [mm]": """
-        drawings/laser.GRID drawings/writing.HAIRLINE drawings/writing.MILLIMETRES
-    """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,
@@ -91,7 +88,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
+        pattern/examples.RATIOS pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
         inverse_design/convex.LEAST_MARGIN
     """,

@@ -331,10 +331,6 @@ def test_bad_options_get_one_line(tmp_path):
     scene = tmp_path / "s.toml"
     scene.write_text("")
     for args, words in [
-        (
-            [str(file), "--each-vertex", "-o", str(tmp_path / "a.png")],
-            ["-o", "one vertex", "4"],
-        ),
         ([str(file), "--vertex", "99"], ["--vertex 99", "0 to 15", "there are 5, 6"]),
         ([str(file), "--vertex", "0"], ["--vertex 0", "border", "there are 5, 6"]),
         ([str(file), "--vertex", "5", "--frame", "3"], ["--frame 3"]),

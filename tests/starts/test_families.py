@@ -63,7 +63,6 @@ def pattern_families():
         changed,
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
-        starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
     ]
 
 

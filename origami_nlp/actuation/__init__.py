@@ -1,5 +1,0 @@
-"""Actuation: which folded states torques on creases lead to, from the flat state or from another."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

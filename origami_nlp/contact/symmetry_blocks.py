@@ -1,0 +1,56 @@
+"""Stiffness by symmetry block: how stiff a state is against motions that break the symmetry that a search kept."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.kkt import State, Stratum
+from origami_nlp.minima import group_average
+from origami_nlp.numerics import BALANCED
+from origami_nlp.pattern import Scene
+from origami_nlp.problem import Contact
+
+
+def breaking_stiffnesses(
+    state: State, scene: Scene, contacts: tuple[Contact, ...] | None = None
+) -> tuple[float, ...]:
+    """Return the stiffnesses of a state against motions that break the symmetry of a scene.
+
+    Parameters
+    ----------
+    state
+        Of all N fold angles, in equilibrium.
+    scene
+        Whose symmetry the state keeps.
+    contacts
+        Those closed at the state, where they are known; the state looks for them otherwise.
+
+    Returns
+    -------
+    tuple of float
+        Rising eigenvalues of the Hessian on directions that keep closure and loaded contacts and have no symmetric
+        part [N m/rad]; none where there is no such direction, nan alone where the state has no one Hessian.
+    """
+    held = _loaded(state, contacts)
+    if held is None:
+        return (math.nan,)
+    z = held.tangent
+    # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
+    share, vectors = np.linalg.eigh(z.T @ group_average(scene) @ z)
+    breaking = z @ vectors[:, share <= 0.5]
+    values = np.linalg.eigvalsh(breaking.T @ held.hessian @ breaking) * state.problem.scale
+    return tuple(values.tolist())
+
+
+def _loaded(state: State, contacts: tuple[Contact, ...] | None) -> Stratum | None:
+    """Return a state with its loaded contacts held, None where it has no one Hessian."""
+    if not state.regular or (contacts is None and len(state.pieces) > 1):
+        return None
+    piece = state.on(state.pieces[0] if contacts is None else contacts)
+    mu = piece.multiplier_set
+    if mu.residual > BALANCED * (1 + np.abs(state.gradient).max()) or not mu.unique:
+        return None
+    rows = zip(piece.contacts, mu.smallest, strict=True)
+    return state.on([c for c, m in rows if m > BALANCED])

@@ -1,5 +1,0 @@
-"""Soft modes of stable states: how the energy rises along each of them, until something touches."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
