@@ -64,7 +64,7 @@ def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
 
     Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
     every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
-    facets that touch included (proved in docs/validation/barriers.md).
+    facets that touch included (proved in docs/validation/landscapes.md).
     """
     phi = np.asarray(fold_angles, dtype=float)
     flat = np.abs(phi).max(axis=-1) <= DUPLICATE_TOL

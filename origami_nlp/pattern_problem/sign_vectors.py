@@ -2,7 +2,7 @@
 
 Beside the flat state the fold angles x round a vertex, along unit vectors u_i in turn, satisfy sum x_i u_i = 0 and, to
 second order, Q(x) = sum_{i<j} x_i x_j (u_i x u_j) = 0.  On the former Q has one positive direction, and the sum of x
-is of its kind (``docs/validation/barriers.md``): x of vertices of one sign are in a convex cone, a half of Q >= 0.
+is of its kind (``docs/validation/landscapes.md``): x of vertices of one sign are in a convex cone, a half of Q >= 0.
 Numbers of creases between vertices, added at one end and subtracted at the other, sum to 0 with any fold angles; if at
 each vertex of a set they are positive on its half, no state beside the flat one has these signs there.  That is
 checked in rational arithmetic, for the coordinates as they are stated: over the length of its crease each x has
