@@ -78,7 +78,7 @@ def numbers_of(text: str) -> list[str]:
     """Numbers among the words of what is printed; seconds (`1.4 s`) are those of a machine and left out."""
     words = [w.strip("(),;:") for w in re.sub(r"[\u2500-\u257f]", " ", text).split()]
     after = [*words[1:], ""]
-    return [w for w, n in zip(words, after, strict=True) if NUMBER.fullmatch(w) and n != "s"]
+    return [w for w, n in zip(words, after, strict=False) if NUMBER.fullmatch(w) and n != "s"]
 
 
 def same_number(shown: str, said: str) -> bool:
@@ -107,7 +107,7 @@ def differs(shown: str, said: str) -> str:
         if place is None:
             return f"not printed so: {' '.join(wanted)!r}\nprinted: {' '.join(rest[at:])!r}"
         at = place + len(wanted)
-    if parts[-1].strip() and at != len(rest):
+    if (len(parts) == 1 or numbers_of(parts[-1])) and at != len(rest):
         return f"printed as well: {' '.join(rest[at:])!r}"
     return ""
 
