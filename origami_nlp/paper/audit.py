@@ -35,6 +35,8 @@ ON_MINIMUM = 2.0
 """A candidate within this many grid steps of an exact minimum, in its chart, is that minimum as a grid sees it."""
 CLOSED = 1e-7
 """Openings [rad] of contacts that published states close: a state that is 1e-6 off leaves one of second order open."""
+ON_GRID = 1e-2
+"""Chart coordinates this far from a multiple of a step, in steps, are on its grid."""
 STRETCHED = 1.0
 """A grid step that spans at least this many radians of fold angle is next to a singular chart point."""
 SCHEMA = "origami-nlp/audit/2"
@@ -197,7 +199,7 @@ def grid_step(model: Model, candidates: Sequence[Candidate]) -> float:
     points = np.array([chart_point(model, x) for x in closed])
     for n in (128, 256, 512):
         rest = points / (math.pi / n)
-        if len(points) and np.mean(np.abs(rest - np.round(rest)) < 1e-2) > 0.95:
+        if len(points) and np.mean(np.abs(rest - np.round(rest)) < ON_GRID) > 0.95:
             return math.pi / n
     return math.pi / 128
 
