@@ -1,8 +1,7 @@
-"""Speed against error: every method on the same problems, interleaved in one run, against 50 digits.
+"""Speed against error: `search` (found and right against seconds), `patterns`, `hard`; `python -m benchmarks`.
 
-`problems` states what is solved, `reference` solves it to 50 digits, `methods_*` hold one family of
-methods each, `run` interleaves them, `judging` decides what each answer is, `report` and `figure` print and draw.
-`scaling` measures time and memory against size; `hard` holds the cases that are hard by construction.
+`families` says which scenes, `rivals` are the searches of others, `reference` solves to 50 digits, `records` holds what
+was measured for the documentation.
 """
 
 import lazy_loader

@@ -1,326 +1,280 @@
-"""Error against time on whole patterns: this package, projections with gradient steps, bars and hinges, IPOPT.
+"""Error against time on whole patterns: this package, and IPOPT as its users pose it.
 
 All start from the same closed state and look for the state of least energy below it, within fold limits; contact is
-left out by all.  Methods take turns, a round each, in rotating order; seconds are processor time of one thread, medians
-of the rounds, without what is built once a pattern.  What a method answers on its way is judged outside the clock.
+left out by all.  Seconds are processor time of one thread, medians of `ROUNDS`, without what is built once a pattern.
+The reference is found in extended precision by code of its own: closure as a product of quaternions in `longdouble`,
+balance in the full space of fold angles, by Newton from the state where the package ends.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
-from benchmarks.pattern_contacts import PatternContact, measure_contacts
-from benchmarks.pattern_methods import PatternMethod, Solve, pattern_methods
-from benchmarks.pattern_problems import QUICK, PatternTask, pattern_problems
-from benchmarks.pattern_scaling import PatternScale, measure_scales
-from benchmarks.run import machine
-from origami_nlp.display import Report, Section, Table
+from benchmarks.rivals import silence
+from origami_nlp.display import rows_markdown
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import Factor
+from origami_nlp.pattern import Loop, Pattern, examples
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend
 
-ROUNDS, QUICK_ROUNDS = 3, 2
-BUDGET, QUICK_BUDGET = 10.0, 2.0
-"""Seconds after which a run is cut off."""
-ELSEWHERE = 0.1
-"""A method that is through, and farther from the state than this, is at another [rad]."""
+SCHEMA = "origami-nlp/bench-patterns/2"
+RECORD = Path(__file__).with_name("records") / "patterns.json"
+ROUNDS = 3
+GUESS = 0.4
+"""Fold angle of mountains and valleys that all solvers start from, closed by the package [rad]."""
+DECADES = 2.0
+"""Of stiffness, drawn once, in patterns with many degrees of freedom: with equal springs a torque step is Newton's."""
+SPRINGS: dict[str, tuple[float, bool] | None] = {
+    "miura:4x4": (1.2, True),
+    "miura:8x8": (1.2, True),
+    "miura:16x16": (1.2, True),
+    "miura:32x32": (1.2, True),
+    "waterbomb:5x5": (1.0, False),
+    "yoshimura:6x6": (1.0, False),
+    "metasheet:4x4": None,
+}
+"""Patterns: rest angle of their mountains and valleys [rad], and whether all stiffnesses are 1; None: their own."""
+QUICK = ("miura:4x4", "metasheet:4x4")
+NEWTON_STEPS = 8
+"""Of the reference: each takes off some ten digits."""
+CUTS = 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30
+"""Steps after which runs of this package are cut off, to show the error on the way."""
+TOLERANCES = (1e-2, 1e-5, 1e-8, 1e-12)
+PENALTY = 1e8
+"""Of elastic rows of IPOPT, over the mean stiffness: with 1e4 they are left open by as much as 1e-4."""
 LEVELS = (1e-4, 1e-8)
 """Errors of fold angles at which times are compared [rad]."""
 
 
-@dataclass(frozen=True)
-class PatternPoint:
-    """An answer of a method.
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One pattern with its problem, its start [n], and the state below it in extended precision [n] [rad].
 
-    Attributes
-    ----------
-    pattern, method, setting
-        Which.
-    status
-        In the method's words.
-    seconds
-        Processor time until it, median over rounds.
-    angle
-        Largest error of a fold angle [rad]; nan where the method refused.
-    energy
-        Relative error of the energy of these fold angles.
-    closure
-        Largest entry of closure.
-    softness
-        Of bars and hinges: largest strain, or fold of a facet [rad]; nan of rigid facets.
+    residual: largest entry of closure of that state, and of stationarity over the mean stiffness.
     """
+
+    name: str
+    sheet: PatternProblem
+    start: np.ndarray
+    exact: np.ndarray
+    residual: float
+
+
+@dataclass(frozen=True)
+class Point:
+    """An answer: seconds until it; largest error of a fold angle [rad] (nan: refused); closure; words of the solver."""
 
     pattern: str
     method: str
     setting: str
     status: str
+    built: float
     seconds: float
     angle: float
-    energy: float
     closure: float
-    softness: float
 
 
-@dataclass(frozen=True)
-class PatternCase:
-    """A pattern that was solved.
+def task(name: str) -> Task:
+    """Make the problem of a key of `SPRINGS`.
 
-    Attributes
-    ----------
-    name, facets, creases, rows
-        Its size; rows of closure.
-    residual
-        Of the reference: closure, and stationarity over the mean stiffness.
-    energy
-        Of the reference.
-    building
-        Seconds of each method for what is built once.
+    Raises
+    ------
+    OptionError
+        If there is no state below its start that fold limits leave alone.
     """
+    pattern, springs = examples.pattern(name), SPRINGS[name]
+    if springs is not None:
+        rest, equal = springs
+        drawn = np.random.default_rng(0).uniform(-DECADES / 2, DECADES / 2, pattern.creases)
+        pattern = pattern.with_springs(1.0 if equal else (10.0**drawn).tolist(), rest)
+    sheet = PatternProblem(pattern)
+    start, _ = sheet.project(GUESS * pattern.signs)
+    end = descend(sheet, start)
+    if not end.arrived or np.abs(end.phi).max() >= math.pi:
+        raise OptionError(f"pattern {name} has no free state below its start: take another")
+    return Task(name, sheet, start, *refine(sheet, end.phi))
 
-    name: str
-    facets: int
-    creases: int
-    rows: int
-    residual: float
-    energy: float
-    building: dict[str, float]
+
+def refine(sheet: PatternProblem, phi: np.ndarray) -> tuple[np.ndarray, float]:
+    """Take a stationary state [n] without contact to `numpy.longdouble`; return it and its residual."""
+    wide = np.longdouble
+    k = sheet.pattern.stiffness.astype(wide) / wide(sheet.pattern.stiffness.mean())
+    rest, state = sheet.pattern.rest.astype(wide), phi.astype(wide)
+    lam = sheet.multipliers(phi)[0].astype(wide)
+    best, smallest = state, math.inf
+    for _ in range(NEWTON_STEPS):
+        closure, pull = wide_closure(sheet.pattern, state, lam)
+        balance = k * (state - rest) - pull
+        residual = float(max(np.abs(closure).max(), np.abs(balance).max()))
+        if residual >= smallest:
+            break
+        best, smallest = state, residual
+        near = state.astype(float)
+        h, j = sheet.hessian(near, lam.astype(float)), sheet.closure.jacobian(near)
+        d, other = Factor(h, j).solve(-balance.astype(float), -closure.astype(float))
+        state, lam = state + d, lam - other
+    return best, smallest
 
 
-@dataclass(frozen=True, repr=False)
-class PatternBench(Report):
-    """Error against time on patterns, and the times of each part of the work against the size.
+def wide_closure(
+    pattern: Pattern, phi: np.ndarray, multipliers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Evaluate closure of the vertices [m], and its gradient weighed by multipliers [n], in the precision of phi.
 
-    Attributes
-    ----------
-    cases
-        Patterns.
-    points
-        Answers, in the order of the methods.
-    scales
-        Times of the parts of this package's work.
-    contacts
-        Times of patterns that are pressed together.
-    rounds, budget
-        How often, and seconds after which a run was cut off.
-    machine
-        What the numbers depend on.
+    A vertex's product of quaternions is cut before each crease: vec(A f' B) with f' = (-sin, cos b)/2 in between.
     """
-
-    PICTURE, SCHEMA = "draw_patterns", "origami-nlp/bench-patterns/1"
-
-    cases: tuple[PatternCase, ...]
-    points: tuple[PatternPoint, ...]
-    scales: tuple[PatternScale, ...]
-    contacts: tuple[PatternContact, ...]
-    rounds: int
-    budget: float
-    machine: dict[str, Any]
-
-    def of(self, pattern: str, method: str) -> tuple[PatternPoint, ...]:
-        """Return the answers of a method on a pattern, in the order of its settings and steps."""
-        return tuple(p for p in self.points if (p.pattern, p.method) == (pattern, method))
-
-    @property
-    def methods(self) -> tuple[str, ...]:
-        """Names of the methods."""
-        return tuple(dict.fromkeys(p.method for p in self.points))
-
-    def seconds_to(self, pattern: str, method: str, error: float) -> float:
-        """Return the seconds until fold angles were right to an error; inf where they never were."""
-        good = [p.seconds for p in self.of(pattern, method) if p.angle <= error]
-        return min(good, default=math.inf)
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return the tables: of methods, of parts of the work, of contact."""
-        yield self.methods_table()
-        yield self.scales_table()
-        yield self.contacts_table()
-
-    def methods_table(self) -> Table:
-        """Return a row a pattern and method."""
-        heads = ["pattern", "method", "built [s]", *(f"s to {e:.0e}" for e in LEVELS)]
-        heads += ["s in all", "error [rad]", "energy", "closure", "ended"]
-        rows: list[list[str]] = []
-        ends = []
-        for case in self.cases:
-            for method in self.methods:
-                of = self.of(case.name, method)
-                if of:
-                    rows.append(self._row(case, method, of))
-            ends.append(len(rows) - 1)
-        title = (
-            "Patterns: processor seconds until fold angles are right, and the last answer's errors; medians of "
-            f"{self.rounds} rounds"
-        )
-        return Table(heads, rows, title, "LLrrrrrrrL", framed=False, narrow=True, ends=ends)
-
-    def _row(self, case: PatternCase, method: str, of: Sequence[PatternPoint]) -> list[str]:
-        last = of[-1]
-        first = f"{case.name}, {case.facets} facets" if method == self.methods[0] else ""
-        seconds = (self.seconds_to(case.name, method, e) for e in LEVELS)
-        return [
-            first,
-            method,
-            _number(case.building[method], ".2g"),
-            *(_number(s, ".2g") for s in seconds),
-            _number(last.seconds, ".2g"),
-            *(_number(e, ".0e") for e in (last.angle, last.energy, last.closure)),
-            self.ended(last),
-        ]
-
-    def ended(self, point: PatternPoint) -> str:
-        """Describe how the last answer of a run came about."""
-        if math.isnan(point.angle):
-            return f"refused: {point.status}"
-        if point.angle > ELSEWHERE:
-            return f"at another state ({point.status})"
-        return point.status
-
-    def scales_table(self) -> Table:
-        """Return a row a size."""
-        heads = ["pattern", "facets", "creases", "rows", "drawn", "built", "first state", "another"]
-        heads += ["polish", "stability", "crossings", "pairs", "closure", "torque left"]
-        rows = [s.cells() for s in self.scales]
-        title = "Parts of this package's work, processor seconds"
-        return Table(heads, rows, title, "L" + "r" * 13, framed=False, narrow=True)
-
-    def contacts_table(self) -> Table:
-        """Return a row a pattern that was pressed together."""
-        heads = ["pattern", "rest", "facets", "creases", "close pairs", "touching", "seconds"]
-        heads += ["closure", "torque left", "state"]
-        rows = [c.cells() for c in self.contacts]
-        title = "Patterns pressed together, processor seconds to the judged state"
-        return Table(heads, rows, title, "L" + "r" * 8 + "L", framed=False, narrow=True)
-
-    def to_markdown(self) -> str:
-        """Return the tables in Markdown."""
-        tables = self.methods_table(), self.scales_table(), self.contacts_table()
-        return "\n".join(table.markdown() for table in tables)
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for point in self.points:
-            yield {k: getattr(point, k) for k in PatternPoint.__dataclass_fields__}
-
-
-def _number(value: float, form: str) -> str:
-    return "-" if not math.isfinite(value) else format(value, form)
-
-
-def run_patterns(
-    *,
-    quick: bool = False,
-    names: Sequence[str] | None = None,
-    progress: Callable[[str], object] = lambda text: None,
-) -> PatternBench:
-    """Solve patterns with every method, side by side, and time the parts of this package's work.
-
-    Parameters
-    ----------
-    quick
-        Two small patterns, fewer rounds, sizes up to 64 facets.
-    names
-        Of patterns, if not all: keys of `bench.pattern_problems.SPRINGS`.
-    progress
-        Called with what is being done.
-
-    Returns
-    -------
-    PatternBench
-
-    Examples
-    --------
-    >>> from benchmarks import run_patterns
-    >>> found = run_patterns(quick=True, names=["miura:4x4"])
-    >>> found.of("miura:4x4", "this package")[-1].angle < 1e-12
-    True
-    """
-    rounds, budget = (QUICK_ROUNDS, QUICK_BUDGET) if quick else (ROUNDS, BUDGET)
-    cases, points = [], []
-    for problem in pattern_problems(names or (QUICK if quick else None)):
-        progress(problem.name)
-        case, found = _solved(problem, pattern_methods(), rounds, budget)
-        cases.append(case)
-        points += found
-    scales, contacts = (
-        tuple(measure_scales(quick, progress)),
-        tuple(measure_contacts(quick, progress)),
+    closure, pull = np.zeros(3 * len(pattern.vertices), phi.dtype), np.zeros(len(phi), phi.dtype)
+    axes = (pattern.corners[pattern.ends[:, 1]] - pattern.corners[pattern.ends[:, 0]]).astype(
+        phi.dtype
     )
-    return PatternBench(tuple(cases), tuple(points), scales, contacts, rounds, budget, machine())
+    axes /= np.sqrt((axes**2).sum(axis=1, keepdims=True))
+    for v, loop in enumerate(pattern.vertices):
+        creases, signs = np.array(loop.creases), np.array(loop.signs, phi.dtype)
+        half, b = phi[creases, None] / 2, signs[:, None] * axes[creases]
+        folds = np.hstack([np.cos(half), np.sin(half) * b])
+        slopes = np.hstack([-np.sin(half), np.cos(half) * b]) / 2
+        before, after = [np.array([1, 0, 0, 0], phi.dtype)], [np.array([1, 0, 0, 0], phi.dtype)]
+        for i in range(len(creases)):
+            before.append(_times(before[-1], folds[i]))
+            after.append(_times(folds[-1 - i], after[-1]))
+        closure[3 * v : 3 * v + 3] = before[-1][1:]
+        for i, crease in enumerate(creases):
+            turned = _times(_times(before[i], slopes[i]), after[len(creases) - 1 - i])
+            pull[crease] += turned[1:] @ multipliers[3 * v : 3 * v + 3]
+    return closure, pull
 
 
-def _solved(
-    problem: PatternTask, methods: Sequence[PatternMethod], rounds: int, budget: float
-) -> tuple[PatternCase, list[PatternPoint]]:
-    """Run every method on a pattern."""
-    building: dict[str, float] = {}
-    runs: list[tuple[str, str, Solve]] = []
-    for method in methods:
-        begin = time.process_time()
-        prepared = method.prepare(problem)
-        building[method.name] = time.process_time() - begin
-        runs += [(method.name, setting, solve) for setting, solve in prepared.items()]
-    answers: dict[tuple[str, str, int], PatternPoint] = {}
-    seconds: dict[tuple[str, str, int], list[float]] = {}
-    for r in range(rounds):
-        turn = r * len(runs) // rounds
-        for name, setting, solve in [*runs[turn:], *runs[:turn]]:
-            for k, (spent, point) in enumerate(
-                _timed(problem, name, setting, solve, budget, r == 0)
-            ):
-                seconds.setdefault((name, setting, k), []).append(spent)
-                if point is not None:
-                    answers[name, setting, k] = point
-    order = {m.name: i for i, m in enumerate(methods)}
-    points = [
-        PatternPoint(**{**vars(point), "seconds": float(np.median(seconds[key]))})
-        for key, point in sorted(answers.items(), key=lambda item: order[item[0][0]])
-    ]
-    p = problem.pattern
-    return (
-        PatternCase(
-            problem.name,
-            p.facets,
-            p.creases,
-            problem.sheet.closure.count,
-            problem.residual,
-            problem.energy,
-            building,
-        ),
-        points,
-    )
+def _times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Multiply quaternions [4]."""
+    vector = p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:])
+    return np.array([p[0] * q[0] - p[1:] @ q[1:], *vector], p.dtype)
 
 
-def _timed(
-    problem: PatternTask, name: str, setting: str, solve: Solve, budget: float, judge: bool
-) -> Iterator[tuple[float, PatternPoint | None]]:
-    """Run a method once: seconds until each answer, and the answer, judged outside the clock."""
-    spent, run = 0.0, solve()
-    while spent < budget:
-        begin = time.process_time()
-        answer = next(run, None)
-        spent += time.process_time() - begin
-        if answer is None:
-            return
-        if not answer.status:
-            continue
-        if not judge:
-            yield spent, None
-            continue
-        errors = (math.nan,) * 3
-        if answer.phi is not None:
-            phi = answer.phi
-            errors = (
-                problem.angle_error(phi),
-                problem.energy_error(phi),
-                problem.sheet.residual(phi),
-            )
-        softness = math.nan if answer.softness is None else answer.softness
-        yield (
-            spent,
-            PatternPoint(
-                problem.name, name, setting, answer.status, spent, *errors, softness=softness
-            ),
-        )
+Answer = tuple[np.ndarray | None, str]
+"""Fold angles [n], None where a solver refused, and its words."""
+
+
+def ours(task: Task) -> dict[str, Callable[[], Answer]]:
+    """Return runs of this package that are cut off after so many steps, and a whole one."""
+    sheet = PatternProblem(task.sheet.pattern)
+
+    def cut(most: int) -> Answer:
+        end = descend(sheet, task.start, most)
+        return end.phi, end.why
+
+    runs: dict[str, Callable[[], Answer]] = {f"{k} steps": partial(cut, k) for k in CUTS}
+    return runs | {"to the end": partial(cut, 200)}
+
+
+def elastic(task: Task) -> dict[str, Callable[[], Answer]]:
+    """Return IPOPT with a slack and a penalty for each row of closure, at several tolerances."""
+    phi, energy, closure = _posed(task)
+    left = ca.SX.sym("w", closure.numel())
+    f, both = energy + 0.5 * PENALTY * ca.sumsqr(left), ca.vertcat(phi, left)
+    return {f"tol {tol:.0e}": _ipopt(task, both, f, closure - left, tol) for tol in TOLERANCES}
+
+
+def all_rows(task: Task) -> dict[str, Callable[[], Answer]]:
+    """Return IPOPT with all rows of closure as they are."""
+    return {"": _ipopt(task, *_posed(task), 1e-8)}
+
+
+METHODS = {"this package": ours, "IPOPT, elastic rows": elastic, "IPOPT, all rows": all_rows}
+
+
+def _posed(task: Task) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Return fold angles, energy, and closure: the quaternions of each vertex multiplied, as anyone would."""
+    p = task.sheet.pattern
+    phi = ca.SX.sym("phi", p.creases)
+
+    def vertex(loop: Loop) -> ca.SX:
+        w, v = ca.SX(1), ca.SX.zeros(3)
+        for crease, sign in zip(loop.creases, loop.signs, strict=True):
+            c, s = ca.cos(phi[crease] / 2), ca.sin(phi[crease] / 2)
+            b = s * (sign * p.directions[crease])
+            w, v = w * c - ca.dot(v, b), w * b + c * v + ca.cross(v, b)
+        return v
+
+    energy = 0.5 * ca.dot(p.stiffness / p.stiffness.mean(), (phi - p.rest) ** 2)
+    return phi, energy, ca.vertcat(*(vertex(loop) for loop in p.vertices))
+
+
+def _ipopt(task: Task, x: ca.SX, f: ca.SX, g: ca.SX, tol: float) -> Callable[[], Answer]:
+    quiet: Any = {"print_level": 0, "sb": "yes", "tol": tol, "bound_relax_factor": 0.0}
+    with silence():
+        posed = {"x": x, "f": f, "g": g}
+        solver = ca.nlpsol("solver", "ipopt", posed, {"print_time": False, "ipopt": quiet})
+    n, size = len(task.start), x.numel()
+    start, bound = np.zeros(size), np.full(size, np.inf)
+    start[:n], bound[:n] = task.start, np.pi
+
+    def run() -> Answer:
+        with silence():
+            found = solver(x0=start, lbx=-bound, ubx=bound, lbg=0, ubg=0)
+        status = str(solver.stats()["return_status"])
+        refused = "Degrees" in status or "Invalid" in status
+        return None if refused else np.array(found["x"]).ravel()[:n], status
+
+    return run
+
+
+def measure_patterns(
+    names: Sequence[str] = tuple(SPRINGS), progress: Callable[[str], object] = lambda text: None
+) -> dict[str, Any]:
+    """Solve patterns with every method, in turn; returns plain data."""
+    points: list[Point] = []
+    for name in names:
+        progress(name)
+        one, runs = task(name), []
+        for method, make in METHODS.items():
+            begin = time.process_time()
+            prepared = make(one)
+            built = time.process_time() - begin
+            runs += [(method, setting, built, run) for setting, run in prepared.items()]
+        seconds: dict[tuple[str, str], list[float]] = {}
+        answers: dict[tuple[str, str], Answer] = {}
+        for turn in range(ROUNDS):
+            for method, setting, _, run in [*runs[turn:], *runs[:turn]]:
+                begin = time.process_time()
+                answers[method, setting] = run()
+                spent = time.process_time() - begin
+                seconds.setdefault((method, setting), []).append(spent)
+        for method, setting, built, _ in runs:
+            phi, status = answers[method, setting]
+            angle = math.nan if phi is None else float(np.abs(phi - one.exact).max())
+            closure = math.nan if phi is None else one.sheet.residual(phi)
+            middle = float(np.median(seconds[method, setting]))
+            points.append(Point(name, method, setting, status, built, middle, angle, closure))
+    return {"schema": SCHEMA, "points": [asdict(p) for p in points]}
+
+
+def seconds_to(points: Sequence[Point], error: float) -> float:
+    """Return the seconds until fold angles were right to an error; inf where they never were."""
+    return min((p.seconds for p in points if p.angle <= error), default=math.inf)
+
+
+def patterns_markdown(data: dict[str, Any]) -> str:
+    """Return a row a pattern and method, as Markdown."""
+    groups: dict[tuple[str, str], list[Point]] = {}
+    for plain in data["points"]:
+        angle = math.nan if plain["angle"] is None else plain["angle"]
+        point = Point(**{**plain, "angle": angle})
+        groups.setdefault((point.pattern, point.method), []).append(point)
+    heads = ("pattern", "method", "built [s]", *(f"s to {e:.0e}" for e in LEVELS), "s in all")
+    rows = []
+    for (name, method), of in groups.items():
+        times = (of[0].built, *(seconds_to(of, e) for e in LEVELS), of[-1].seconds)
+        cells = (f"{t:.2g}" if math.isfinite(t) else "-" for t in times)
+        error = f"{of[-1].angle:.0e}" if math.isfinite(of[-1].angle) else "-"
+        rows.append((name, method, *cells, error, of[-1].status))
+    return rows_markdown((*heads, "error [rad]", "ended"), rows)

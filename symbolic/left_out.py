@@ -33,18 +33,18 @@ LEFT_OUT: tuple[LeftOut, ...] = (
     LeftOut(
         "sec. 3.1",
         "each region is one piece; two holes come into the interior; the 1-handles expand",
-        "topology of a computed set; measured in docs/validation/space.md",
+        "topology of a computed set; measured in docs/validation/landscapes.md",
     ),
     LeftOut(
         "sec. 3.1, 3.2",
         "metastable segments, how they grow with r_k, stick-slip, states that collide and vanish",
-        "read off pictures; measured in docs/validation/metastable.md",
+        "read off pictures; measured in docs/validation/landscapes.md",
     ),
     LeftOut(
         "sec. 3.2",
         "no topological transitions; the most stable states at r_k = 1; shallow boundaries go with "
         "metastability",
-        "read off pictures; measured in docs/validation/space.md and docs/validation/states.md",
+        "read off pictures; measured in docs/validation/landscapes.md and docs/validation/states.md",
     ),
     LeftOut(
         "sec. 4",

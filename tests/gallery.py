@@ -35,8 +35,7 @@ origami-nlp example miura:4x4 -o miura.fold   # the pattern, with the same sprin
 
 Whole sheets: [sheets by name](sheets.md).
 
-Written by `python -m tests.gallery`.  Seconds are those of one run on one core of a 2-core machine, proof and full
-space included.
+Written by `python -m tests.gallery`.
 """
 
 
@@ -81,7 +80,7 @@ def draw(name: str, result: MinimaResult) -> Figure:
     return figure
 
 
-def section(name: str, result: MinimaResult, seconds: float) -> str:
+def section(name: str, result: MinimaResult) -> str:
     """Text, picture and table of an example."""
     maker = o.examples.BY_NAME[name]
     said = (inspect.getdoc(maker) or "").split("\nParameters\n")[0].removeprefix("Make ").strip()
@@ -109,7 +108,7 @@ def section(name: str, result: MinimaResult, seconds: float) -> str:
         "|---|---|---|---|---|",
         *rows(result),
         "",
-        f"Symmetry {result.scene.group.name}; {seconds:.1f} s; {vertices}.",
+        f"Symmetry {result.scene.group.name}; {vertices}.",
         f"{proved[:1].upper()}{proved[1:]}.",
         "",
     ]
@@ -126,7 +125,7 @@ def main() -> None:
         result = solve(name, prove=30.0)
         seconds = time.process_time() - start
         draw(name, result).savefig(FIGURES / f"{name}.png", dpi=100)
-        parts.append(section(name, result, seconds))
+        parts.append(section(name, result))
         print(name, f"{seconds:.1f} s", len(result.minima), flush=True)
     PAGE.write_text("\n".join(parts))
 

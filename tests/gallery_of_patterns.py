@@ -20,8 +20,7 @@ DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
 STARTS, SHOWN = 10, 6
 SHEETS = {
-    "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis; springs as in "
-    "[metasheets](validation/metasheet.md).",
+    "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis, with his springs.",
     "miura:4x4": "Sixteen parallelograms. Beside the states of the Miura fold there are pleats, and mixtures of both.",
     "squaretwist": "Four vertices round a square, stable partly folded and folded flat.",
     "yoshimura:3x3": "Diamonds, each folded in two: several degrees of freedom are left.",
@@ -42,9 +41,8 @@ origami-nlp minima metasheet:4x4 --starts {STARTS} -o metasheet.png
 ```
 
 Of sheets whose vertices have degree 4 the branch directions of the flat state with one degree of freedom are traced; of
-the others, and of what these ways do not lead to, starts are sampled: what is known of states that are not listed is
-said under each table ([limits](validation/pattern_limits.md)). Written by
-`python -m tests.gallery_of_patterns`; seconds are processor time of one run.
+the others, and of what these ways do not lead to, starts are sampled: `--verbose` says how far ([limits](limits.md)).
+Written by `python -m tests.gallery_of_patterns`.
 """
 
 
@@ -75,7 +73,7 @@ def rows(result: MinimaResult) -> list[str]:
     return lines
 
 
-def section(name: str, result: MinimaResult, seconds: float) -> str:
+def section(name: str, result: MinimaResult) -> str:
     """Text, picture and table of a sheet."""
     p, file = result.pattern, name.replace(":", "_")
     count = f"{p.facets} facets, {p.creases} creases; {len(result.minima)} stable states"
@@ -90,9 +88,7 @@ def section(name: str, result: MinimaResult, seconds: float) -> str:
         "|---|---:|---:|---|---:|---:|---|",
         *rows(result),
         "",
-        f"{count}, {len(result.undecided)} not decided; {seconds:.1f} s. Of the search:",
-        "",
-        *(f"- {words}" for words in result.search.words()),
+        f"{count}, {len(result.undecided)} not decided.",
         "",
     ]
     return "\n".join(lines)
@@ -118,7 +114,7 @@ def main(names: list[str]) -> None:
         states = [(words, s.phi) for words, s in zip(titles, shown, strict=True)]
         figure = draw_states(result.pattern, states, name, contacts=[s.contacts for s in shown])
         figure.savefig(FIGURES / f"{name.replace(':', '_')}.png", dpi=100)
-        parts.append(section(name, result, seconds))
+        parts.append(section(name, result))
         print(name, f"{seconds:.1f} s", len(result.minima), flush=True)
     if not names:
         PAGE.write_text("\n".join(parts))

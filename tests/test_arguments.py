@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from benchmarks import read_bench
 from origami_nlp import write_fold
 from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.chart import landscape
@@ -27,7 +26,6 @@ from origami_nlp.sweep import (
     read_sweep,
     run_sweep,
 )
-from studies import count_grid_minima, limits
 
 SCENE = o.examples.degree6("pi/4")
 N = SCENE.degree
@@ -146,7 +144,7 @@ CASES = [
     *(case(f, "contact", NAMES) for f in (o.examples.degree6, o.examples.degree8)),
     case(o.format_scene, "scene", SCENES),
     case(o.parse_scene, "text", (None, 0, True, [], *NOTHING[1:])),
-    *(case(f, "source", PATHS) for f in (o.read_scene, read_fold, read_bench)),
+    *(case(f, "source", PATHS) for f in (o.read_scene, read_fold)),
     case(find_barriers, "origami", (None, 0, True, [])),
     case(find_barriers, "result", (SCENE, *SCENES[1:]), "origami"),
     case(find_barriers, "seed", SEEDS, "origami", "result"),
@@ -166,8 +164,6 @@ CASES = [
     case(draw_landscape, "exact", (SCENE, *SCENES)),
     case(merge_tree_axes, "ax", SCENES, barriers=None),
     case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),
-    case(count_grid_minima, "results", (*LISTS, [SCENE])),
-    case(count_grid_minima, "sizes", (None, 65, [7], *NOTHING), results=[]),
     case(cone.Cone, "degree", (5, 7, *SEEDS)),
     case(cone.Cone, "rest", NAMES, degree=6),
     case(cone.Cone, "end", NAMES, degree=6),
@@ -192,8 +188,6 @@ CASES = [
     case(cone.branch, "direction", (None, 0, [], "left", *but(-1)), flaps="VVM"),
     case(cone.draw_phase, "diagram", SCENES),
     case(cone.write_flaps, "flaps", (*LISTS, "VVM", (1, 0))),
-    case(limits, "elevation", (0, 1, *NUMBERS)),
-    case(limits, "ratio", (0, *NUMBERS)),
     case(fold_vertices, "frame", SCENES),
     case(scene_at, "frame", SCENES, number=0),
     case(scene_at, "number", WHOLES, "frame"),

@@ -19,20 +19,7 @@ VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succe
 """Rounding errors, times and counts of the search: they may differ between machines."""
 
 
-LONG = (
-    "00_primer.ipynb",
-    "01_stable_states.ipynb",
-    "03_contact.ipynb",
-    "04_landscapes.ipynb",
-    "05_cones.ipynb",
-    "06_speed_error.ipynb",
-    "07_from_a_fold_file.ipynb",
-    "08_paths.ipynb",
-    "09_design.ipynb",
-    "10_proof.ipynb",
-    "11_patterns.ipynb",
-    "12_from_measurements.ipynb",
-)
+LONG = ("00_primer.ipynb", "01_stable_states.ipynb", "07_from_a_fold_file.ipynb")
 """Run with the long studies: what they call has tests of its own, and 02 is run beside the equations."""
 
 

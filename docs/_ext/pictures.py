@@ -1,7 +1,7 @@
 """The pictures of README and documentation: `python docs/_ext/pictures.py [NAME ...]` draws them anew, from a checkout.
 
-Without names those that take seconds; ``all`` takes about half an hour.  Measured times are drawn as they were recorded
-(`docs/bench_search.json`, `docs/bench_patterns.json`), but for those of `time_budget`.
+Without names those that take seconds; ``all`` takes minutes.  Measured times are drawn as they were recorded
+(`benchmarks/records`).
 """
 
 from __future__ import annotations
@@ -12,8 +12,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import replace
-from fractions import Fraction
 from pathlib import Path
 
 import matplotlib
@@ -92,12 +90,6 @@ def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
     print(f"{path.name}: {len(shown)} of {len(result.minima)} minima")
 
 
-def panel(name: str) -> o.Scene:
-    """A vertex of degree 6 by its sector angle and stiffness ratio, such as ``pi/3 1``."""
-    alpha, ratio = name.split()
-    return o.examples.degree6(alpha, ratio=float(ratio))
-
-
 def own(name: str) -> None:
     """Make a picture by the verb that draws it."""
     path = FOLDER / f"{name}.png"
@@ -107,25 +99,10 @@ def own(name: str) -> None:
         vertex = o.Vertex.from_degrees((62, 100, 119, 79))
         rest = tuple(np.radians((-180, -141, 180, 180)))
         draw_row(o.find_minima(o.Scene(vertex, (0.02, 0.0186, 0.0129, 0.0135), rest)), path)
-    elif name == "birds_foot":
-        a, k, p = np.pi / 3, 0.025, np.pi / 2
-        psi, error = 2 * np.arctan(np.cos(a) * np.tan(p / 2)), np.radians(10)
-        vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
-        scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
-        draw_row(o.find_minima(scene), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
-        o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
-    elif name == "metastable_degree8":
-        scene = o.examples.degree8("pi/12", ratio=0.01)
-        o.draw(o.find_segments(o.find_minima(scene)), path)
-    elif name == "space_stops":
-        o.draw(o.find_space(replace(o.examples.degree6("pi/3"), limits=(-1.2, 2.0))), path)
-    else:
-        family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
-        vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
-        o.draw(o.find_space(vertex), path)
+        o.draw(o.find_minima(o.examples.degree6("pi/3"), full=True), path)
 
 
 def drawn_periods(name: str) -> None:
@@ -166,25 +143,6 @@ def drawn_tubes(name: str) -> None:
     figure.savefig(FOLDER / f"{name}.png", dpi=100)
 
 
-def drawn_waterbombs(name: str) -> None:
-    """Draw the energy of waterbomb bases along both curves of their symmetric states."""
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
-    axes = figure.subplots()
-    for n, colour in ((3, "C0"), (4, "C1"), (6, "C2")):
-        a = np.pi / n
-        for sign, line in ((1, "-"), (-1, "--")):
-            ratio = -(1 + sign * np.sin(a)) / np.cos(a)
-            end = min(np.pi, abs(4 * np.arctan(1 / ratio)))
-            m = np.linspace(-end, end, 601)
-            v = 4 * np.arctan(ratio * np.tan(m / 4))
-            u = n * 0.025 / 2 * ((m + np.pi / 3) ** 2 + (v - np.pi / 2) ** 2)
-            label = f"{2 * n} creases" if sign > 0 else None
-            axes.plot(np.degrees(m), u, line, color=colour, label=label)
-    axes.set(xlabel="fold of mountains [deg]", ylabel="energy [J]", xlim=(-185, 100), ylim=(0, 0.6))
-    axes.legend(frameon=False, title="dashed: the second curve", loc="upper left")
-    figure.savefig(FOLDER / f"{name}.png", dpi=150)
-
-
 def by_command(*words: str) -> None:
     """Make a picture by the command that stands beside it."""
     subprocess.run([sys.executable, "-m", *words], check=True)
@@ -212,95 +170,21 @@ def drawn_hinges(name: str) -> None:
     o.draw(path, folder / "creased.png")
 
 
-def reproduce(figure: str, name: str) -> None:
-    """Make one of the paper's figures anew; its landscapes as PDF too."""
-    from studies import FIGURES
-
-    drawn = FIGURES[figure](figure, 0, lambda *_: None).figure
-    for ending in (".png", ".pdf")[: 1 + name.startswith("figure")]:
-        drawn.savefig(FOLDER / f"{name}{ending}", dpi=150)
-
-
-def counted(name: str) -> None:
-    """Draw the counts of a recorded run."""
-    from studies import SheetCount, draw_counts
-
-    data = json.loads((FOLDER.parent / "counts.json").read_text())
-    draw_counts([SheetCount(**one) for one in data["counts"]]).savefig(
-        FOLDER / f"{name}.png", dpi=150
-    )
-
-
-def boxed(name: str) -> None:
-    """Draw the boxes of vertices that are proved to have four states at most."""
-    from studies import draw_boxes
-
-    data = json.loads((FOLDER.parent / "at_most_four.json").read_text())
-    boxes = [(one, two, four) for one, two, four in data["boxes"]]
-    draw_boxes(boxes, Fraction(data["width"])).savefig(FOLDER / f"{name}.png", dpi=150)
-
-
-def grown(name: str) -> None:
-    """Draw the boxes of vertices that are proved to have six states at most."""
-    from studies import draw_two_maxima
-
-    data = json.loads((FOLDER.parent / "at_most_six.json").read_text())
-    draw_two_maxima("".join(data["tree"])).savefig(FOLDER / f"{name}.png", dpi=150)
-
-
 def recorded(name: str) -> None:
     """Draw the times of a recorded run."""
-    from benchmarks import PatternBench, draw_coverage, draw_patterns
+    from benchmarks import draw_search
+    from benchmarks.search import RECORD
 
-    which = "bench_search" if name == "speed" else "bench_patterns"
-    data = json.loads((FOLDER.parent / f"{which}.json").read_text())
-    if name == "speed":
-        draw_coverage(data, FOLDER / "speed.png")
-    else:
-        draw_patterns(PatternBench.from_dict(data), FOLDER / "speed_patterns.png")
+    draw_search(json.loads(RECORD.read_text()), FOLDER / f"{name}.png")
 
 
 PICTURES: dict[str, Callable[[str], None]] = {
     "states": own,
     "degree6_pi3": own,
     "six_states": own,
-    "birds_foot": own,
-    "sheet_counts": counted,
-    "at_most_four": boxed,
-    "at_most_six": grown,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "rolled_yoshimura": drawn_tubes,
-    "waterbomb_curves": drawn_waterbombs,
-    **{
-        f"space_{end}": own
-        for end in (
-            "degree6_pi_4",
-            "degree6_pi_3",
-            "degree6_5pi_12",
-            "degree8_pi_12",
-            "degree8_pi_4",
-            "stops",
-        )
-    },
-    **{name: lambda name: reproduce(name, name) for name in ("figure3", "figure4")},
-    "grid_convergence": lambda name: reproduce("grid-convergence", name),
-    **{
-        f"cones_{figure}": lambda name: reproduce(name.removeprefix("cones_"), name)
-        for figure in ("cone-3", "cone-3-firing", "cone-4", "cone-4-firing", "cone-56")
-    },
-    "cone_foldings_8": lambda name: by_command(
-        "origami_nlp",
-        "paper",
-        "cone",
-        "draw",
-        "--degree",
-        "8",
-        "--elevation",
-        "pi/8",
-        "-o",
-        str(FOLDER / f"{name}.png"),
-    ),
     "examples": lambda _: by_command("tests.gallery"),
     "sheets": lambda _: by_command("tests.gallery_of_patterns"),
     **{
@@ -311,28 +195,10 @@ PICTURES: dict[str, Callable[[str], None]] = {
     },
     "bistable_waterbomb": drawn_load,
     "hinges": drawn_hinges,
-    "soft_facets": lambda _: by_command("studies.soft_facets"),
-    "metastable_degree8": own,
-    "barriers_merge_trees": lambda name: by_command(
-        "origami_nlp", "barriers", "panels", "-o", str(FOLDER / f"{name}.png")
-    ),
     "speed": recorded,
-    "speed_patterns": recorded,
-    "time_budget": lambda name: by_command(
-        "benchmarks", "profile", "-o", str(FOLDER / f"{name}.png"), "-o", "-.md"
-    ),
 }
 """What makes each picture of the documentation; ``examples`` and ``sheets`` their folder and page."""
-SLOW = (
-    "examples",
-    "sheets",
-    "soft_facets",
-    "states_degree6",
-    "states_degree8",
-    "grid_convergence",
-    "barriers_merge_trees",
-    "time_budget",
-)
+SLOW = ("examples", "sheets", "states_degree6", "states_degree8")
 """Made only by name, or with ``all``: minutes each."""
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@ from .axes import (
     UNIT as UNIT,
     area_legend as area_legend,
     colour_bar as colour_bar,
-    coordinate_label as coordinate_label,
     curve_name as curve_name,
     draw_area as draw_area,
     draw_curves as draw_curves,
@@ -26,7 +25,6 @@ from .chart import (
     wedge_point as wedge_point,
 )
 from .energy_map import (
-    LARGEST_SIZE as LARGEST_SIZE,
     EnergyBranch as EnergyBranch,
     Landscape as Landscape,
     Place as Place,

@@ -110,9 +110,7 @@ PatternFile = Annotated[
     ),
 ]
 SweepFile = Annotated[str, typer.Argument(metavar="SWEEP", help="Sweep file (TOML).")]
-Candidates = Annotated[
-    str, typer.Argument(metavar="FILE", help="Candidates: .json or .csv, or - for JSON on stdin.")
-]
+Candidates = Annotated[str, typer.Argument(metavar="FILE", help="Candidates (JSON).")]
 ProofFile = Annotated[str, typer.Argument(metavar="FILE", help="Proof (JSON), or - for stdin.")]
 Family = Annotated[
     str,

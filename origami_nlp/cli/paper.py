@@ -104,6 +104,18 @@ def verify(
         raise typer.Exit(1)
 
 
+@writes("json")
+def audit(out: Output, file: o.Candidates, seed: o.Seed = 0) -> None:
+    """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
+    from origami_nlp.paper import audit_candidates, audit_table, audit_to_dict, read_candidates
+
+    candidates = read_candidates(file)
+    with progress("audit", len(candidates)) as report:
+        panels = audit_candidates(candidates, seed=seed, progress=report)
+    out.say(audit_table(panels))
+    out.write("json", audit_to_dict, panels)
+
+
 @bounded
 @answers("json", search=("seed",))
 def transitions(
@@ -124,5 +136,5 @@ def transitions(
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")
-paper.add(demo, panels, verify, transitions)
+paper.add(demo, panels, verify, audit, transitions)
 paper.add_group("cone", cone)

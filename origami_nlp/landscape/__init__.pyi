@@ -4,5 +4,4 @@ from .exact import (
     to_arrays as to_arrays,
 )
 from .figure import draw_landscape as draw_landscape
-from .panel import PanelStyle as PanelStyle, draw_panel as draw_panel, legend_of as legend_of
 from .plain import landscape_to_dict as landscape_to_dict

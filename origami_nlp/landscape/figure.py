@@ -15,12 +15,11 @@ from origami_nlp.chart import Chart, chart_of, chart_points, colour_bar
 from origami_nlp.display import MARGIN, StackedFigure, label_text, pass_look, passes_legend
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of
+from origami_nlp.landscape.panel import STAR, draw_panel, legend_of
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers, Pass
 
-STYLE = PanelStyle(star=16.0, line=1.2, text=10.5, numbers=True)
 PATH: dict[str, Any] = {
     "color": "white",
     "linewidth": 1.5,
@@ -67,10 +66,10 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     groups = [list(range(count))] if exact.one_plane else [[k] for k in range(count)]
     panel = LEFT + SIDE + RIGHT
     chosen = joining_passes(barriers) if barriers else []
-    entries = legend_of([exact], STYLE)
+    entries = legend_of(exact)
     if chosen:
         entries.append(Line2D([], [], label="lowest path over a pass", **PATH))
-        entries += passes_legend((p.pass_kind for p in chosen), STYLE.star)
+        entries += passes_legend((p.pass_kind for p in chosen), STAR)
     top = 0.2 * (len(groups) > 1)
     body = top + SIDE + BELOW
     stack = StackedFigure(
@@ -79,7 +78,7 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     for number, group in enumerate(groups):
         x = MARGIN + LEFT + number * panel
         axes = stack.axes(x, top, SIDE, SIDE)
-        image = draw_panel(axes, exact, group, STYLE)
+        image = draw_panel(axes, exact, group)
         _paths(axes, exact, group, chosen)
         if len(groups) > 1:
             axes.set_title(exact.chart.branches[group[0]].name.replace("-", "−"), fontsize=10)
@@ -109,7 +108,7 @@ def _paths(axes: Any, exact: ExactLandscape, group: list[int], passes: list[Pass
             points = np.where(_on(chart, step.path, group)[:, None], points, np.nan)
         axes.plot(*points.T, **PATH)
         at = chart_points(chart, np.array([step.fold_angles]))
-        axes.plot(*at.T, **pass_look(step.pass_kind, STYLE.star), zorder=7.5, clip_on=False)
+        axes.plot(*at.T, **pass_look(step.pass_kind, STAR), zorder=7.5, clip_on=False)
 
 
 def _on(chart: Chart, path: np.ndarray, group: list[int]) -> np.ndarray:

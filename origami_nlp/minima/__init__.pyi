@@ -62,9 +62,7 @@ from .minimum import (
     Survival as Survival,
 )
 from .multistart import (
-    FEW_PAIRS as FEW_PAIRS,
     MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
-    run_one as run_one,
     solve_without_crossing as solve_without_crossing,
 )
 from .noise import (

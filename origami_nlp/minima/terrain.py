@@ -91,7 +91,7 @@ class VertexTerrain(Terrain):
     def proved_paths(self, which: Sequence[int]) -> dict[int, tuple[float, np.ndarray, int]]:
         """Paths over the flat state, where all states of no more energy are on its other side.
 
-        With full contact no admissible path leads round it (docs/validation/barriers.md).
+        With full contact no admissible path leads round it (docs/validation/landscapes.md).
         """
         model, flat = self.model, np.zeros(self.model.size)
         if not (model.scene.vertex.flat and model.scene.contact == "full") or model.refuses(flat):

@@ -2,9 +2,9 @@
 
 The latter is the sign of the sum of its fold angles, which motions of paper keep.  Round a vertex with an angle sum of
 360 degrees, or less, whose facets do not cross the fold angles sum to 0 in the flat state only (proved in
-docs/validation/barriers.md).  So admissible motions change the sign only through states in which the vertex is exactly
-flat: vertices divide the states of a sheet into cells, and a descent that steps from one into another has jumped over
-what parts them.
+docs/validation/landscapes.md).  So admissible motions change the sign only through states in which the vertex is
+exactly flat: vertices divide the states of a sheet into cells, and a descent that steps from one into another has
+jumped over what parts them.
 """
 
 from __future__ import annotations

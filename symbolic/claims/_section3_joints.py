@@ -68,13 +68,13 @@ def _book_fold() -> list[tuple[str, bool]]:
 _AREA = (
     "A state is a closed spherical polygon of length 2 pi with sum phi = 2 pi less the area on its left "
     "(Gauss-Bonnet), and one of its sides lies in its convex hull K: but for the great circle, the flat state, "
-    "|sum phi| >= 2 pi - area(K) > 0, facets that touch included (docs/validation/barriers.md)."
+    "|sum phi| >= 2 pi - area(K) > 0, facets that touch included (docs/validation/landscapes.md)."
 )
 _REMARK = (
     "over (0, 0) lies the book fold phi_1 = phi_4 = t too: t > 0 in one region, t < 0 in the other, t = 0 "
     "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3, "
     "tan^2(phi_2/2) = -1/cos(2 alpha_1) lays crease 4 on crease 1 and frees phi_1 - phi_4.  "
-    "That each region is one piece is measured (docs/validation/space.md), not decided here."
+    "That each region is one piece is measured (docs/validation/landscapes.md), not decided here."
 )
 
 
@@ -83,7 +83,7 @@ def _check_joints(statement: tuple[Any, tuple[tuple[int, int], ...]]) -> Verdict
 
     statement: (alpha_1 in units of pi, chart points).  One state of both regions has sum phi = 0 and
     is the flat state; in the picture over (phi_2, phi_3) the regions already meet where each of them
-    has a state.  That each region is one piece is not decided here (docs/validation/space.md measures it).
+    has a state.  That each region is one piece is not decided here (docs/validation/landscapes.md measures it).
     """
     part, points = statement
     sums = {p: _fold_sums(part, p) for p in CHART_POINTS}

@@ -1,22 +1,23 @@
 """50-digit references: checked by another formulation, and derivatives by differences in extended precision."""
 
+import itertools
 import math
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from benchmarks import solve_reference
+from benchmarks import family_scene, solve_reference
 from benchmarks.exact_piece import ExactPiece, exact_angle
-from benchmarks.problems import panel_problems, random_problems
 from benchmarks.reference import Unsolved
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.problem import Contact, Model
+from origami_nlp.starts import Projected
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),
     "D2": examples.degree8("pi/12", 0.01),
-    "none": random_problems(0)[2].scene,
+    "none": family_scene("fold-limits", 2),
     "C2": Scene(
         Vertex((0.7, 1.1, math.pi - 1.8) * 2), (1, 2, 3) * 2, (0.5, -1.0, 0.3) * 2, "C2", "full"
     ),
@@ -51,9 +52,8 @@ def test_derivatives_of_closure_and_gaps_agree_with_differences(name):
 def test_closure_vanishes_where_the_programme_closes_and_gaps_are_equal(name):
     scene = SCENES[name]
     model = Model(scene)
-    from benchmarks import draw_starts
-
-    for start in draw_starts(model, 0, 4)[0]:
+    stream = Projected(model).starts(np.random.default_rng(0))
+    for start in itertools.islice(stream, 4):
         with mp.workdps(30):
             piece = ExactPiece(model)
             x = np.array([mp.mpf(v) for v in start.x.tolist()])
@@ -86,8 +86,8 @@ def whole_rotation(scene, phi):
 @pytest.mark.parametrize(
     "scene",
     [
-        pytest.param(panel_problems()[8].scene, marks=pytest.mark.slow),
-        panel_problems()[17].scene,
+        pytest.param(examples.panels()[8], marks=pytest.mark.slow),
+        examples.panels()[17],
         SCENES["none"],
     ],
     ids=repr,
@@ -136,7 +136,7 @@ def test_a_flat_folding_is_known_exactly_and_a_wrong_state_is_refused():
 
 
 def test_thin_sets_have_references_too():
-    scene = panel_problems()[4].scene
+    scene = examples.panels()[4]
     result = find_minima(scene, max_starts=20, prove=False, escape=False)
     thin = [m for m in result.minima if m.local_dimension == 1]
     assert thin

@@ -1,12 +1,11 @@
 """Critical points, long studies: all panels, random energies on every geometry, density of the samples."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from origami_nlp.critical import compare_minima, find_critical_points, panel_row
+from origami_nlp.critical import compare_minima, find_critical_points
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.space import find_space
 from tests.computed_once import panel_result
@@ -18,8 +17,6 @@ from tests.critical.test_critical_points import (
     random_energy,
 )
 
-DOC = Path(__file__).parents[2] / "docs" / "validation" / "critical_points.md"
-
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", PANELS, ids=lambda s: s.name)
@@ -28,8 +25,6 @@ def test_every_panel_closes_with_the_same_minima(scene):
     euler = find_space(scene).euler_characteristic
     assert found.doubts == () and found.verdict(euler).closes
     assert found.comparison.agree
-    row = "| " + " | ".join(panel_row(found, euler)) + " |"
-    assert row in DOC.read_text().splitlines()  # the documented table is what the code prints
 
 
 @pytest.mark.slow

@@ -78,7 +78,7 @@ def prose(page: Path) -> str:
 
 def inline_commands(page: Path) -> list[str]:
     """Commands in running text and in tables, as written."""
-    spans = re.findall(r"`((?:origami-nlp|python -m (?:benchmarks|studies)) [^`]+)`", prose(page))
+    spans = re.findall(r"`((?:origami-nlp|python -m benchmarks) [^`]+)`", prose(page))
     return [" ".join(span.replace("\\|", "|").split()) for span in spans]
 
 

@@ -6,19 +6,18 @@ import io
 import re
 import shlex
 import sys
+from difflib import get_close_matches
 from pathlib import Path
 
 import pytest
 
 from benchmarks.__main__ import app as benchmarks
 from origami_nlp.cli import app
-from studies.__main__ import app as studies
 from tests.command_line import run
 
 PROGRAMS = {
     "origami-nlp": app,
     "python -m benchmarks": benchmarks,
-    "python -m studies": studies,
 }
 """What is run here, by the words that call it."""
 
@@ -75,51 +74,59 @@ def run_line(line: str) -> tuple[int, str]:
     return code, said + given
 
 
-def words_of(text: str) -> list[str]:
-    """Words of what is printed, without the lines of tables."""
-    return re.sub(r"[\u2500-\u257f]", " ", text).split()
+def numbers_of(text: str) -> list[str]:
+    """Numbers among the words of what is printed; seconds (`1.4 s`) are those of a machine and left out."""
+    words = [w.strip("(),;:") for w in re.sub(r"[\u2500-\u257f]", " ", text).split()]
+    after = [*words[1:], ""]
+    return [w for w, n in zip(words, after, strict=False) if NUMBER.fullmatch(w) and n != "s"]
 
 
-def same_word(shown: str, said: str) -> bool:
-    """Whether two words are equal, or numbers that differ by rounding only."""
+def same_number(shown: str, said: str) -> bool:
+    """Whether two numbers are equal, or differ by rounding only."""
     if shown == said:
         return True
-    a, b = NUMBER.fullmatch(shown.strip("(),;:")), NUMBER.fullmatch(said.strip("(),;:"))
-    if not (a and b):
-        return False
+    a, b = NUMBER.fullmatch(shown), NUMBER.fullmatch(said)
+    assert a and b
     if a[1] or b[1]:  # a residual: what rounding leaves differs between machines
         return bool(a[1] and b[1]) or 0.0 in (float(a[0]), float(b[0]))
-    last = 10.0 ** -len(shown.strip("(),;:").partition(".")[2])
-    return (
-        "." in shown
-        and abs(float(a[0].replace(",", "")) - float(b[0].replace(",", ""))) < 1.5 * last
-    )
+    last = 10.0 ** -len(shown.partition(".")[2])
+    far = abs(float(a[0].replace(",", "")) - float(b[0].replace(",", "")))
+    return "." in shown and far < 1.5 * last
 
 
 def differs(shown: str, said: str) -> str:
-    """Where the words shown are not those said; a gap stands for any; empty: they agree.
-
-    Seconds (`1.4 s`) are those of a machine and may be any.
-    """
+    """Where the numbers shown are not those printed; a gap stands for any; empty: they agree."""
     parts = re.split(r"(?<!\S)\.\.\.(?!\S)", shown)
-    rest, at = words_of(said), 0
+    rest, at = numbers_of(said), 0
     for number, part in enumerate(parts):
-        words = words_of(part)
-        places = range(at, len(rest) - len(words) + 1) if number else [0]
-        if number and number == len(parts) - 1 and words:
-            places = [len(rest) - len(words)] if len(rest) - len(words) >= at else []
-        place = next((p for p in places if agrees(words, rest[p:])), None)
+        wanted = numbers_of(part)
+        places = range(at, len(rest) - len(wanted) + 1) if number else [0]
+        if number and number == len(parts) - 1 and wanted:
+            places = [len(rest) - len(wanted)] if len(rest) - len(wanted) >= at else []
+        place = next((p for p in places if agrees(wanted, rest[p:])), None)
         if place is None:
-            return f"not printed so: {' '.join(words)!r}\nprinted: {' '.join(rest[at:])!r}"
-        at = place + len(words)
-    if parts[-1].strip() and at != len(rest):
+            return f"not printed so: {' '.join(wanted)!r}\nprinted: {' '.join(rest[at:])!r}"
+        at = place + len(wanted)
+    if (len(parts) == 1 or numbers_of(parts[-1])) and at != len(rest):
         return f"printed as well: {' '.join(rest[at:])!r}"
     return ""
 
 
-def agrees(words: list[str], rest: list[str]) -> bool:
-    """Whether words begin a text."""
-    seconds = {i for i, word in enumerate(words[1:]) if word.strip("(),;:.") == "s"}
-    return len(rest) >= len(words) and all(
-        i in seconds or same_word(word, rest[i]) for i, word in enumerate(words)
-    )
+def agrees(wanted: list[str], rest: list[str]) -> bool:
+    """Whether numbers begin a list of them."""
+    return len(rest) >= len(wanted) and all(map(same_number, wanted, rest))
+
+
+def renewed(shown: str, said: str) -> str:
+    """What a page shows, as it is printed now: whole, or of lines beside gaps each the most similar one, in order."""
+    if GAP not in shown.split():
+        return said
+    rest, out = said.splitlines(), []
+    for line in shown.splitlines():
+        alike = get_close_matches(line, rest, 1, 0.6) if line.strip() not in ("", GAP) else []
+        if alike and GAP not in line.split():
+            out.append(alike[0])
+            rest = rest[rest.index(alike[0]) + 1 :]
+        else:
+            out.append(line)
+    return "\n".join(out) + "\n"

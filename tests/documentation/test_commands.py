@@ -1,11 +1,14 @@
-"""Every command and every Python block of the documentation runs, in the order of its page, and prints what is shown.
+"""Every command and every Python block of the documentation runs, in the order of its page: exit codes and numbers
+are those shown.  `python -m tests.documentation --write [PAGE ...]` renews what pages show.
 
 A remark before a block says what differs: `<!-- run: slow: why -->` (with the long studies only),
 `<!-- run: not: why -->`, `<!-- run: exit 2 -->` (the exit code), `<!-- file: NAME -->` (kept under this name for the
 blocks that follow).
 """
 
+import contextlib
 import functools
+import io
 import re
 import shutil
 import tomllib
@@ -22,7 +25,6 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = {
-    "barriers",
     "bistable_waterbomb",
     "check",
     "check_a_claim",
@@ -30,13 +32,10 @@ DEAR = {
     "files",
     "loads",
     "many_scenes",
-    "most_states",
-    "motifs",
     "pattern",
     "periodic",
     "sheets",
     "slow",
-    "vertices4",
 }
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
@@ -49,12 +48,14 @@ def _searched_once(monkeypatch):
 
 
 def run_block(block, names):
-    """Run one block in the folder where we are; what is wrong is told with its line."""
+    """Run one block in the folder where we are; what is wrong is told with its line.  Returns what Python prints."""
     if block.file:
         with open(block.file, "w") as file:
             file.write(block.text)
     if block.language == "python":
-        exec(compile(block.text, f"block of line {block.line}", "exec"), names)
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            exec(compile(block.text, f"block of line {block.line}", "exec"), names)
+        return said.getvalue()
     if block.language in TERMINAL:
         wanted = int(block.run.removeprefix("exit ")) if block.run.startswith("exit ") else 0
         lines, shown = shell.commands(block.text), shell.shown_after(block.text)
@@ -64,16 +65,21 @@ def run_block(block, names):
             assert code == wanted, f"line {block.line}: {line}\n{said}"
             wrong = shell.differs(expected, said)
             assert not wrong, f"line {block.line}: {line}\n{wrong}"
+    return ""
 
 
 def run_page(page, folder, long):
     """Run the blocks of a page in a folder of its own that holds the files of the documentation."""
     shutil.copytree(ROOT / "docs" / "files", folder, dirs_exist_ok=True)
     names = {"__name__": "__main__"}
-    for block in blocks(page):
+    found = blocks(page)
+    for block, after in zip(found, [*found[1:], None], strict=True):
         if block.run.startswith("not: ") or (block.run.startswith("slow: ") and not long):
             continue
-        run_block(block, names)
+        said = run_block(block, names)
+        if said and after is not None and after.language == "text":
+            wrong = shell.differs(after.text, said)
+            assert not wrong, f"line {block.line}: {wrong}"
 
 
 @pytest.mark.parametrize(
@@ -157,8 +163,9 @@ def test_the_runner_sees_what_is_wrong(tmp_path, monkeypatch):
     with pytest.raises(AssertionError, match="only origami-nlp"):
         shell.run_line("rm -r a.toml")
     assert not shell.differs("one 1.50 2e-16 ... end 3 s", "one 1.501 7e-17 and so on, end 9 s")
-    for shown in ("one 1.52", "one 1.50 2e-16 ... fin", "two ...", "one"):
+    for shown in ("one 1.52", "one 1.50 2e-16 ... 4", "2 ...", "one"):
         assert shell.differs(shown, "one 1.501 7e-17 and so on, end 9 s"), shown
+    assert shell.renewed("a 1.5\n...\nend 3 m\n", "a 1.6\nb\nend 4 m\n") == "a 1.6\n...\nend 4 m\n"
     assert misnamed("origami-nlp paper cone count|phase [--degree N]") == ""
     assert misnamed("origami-nlp paper cone count|phases") and misnamed(
         "origami-nlp minima X --nothing"

@@ -232,7 +232,7 @@ FOOT = """
 The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state held by
 a fold limit at exactly pi, such as flat-folded ones, need not be shallow and still be lost: the column says it.
 With one degree of freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree
-with two and bounds them from both sides [with more](../validation/barriers.md#three-and-more-degrees-of-freedom), and
+with two and bounds them from both sides with more, and
 `result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
 with the reason in `escape.why`.
 

@@ -15,7 +15,6 @@ import origami_nlp
 
 PACKAGE = Path(origami_nlp.__file__).parent
 TABLE = PACKAGE / "numerics" / "tolerances.py"
-PAGE = PACKAGE.parent / "docs" / "validation" / "tolerances.md"
 SMALL = 0.1
 """Floats below this are tolerances, until somebody says what else they are."""
 DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure phase_figure"
@@ -122,6 +121,9 @@ BESIDE_THE_TABLE = {
         minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
         pattern_states/descent.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
+    "accuracy of published states, and of the grid that they lie on": """
+        paper/audit.CLOSED paper/audit.ON_GRID paper/candidates.PRINTED
+    """,
     "weights of rows and steps": """
         pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT kkt/descent.SOFTEST numerics/factors.WEIGHT
         pattern_states/descent.WEIGHTS
@@ -181,44 +183,6 @@ def users() -> dict[str, set[str]]:
 def rooms_that_use(name: str) -> list[str]:
     """Rooms whose modules import an entry."""
     return sorted(users().get(name, set()))
-
-
-def page() -> str:
-    """The page of the documentation."""
-    head = ast.get_docstring(ast.parse(TABLE.read_text()))
-    rows: list[str] = []
-    for level, group in itertools.groupby(entries(), key=lambda e: e.level):
-        rows += [
-            "",
-            f"## {level.capitalize()}",
-            "",
-            "| name | value | notion and derivation |",
-            "| --- | --- | --- |",
-        ]
-        rows += [f"| `{e.name}` | {e.value:.2g} | {e.derivation} |" for e in group]
-    others = [
-        f"| {why} | {len(names.split())} |" for why, names in sorted(BESIDE_THE_TABLE.items())
-    ]
-    return "\n".join(
-        [
-            "# Tolerances",
-            "",
-            str(head),
-            "",
-            "Written by `python -m tests.numerics.test_tolerances` from `origami_nlp/numerics/tolerances.py`.",
-            *rows,
-            "",
-            "## Elsewhere",
-            "",
-            "Other numbers below 0.1 in the package are default values, sizes in pictures, or of these kinds (names in",
-            "`tests/numerics/test_tolerances.py`):",
-            "",
-            "| what it is | constants |",
-            "| --- | --- |",
-            *others,
-            "",
-        ]
-    )
 
 
 def literals(node: ast.AST) -> list[float]:
@@ -325,11 +289,3 @@ def test_nothing_small_stands_elsewhere_without_a_reason():
 
 def test_every_small_number_has_a_name():
     assert not list(unnamed())
-
-
-def test_the_page_is_up_to_date():
-    assert PAGE.read_text() == page(), "run python -m tests.numerics.test_tolerances"
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page())

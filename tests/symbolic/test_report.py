@@ -63,10 +63,8 @@ def test_the_committed_errata_page_is_current(run):
 def test_the_errata_page_lists_what_fails_and_nothing_else(run):
     page = report.errata_page(run.results)
     for r in run.results:
-        listed = f"\n`{r.claim.id}`, " in page.split("\n## True as printed")[0]
+        listed = f"\n`{r.claim.id}`, " in page
         assert listed == (r.verdict.verdict in ("refuted", "convention")), r.claim.id
-    remarked = page.split("## True as printed, with a remark")[1]
-    assert "`s3.flat-point`" in remarked and "`s5.plateau-8`" in remarked
     for needed in ("s3.J", "s3.phi1-8", "s3.handles", "s2.d2h-count", "s4.table", "s4.crease-3"):
         assert f"`{needed}`" in page
 
@@ -126,11 +124,11 @@ def test_own_derivations_and_decimals_are_told_apart(run):
     assert [k for k, v in origins.items() if v == "decimals"] == ["s5.fractions"]
 
 
-def test_errata_and_report_say_the_counts_and_what_is_left_out(run):
-    for text in (report.errata_page(run.results), report.as_markdown(run.results)):
+def test_errata_and_report_say_the_counts(run):
+    whole = report.as_markdown(run.results)
+    for text in (report.errata_page(run.results), whole):
         assert report.tally_text(run.results) in text
-        for entry in LEFT_OUT:
-            assert report.plain(entry.what) in text
+    assert all(report.plain(entry.what) in whole for entry in LEFT_OUT)
 
 
 def test_markdown_shows_stars_and_bars_as_they_are():

@@ -22,12 +22,7 @@ from .phase import (
     phase_diagram as phase_diagram,
 )
 from .phase_curves import PhaseBoundary as PhaseBoundary, phase_boundaries as phase_boundaries
-from .phase_figure import (
-    draw_boundaries as draw_boundaries,
-    draw_map as draw_map,
-    draw_phase as draw_phase,
-    legend as legend,
-)
+from .phase_figure import draw_phase as draw_phase
 from .plain import (
     branch_to_dict as branch_to_dict,
     count_to_dict as count_to_dict,

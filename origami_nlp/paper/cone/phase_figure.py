@@ -61,7 +61,6 @@ def draw_map(
     *,
     title: str = "",
     boundaries: Sequence[PhaseBoundary] = (),
-    mirrored: bool = False,
 ) -> None:
     """Draw numbers of branch minima as a map with one colour for each number that occurs, and exact borders.
 
@@ -79,8 +78,6 @@ def draw_map(
         Of the map.
     boundaries
         Of `phase_boundaries`: those where the number changes, drawn over the cells.
-    mirrored
-        Whether the axis is -nu_0, as in `draw_boundaries`.
     """
     numbers = sorted({int(x) for x in np.unique(counts)})
     shown = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
@@ -94,8 +91,7 @@ def draw_map(
     y = np.concatenate([ratios / step, [ratios[-1] * step]])
     image = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, rasterized=True)
     for curve in boundaries:
-        nu_0 = -curve.rest_elevation if mirrored else curve.rest_elevation
-        axes.plot(nu_0, curve.ratio, color="black", linewidth=1.2)
+        axes.plot(curve.rest_elevation, curve.ratio, color="black", linewidth=1.2)
     frame(axes, (x[0], x[-1]), (y[0], y[-1]))
     if title:
         axes.set_title(title, fontsize=9)
@@ -134,10 +130,6 @@ def draw_boundaries(
     boundaries: Sequence[PhaseBoundary],
     nu: tuple[float, float],
     ratio: tuple[float, float],
-    *,
-    labels: bool = True,
-    mirrored: bool = False,
-    size: float = 7.5,
 ) -> None:
     """Draw boundaries with labels on the side where the branch has a minimum.
 
@@ -151,14 +143,7 @@ def draw_boundaries(
         Of `phase_boundaries`.
     nu, ratio
         Ends of the axes: rest elevation [rad] and stiffness ratio.
-    labels
-        Whether to write the names of the classes.
-    mirrored
-        Draw -nu_0 (the paper's intervals are the mirror image of those of its own convention).
-    size
-        Font size of the labels [points].
     """
-    sign = -1.0 if mirrored else 1.0
     drawn: set[tuple[object, ...]] = set()
     seen: set[tuple[object, ...]] = set()  # where two curves are one, both colours show
     texts: list[tuple[PhaseBoundary, np.ndarray, np.ndarray]] = []
@@ -167,14 +152,13 @@ def draw_boundaries(
         if key in drawn:
             continue
         drawn.add(key)
-        x, y = sign * curve.rest_elevation, curve.ratio
+        x, y = curve.rest_elevation, curve.ratio
         look = {"color": ink(curve.branches), "lw": 1.5, "label": WORDS[curve.kind]}
         axes.plot(x, y, **look, ls=(0, (5, 5)) if key[3:] in seen else STYLES[curve.kind])
         seen.add(key[3:])
         texts.append((curve, x, y))
     frame(axes, nu, ratio)
-    if labels:
-        _place_labels(axes, texts, nu, ratio, size)
+    _place_labels(axes, texts, nu, ratio)
 
 
 def _same_curve(curve: PhaseBoundary) -> tuple[object, ...]:
@@ -196,7 +180,6 @@ def _place_labels(
     curves: Sequence[tuple[PhaseBoundary, np.ndarray, np.ndarray]],
     nu: tuple[float, float],
     ratio: tuple[float, float],
-    size: float,
 ) -> None:
     """Put each label on the side of its curve with the minimum, as far from other labels as the curve allows."""
     placed: list[np.ndarray] = []
@@ -234,7 +217,7 @@ def _place_labels(
             nu[0] + offset[best][0] * (nu[1] - nu[0]),
             ratio[0] * (ratio[1] / ratio[0]) ** offset[best][1],
             text,
-            fontsize=size,
+            fontsize=7.5,
             color=ink(curve.branches),
             ha="right" if offset[best][0] > RIGHT_EDGE else "center",  # the frame stays free
             va="center",

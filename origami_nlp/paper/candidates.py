@@ -1,0 +1,120 @@
+"""Published candidate states of the paper's two vertex families, read strictly from JSON.
+
+``{"records": [...]}`` (and ``"meta"``) or a list of records.  A record gives ``degree`` (6 or 8), ``alpha`` or
+``alpha1`` (the sector angle alpha_1), ``ratio`` or ``rk`` (r_k) and ``phi``: all N fold angles, or the independent
+ones (phi_1..phi_4 for degree 6, phi_1..phi_3 for degree 8).  Radians, numbers or text such as ``"pi/4"``; other keys
+are the notes of the file.  Files are data: nothing in them is evaluated.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from origami_nlp.errors import OrigamiError, SceneFileError
+from origami_nlp.pattern import Scene, examples, format_angle, parse_angle, parse_angles
+
+INDEPENDENT = {6: (0, 1, 2, 3, 2, 1), 8: (0, 1, 2, 1, 0, 1, 2, 1)}
+"""For each degree, which independent fold angle every crease has (D1 and D2 of the paper)."""
+PRINTED = 1e-6
+"""Accuracy of published fold angles [rad], of seven digits: closure, symmetry and equality are judged to it."""
+_ALIASES = {"alpha1": "alpha", "rk": "ratio"}
+_NEEDED = ("degree", "alpha", "ratio", "phi")
+_NOTES = "branch kind alpha1_label alpha1_as_listed handle list closure_at_label_alpha".split()
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One published state.
+
+    number: position in the file, 1-based.  alpha, ratio: alpha_1 [rad] and r_k.
+    independent: phi_1..phi_4 (degree 6) or phi_1..phi_3 (degree 8) [rad].
+    """
+
+    number: int
+    degree: int
+    alpha: float
+    ratio: float
+    independent: tuple[float, ...]
+
+    @property
+    def fold_angles(self) -> tuple[float, ...]:
+        """All N fold angles [rad]."""
+        return tuple(self.independent[i] for i in INDEPENDENT[self.degree])
+
+    @property
+    def panel(self) -> tuple[int, float, float]:
+        """Degree, alpha_1 to 12 decimals and r_k: candidates of one panel share it."""
+        return self.degree, round(self.alpha, 12), self.ratio
+
+    @property
+    def scene(self) -> Scene:
+        """The paper's scene of the candidate, with full contact."""
+        make = examples.degree6 if self.degree == 6 else examples.degree8
+        return make(format_angle(self.alpha), self.ratio)
+
+
+def read_candidates(source: str | Path) -> tuple[Candidate, ...]:
+    """Read candidates from a JSON file.
+
+    Raises
+    ------
+    SceneFileError
+        If the file cannot be read or a record is malformed; the message names the record.
+    """
+    try:
+        data = json.loads(Path(source).read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise SceneFileError(f"cannot read candidates {str(source)!r}: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        first = (str(error).splitlines() or ["nested too deeply"])[0]
+        raise SceneFileError(f"candidates are not valid JSON: {first}") from None
+    if isinstance(data, dict) and set(data) <= {"meta", "records"}:
+        data = data.get("records")
+    if not isinstance(data, list) or not data:
+        raise SceneFileError('candidates must be a list of records, or a table with "records"')
+    return tuple(_candidate(i, record) for i, record in enumerate(data, start=1))
+
+
+def _candidate(number: int, record: Any) -> Candidate:
+    where = f"record {number}"
+    if not isinstance(record, Mapping):
+        raise SceneFileError(f"{where} = {str(record)[:40]!r} must be a table")
+    values: dict[str, Any] = {}
+    for key, value in record.items():
+        name = _ALIASES.get(key, key)
+        if name not in (*_NEEDED, *_NOTES):
+            raise SceneFileError(f"{where}: unknown key {key!r}: it takes {', '.join(_NEEDED)}")
+        if name in values:
+            raise SceneFileError(f"{where}: {name!r} is given twice")
+        values[name] = value
+    missing = [name for name in _NEEDED if name not in values]
+    if missing:
+        raise SceneFileError(f"{where}: missing {', '.join(missing)}")
+    degree, ratio = values["degree"], values["ratio"]
+    if isinstance(degree, bool) or degree not in INDEPENDENT:
+        raise SceneFileError(f"{where}: degree = {degree!r} must be 6 or 8 (the paper's families)")
+    try:
+        alpha = parse_angle(values["alpha"], f"{where}: alpha")
+        phi = parse_angles(values["phi"], f"{where}: phi")
+        (examples.degree6 if degree == 6 else examples.degree8)(alpha, ratio)
+    except OrigamiError as error:
+        text = str(error)
+        raise SceneFileError(text if text.startswith(where) else f"{where}: {text}") from None
+    orbit = INDEPENDENT[degree]
+    size = max(orbit) + 1
+    if len(phi) not in (size, degree):
+        raise SceneFileError(f"{where}: phi has {len(phi)} entries: give all {degree} or {size}")
+    for i, angle in enumerate(phi):
+        if abs(angle) > math.pi + PRINTED:
+            raise SceneFileError(f"{where}: phi[{i + 1}] = {angle:.6g} is outside [-pi, pi]")
+        if abs(angle - phi[orbit[i]]) > PRINTED:
+            raise SceneFileError(
+                f"{where}: phi[{i + 1}] = {angle:.6g} differs from phi[{orbit[i] + 1}] = "
+                f"{phi[orbit[i]]:.6g}: the family keeps them equal"
+            )
+    return Candidate(number, degree, alpha, float(ratio), phi[:size])
