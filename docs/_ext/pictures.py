@@ -7,7 +7,6 @@ Without names those that take seconds; ``all`` takes minutes.  Measured times ar
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 import tempfile

@@ -153,7 +153,11 @@ def main(folder: Path, words: list[str]) -> None:
     for word in words or known:
         group, _, file = word.partition("=")
         verb, stated = known.get(group, ("", lambda file=file: of_file(Path(file))))
-        records, table = [], stated_by_name(folder)
+        records, table = (
+            [],
+            {n: q["stated"] for _, f in groups().values() for n, q in f() if "stated" in q},
+        )
+        table |= stated_by_name(folder)
         with Asked(Path.cwd()) as ask:
             for name, q in stated():
                 verb_of = verb or q.pop("verb")

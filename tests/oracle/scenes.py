@@ -141,8 +141,9 @@ def sheets() -> Iterator[Stated]:
         yield f"miura with {k + 1} facets missing", plain(sprung(holed, 40 + k))
     for name in ("miura", "waterbomb"):
         yield f"cell of {name}", plain(e.pattern(name, 1, 1, cell=True))
-    for name, rolled in (("yoshimura", 0), ("miura", 0)):
-        yield f"curling cell of {name}", plain(e.pattern(name, 1, 1, cell=True, rolled=rolled))
+    for name, rolled in (("yoshimura", 6), ("miura", 8)):
+        folded = e.pattern(name, 1, 1, cell=True, rolled=rolled)
+        yield f"tube of {name}", plain(folded)
     from origami_nlp.pattern import with_bending
 
     yield "soft square twist", plain(with_bending(e.pattern("squaretwist"), 0.2))
