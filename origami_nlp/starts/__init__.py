@@ -20,7 +20,6 @@
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
 | `FoldedVertices` | pattern | one vertex almost folded flat, the others as flat as closure lets them be |
-| `Popped` | pattern | a minimum with one vertex on its other side |
 | `Changed` | pattern | a minimum crossed with another, or with one crease folded otherwise |
 | `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 

@@ -59,7 +59,6 @@ def pattern_families():
         starts.Grown(problem, labels),
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
-        starts.Popped(pattern, labels, phi),
         changed,
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
