@@ -29,6 +29,8 @@ EVENTS, MOMENTS, EIGENVALUES = 1e-9, 1e-7, 1e-9
 """Relative differences that numbers may have: places of events, moments of contacts, eigenvalues."""
 SHARE = 0.99
 LOWER = ("saddle", "not stationary")
+FAULTS = ("near6: closed states beside it fall linearly",)
+"""Questions that the first commit answers wrong: told like others, but the exit code is about what came after it."""
 
 
 @dataclass
@@ -64,11 +66,10 @@ def near(a: Any, b: Any, share: float) -> bool:
 
 
 def minima(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
-    """States that must be found: those that at least two of three seeds had, the others where effort allows."""
+    """States that a search owes: those that each of its seeds had at the first commit."""
     known, share = record["answer"].get("minima", []), record["answer"].get("share", [])
     listed = answer.get("minima", [])
     lost = missing(known, listed)
-    # a default search owes what it found before, whatever the seed
     seeds = record["answer"].get("seeds", 3)
     owed = [k for k in lost if share[k] == seeds]
     row.found += share.count(seeds) - len(owed)
@@ -117,7 +118,7 @@ def judged(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
         return
     if before == now == "minimum":
         one, other = record["answer"]["eigenvalues"], answer["eigenvalues"]
-        top = max((abs(x) for x in one), default=1.0)
+        top = max((abs(x) for x in one), default=0.0) or 1.0
         if len(one) == len(other) and not near(
             [x / top for x in one], [x / top for x in other], EIGENVALUES
         ):
@@ -153,7 +154,7 @@ def passes(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
         before, now = one[-2], other[-2]
         exact = [str(x[-1]).startswith(("exact", "flat", "saddle", "traced")) for x in (one, other)]
         if before is None or now is None or not math.isfinite(before) or not math.isfinite(now):
-            fine = before == now or before is None
+            fine = before is None or repr(before) == repr(now)
         elif all(exact):
             fine = near(before, now, EVENTS)
         else:
@@ -301,7 +302,8 @@ def main(words: list[str]) -> int:
     if asked.out:
         lines = [json.dumps({"group": g, **t}) for g, row in rows.items() for t in row.told]
         asked.out.write_text("".join(line + "\n" for line in lines))
-    wrong = total.false or total.differing or total.missing > (1 - SHARE) * total.found
+    faults = sum(t["name"] in FAULTS for row in rows.values() for t in row.told)
+    wrong = total.false + total.differing > faults or total.missing > (1 - SHARE) * total.found
     return 1 if wrong else 0
 
 

@@ -143,7 +143,9 @@ def of_file(file: Path) -> Iterator[tuple[str, Any]]:
 
 def write(folder: Path, group: str, records: list[Any]) -> None:
     """Write a group, a line a question."""
-    lines = ",\n".join(json.dumps(rounded(record), separators=(",", ":")) for record in records)
+    # what is asked stays to the last bit: states that are singular are others where they are rounded
+    plain = [{**record, "answer": rounded(record["answer"])} for record in records]
+    lines = ",\n".join(json.dumps(record, separators=(",", ":")) for record in plain)
     (folder / f"{group}.json").write_text(f"[\n{lines}\n]\n")
 
 

@@ -281,7 +281,7 @@ def designed() -> Iterator[Stated]:
     """Springs for given states: examples, and states of random vertices."""
     for name in inverse_design.EXAMPLES:
         if name != "monostable8":
-            yield name, {"verb": "designed", "targets": inverse_design.example_targets(name)}
+            yield name, {"verb": "designed", "targets": inverse_design.EXAMPLES[name]}
     for k in range(25):
         scene = generic(4 + k % 2, 400 + k, "fold-limits")
         found = o.find_minima(scene, prove=False, escape=False).minima[: 1 + k % 2]
