@@ -40,10 +40,8 @@ from origami_nlp.starts import (
     SOURCES,
     FlatFoldings,
     HingeSets,
-    Listed,
     NearFlat,
     NearFolded,
-    RestState,
     RigidStates,
     Rounds,
     SearchOptions,
@@ -102,8 +100,7 @@ class Job:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
         model, record = self.model, self.record
         self.foldings = record.states_of(FlatFoldings(model))
-        families: list[Listed] = [RestState(model), HingeSets(model)]
-        states = [x for family in families for x in record.states_of(family)] + self.foldings
+        states = [*record.states_of(HingeSets(model)), *self.foldings]
         if model.dof <= 0:
             states += record.states_of(RigidStates(model, self.seed))
         for x in states:

@@ -62,7 +62,6 @@ from origami_nlp.pattern_states.scouting import Scouting
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
     OWN,
-    FoldedVertices,
     Given,
     OtherWells,
     SearchOptions,
@@ -218,7 +217,6 @@ class _Search(Scouting):
         for k in range(min(asked.most_drawn * starts, most)):
             if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
                 break
-        self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
         self.go_on(asked, starts, rng)
         self.part(IMAGES, self.add_images)
 

@@ -9,13 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
+from origami_nlp.errors import OrigamiError
+from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes, tangent_cone
-from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import Closure
-from origami_nlp.starts import LARGEST_DEGREE, vertex_foldings
+from origami_nlp.numerics import CLOSURE_TOL, quaternion
+from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.pattern_problem import Closure, round_vertex
 
 
 def list_branches(
@@ -55,8 +58,41 @@ def list_branches(
     return cone
 
 
+LARGEST_DEGREE = 8
+"""Of vertices whose flat foldings are listed one by one."""
 MOST_STATES = 500
 """Flat-folded states that are listed."""
+
+
+def _vertex_foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
+    """Return the ways to fold a vertex flat, 0, 1 or -1 a crease, [F, d].
+
+    Parameters
+    ----------
+    pattern
+        Flat.
+    loop
+        Round the vertex, of few creases: 3 to the power of their number are tried.
+    contact
+        Whether to leave out those whose layers have no order.
+    """
+    axes = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
+    choices = np.array(list(product((0, 1, -1), repeat=len(axes))), float)
+    low, high = pattern.limit_angles[:, list(loop.creases)]
+    choices = choices[((math.pi * choices >= low) & (math.pi * choices <= high)).all(axis=1)]
+    q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
+    for turn, axis in zip(choices.T, axes, strict=True):
+        # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
+        q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
+    closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
+    at = round_vertex(pattern, loop) if contact else None
+    foldings = choices[closed]
+    if at is None:
+        return foldings
+    try:
+        return foldings[[check_admissible(at, math.pi * f).admissible for f in foldings]]
+    except OrigamiError:
+        return foldings
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +143,7 @@ def list_flat_folded(
     tables = []
     for loop in pattern.vertices:
         check()
-        tables.append(vertex_foldings(pattern, loop, contact))
+        tables.append(_vertex_foldings(pattern, loop, contact))
     around = [np.array(loop.creases) for loop in pattern.vertices]
     level, known = np.zeros((1, n), np.int8), np.zeros(n, bool)
     # as many creases as can be are known already, few foldings

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections import Counter, defaultdict
 from functools import cached_property
-from itertools import islice
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
     Changed,
-    FoldedVertices,
     OtherWells,
     SearchOptions,
     hinge_rests,
@@ -102,14 +100,6 @@ class FromMinima(Parts):
                 self.attempt(self.settle, image(symmetry, state.phi))
         self._mirrored += len(new)
 
-    def fold_vertices(self, most: int) -> None:
-        """Start from each vertex folded flat, the others as flat as closure lets them be."""
-        problem = self.problem
-        if problem.pattern.lies_flat and problem.size <= MOST_DENSE and not self.tally.flat_folded:
-            for start in islice(FoldedVertices(problem, self.labels, self.contact).states(), most):
-                problem.check_time()
-                self._start_apart(FoldedVertices.name, start)
-
     def go_on(self, options: SearchOptions, starts: int, rng: np.random.Generator) -> None:
         """Start from minima, and from what that leads to, until nothing new comes; `starts` multiplies limits."""
         longest, known = options.most_on * starts, None
@@ -118,11 +108,6 @@ class FromMinima(Parts):
             self.part(OtherWells.name, self.snap, options.most_snapped * starts, longest)
             given = options.most_changed * starts, options.most_drawn * starts
             self.part(Changed.name, self.change, rng, *given)
-
-    def _start_apart(self, family: str, start: np.ndarray) -> None:
-        """Go down from a start along states that do not cross."""
-        self.begin(family)
-        self.attempt(self._kept_apart, start)
 
     def snap(self, most: int, longest: int) -> None:
         """Start from each minimum with one hinge in another well of its law, the lowest first.

@@ -13,13 +13,11 @@
 | `NearFolded` | vertex | where second order puts a minimum beside a flat folding |
 | `FlatFoldings` | vertex | every fold angle 0 or +-pi |
 | `HingeSets` | vertex | lowest of all that hinge about one line |
-| `RestState` | vertex | the rest angles, where they close |
 | `RigidStates` | vertex | isolated states of models without degrees of freedom |
 | `Given` | pattern | what the file states, mountains and valleys folded, rest angles, straight lines folded to wells |
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
-| `FoldedVertices` | pattern | one vertex almost folded flat, the others as flat as closure lets them be |
 | `Changed` | pattern | a minimum crossed with another, or with one crease folded otherwise |
 | `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 

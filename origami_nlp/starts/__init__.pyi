@@ -24,11 +24,6 @@ from .crossings import (
     model_rows as model_rows,
 )
 from .family import Listed as Listed, StartFamily as StartFamily
-from .folded_vertices import (
-    LARGEST_DEGREE as LARGEST_DEGREE,
-    FoldedVertices as FoldedVertices,
-    vertex_foldings as vertex_foldings,
-)
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
@@ -59,7 +54,6 @@ from .rounds import (
 )
 from .singular import (
     FlatFoldings as FlatFoldings,
-    RestState as RestState,
     RigidStates as RigidStates,
     flat_foldings as flat_foldings,
 )

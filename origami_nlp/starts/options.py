@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last nine of a pattern.
+    The first twelve are of a vertex, the last eight of a pattern.
 
     Attributes
     ----------
@@ -54,8 +54,6 @@ class SearchOptions:
         Starts from minima changed at random in a row that find nothing new, over `in_a_row`; `most_drawn` in all.
     most_on
         Starts of one of these kinds in all, over `in_a_row`.
-    most_folded
-        Starts with a vertex almost folded flat, over `in_a_row`: these are slow, with much that touches.
     most_traced
         Creases up to which curves are traced; descents beyond.
     most_curves
@@ -92,7 +90,6 @@ class SearchOptions:
     most_snapped: int = 1
     most_changed: int = 2
     most_on: int = 50
-    most_folded: int = 0
     most_traced: int = 250
     most_curves: int = 64
 
@@ -100,7 +97,7 @@ class SearchOptions:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
             *("in_a_row", "most_snapped", "most_changed", "most_on"),
-            *("most_folded", "most_traced", "most_curves"),
+            *("most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
             if name == "judging":
@@ -154,7 +151,6 @@ EFFORTS = {
         in_a_row=160,
         most_snapped=10,
         most_changed=10,
-        most_folded=1,
     ),
 }
 """By name."""

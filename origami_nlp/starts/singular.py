@@ -1,4 +1,4 @@
-"""Starts that are listed: the rest state, flat foldings and rigid states, isolated points that no descent may find."""
+"""Starts that are listed: flat foldings and rigid states, isolated points that no descent may find."""
 
 from __future__ import annotations
 
@@ -7,39 +7,10 @@ import math
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, NONZERO, ROUNDED
+from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.problem import CreaseChain, Model
 from origami_nlp.starts.family import Listed
 from origami_nlp.starts.projected import BATCH
-
-
-class RestState(Listed):
-    """The rest angles where they are a closed state of the model to rounding.
-
-    No state has less energy, however near a singular set it lies.  Beside one, what misses by d closes to d^2:
-    the move that would close it decides, not the residual.  Under forces in space they are nothing special.
-
-    Parameters
-    ----------
-    model
-        Of any scene.
-    """
-
-    name = "the rest state"
-    sentence = "the rest angles, where they close"
-
-    def states(self) -> list[np.ndarray]:
-        """Return it, or nothing."""
-        model = self._model
-        if not model.parameters.plain:
-            return []
-        x = model.parameters.rest.copy()
-        value, jacobian = model.closure(x)
-        singular = np.linalg.svd(jacobian, compute_uv=False)
-        move = np.linalg.norm(value) / max(float(singular.min()), NONZERO) if value.any() else 0.0
-        flat = bool((np.abs(x) % math.pi == 0).all())  # flat foldings are exact, and listed as such
-        return [x] if move <= ROUNDED and not flat and model.lifts_to_one(x) else []
-
 
 MOST_FLAT_VARIABLES = 9
 """Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""

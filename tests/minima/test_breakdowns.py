@@ -36,7 +36,6 @@ def whole(scene):
 @pytest.mark.parametrize(
     ("room", "name", "reported", "scene"),
     [
-        (job.RestState, "states", "the rest state", TWO_DOF),
         (job.HingeSets, "states", "hinge sets", TWO_DOF),
         (job.FlatFoldings, "states", "flat foldings", TWO_DOF),
         (job.NearFlat, "states", "starts beside the flat state", TWO_DOF),

@@ -42,7 +42,6 @@ def vertex_families():
         (starts.NearFolded(hinged, foldings), hinged),
         (starts.FlatFoldings(hinged), hinged),
         (starts.HingeSets(hinged), hinged),
-        (starts.RestState(limits), limits),
         (starts.RigidStates(rigid, 0), rigid),
     ]
 
@@ -61,7 +60,6 @@ def pattern_families():
         starts.UniformFolded(labels, problem.fold_limits),
         changed,
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
-        starts.FoldedVertices(problem, labels, True),
     ]
 
 
@@ -89,7 +87,7 @@ def test_the_table_of_the_room_has_every_family_with_its_sentence():
         f"`{one.__name__}`": one.sentence for one in known
     }
     assert sorted(NAMES) == sorted(one.__name__ for one in known)
-    assert [name.strip("`") for name, of, _ in rows if of == "vertex"] == NAMES[:13]
+    assert [name.strip("`") for name, of, _ in rows if of == "vertex"] == NAMES[:12]
     # two families of one name would be one in the account of a search: both kinds of interior are no corners
     named = [one.name for one in known]
     assert {name for name in named if named.count(name) > 1} == {"interior"}
@@ -125,7 +123,7 @@ def test_a_listed_family_gives_each_of_its_states_once(number):
 EXACT = ("Corners", "Interior", "NearCorners", "Strata", "Touches", "FlatFoldings", "HingeSets")
 
 
-@pytest.mark.parametrize("name", [*EXACT, "RestState", "RigidStates", "Moments"])
+@pytest.mark.parametrize("name", [*EXACT, "RigidStates", "Moments"])
 def test_starts_of_vertices_close_and_hold_what_they_say(name):
     ((family, model),) = [pair for pair in vertex_families() if type(pair[0]).__name__ == name]
     s = family.draw(np.random.default_rng(1), 500 if name == "Corners" else 30)
@@ -134,7 +132,7 @@ def test_starts_of_vertices_close_and_hold_what_they_say(name):
     for x in s.x:
         _, q = fold_vertex(model.scene.vertex, model.expand(x))
         assert np.linalg.norm(q[1:]) <= 1e-9
-    assert len(s) or name in ("RestState", "RigidStates")
+    assert len(s) or name == "RigidStates"
 
 
 def test_minima_are_changed_in_three_ways_in_turn():

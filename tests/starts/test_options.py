@@ -11,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, Scouts
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, Changed, FoldedVertices, SearchOptions
+from origami_nlp.starts import EFFORTS, Changed, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
@@ -88,16 +88,6 @@ def test_more_starts_are_made_where_it_is_foreseen_where_they_lead(monkeypatch):
     monkeypatch.undo()
     if Scouts(PatternProblem(as_pattern("yoshimura:2x2"))).usable:
         assert search(8).drawn == 8 * search(1).drawn and search(8).foreseen
-
-
-def test_vertices_are_almost_folded_where_that_is_asked_for():
-    def search(folded):
-        options = SearchOptions(in_a_row=2, scouted=1, most_drawn=1, most_folded=folded)
-        return o.find_minima("yoshimura:2x2", options=options, escape=False).search
-
-    name = FoldedVertices.name
-    assert search(1).by_source[name] == 2 and search(1).reached[name]
-    assert name not in search(0).by_source
 
 
 def test_fields_of_continuation_have_their_effect():
