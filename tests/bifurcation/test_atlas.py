@@ -347,3 +347,16 @@ def test_a_whole_range_with_its_checks_costs_about_five_searches_at_one_point(al
         seconds(lambda: follow(scene, "ratio=0.01:100")) / seconds(searches) for _ in range(7)
     ]
     assert sorted(ratios)[3] < most, ratios
+
+
+def test_a_check_says_whether_it_is_complete():
+    one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
+    assert one.checks[0].complete == "traced"
+    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full=False)
+    assert two.checks[0].complete == "proved"
+
+
+@pytest.mark.parametrize("text", ["ratio=a:2", "ratio=1:2:3", "ratio=nan:1", "loads=x:1"])
+def test_an_end_of_a_range_that_is_no_number_is_not_called_an_angle(text):
+    with pytest.raises(OptionError, match="must be a finite number"):
+        parse_parameter_range(text)

@@ -188,3 +188,13 @@ def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     assert len(area) == 2 * 6 * 2  # states, facets, triangles
     assert area == pytest.approx(np.full(24, 0.5 * math.sin(math.pi / 3)), abs=1e-6)
+
+
+def test_layers_of_a_flat_folded_end_come_back():
+    """Layers at a flat-folded end, what a touch leaves; both come back from JSON."""
+    flat = find_motion(o.examples.pattern("miura", 2, 2))
+    blocked = find_motion(o.examples.pattern("metasheet", 3, 3))
+    free = find_motion(o.examples.pattern("yoshimura", 3, 3))
+    for motion in (flat, blocked, free):
+        assert bool(motion.layers) == (motion is flat)
+        assert type(motion).from_dict(motion.to_dict()).layers == motion.layers

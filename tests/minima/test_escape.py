@@ -425,3 +425,10 @@ def test_barriers_do_not_hang_on_labels(seed):
         ]
         found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
     assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
+
+
+def test_isolated_flat_foldings_are_known_as_such():
+    result = find_minima(examples.degree6("pi/4", ratio=1, contact="fold-limits"), prove=False)
+    alone = [m for m in result.minima if m.local_dimension == 0]
+    assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
+    assert len(result.to_dict()["minima"]) == 12

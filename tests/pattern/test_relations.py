@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import origami_nlp
 from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
 
 
@@ -93,3 +94,13 @@ def test_relations_that_miss_by_more_are_kept_apart() -> None:
 def test_thousand_creases() -> None:
     found = find_relations((2 * math.pi / 1000,) * 1000)
     assert found.exact and found.moved == 0.0
+
+
+def test_a_scene_says_what_it_made_exact() -> None:
+    a = math.pi / 3 + 1e-9
+    sectors = (a, math.pi - 2 * a, a, a, math.pi - 2 * a, a)
+    k, rest = (0.025,) * 6, (math.pi / 2, math.pi / 2, -math.pi, math.pi / 2, -math.pi, math.pi / 2)
+    scene = origami_nlp.Scene(origami_nlp.Vertex(sectors), k, rest, symmetry="none")
+    assert scene.vertex.sector_angles == pytest.approx((math.pi / 3,) * 6, abs=1e-15)
+    made = {r.text for r in scene.relations.made_exact}
+    assert "creases 1 and 3 coincide while 2 is fully folded" in made
