@@ -1,10 +1,7 @@
 """The notebooks run from top to bottom, and what is stored in them is what they print."""
 
 import ast
-import base64
 import re
-from collections import Counter
-from hashlib import sha256
 from pathlib import Path
 
 import nbformat
@@ -82,46 +79,6 @@ def test_the_check_of_names_sees_private_ones():
         "import origami_nlp as o\nfrom origami_nlp.kkt import _x\no.find_minima\no.nothing\na._b\n"
     )
     assert set(not_public(code + "getattr(a, '_c')")) == {"_x", "nothing", "_b", "_c"}
-
-
-def pictures(cell):
-    """Each picture that a cell shows, by its bytes."""
-    for out in cell.get("outputs", []):
-        data = out.get("data", {})
-        html = re.findall(r"base64,([^'\"]+)", data.get("text/html", ""))
-        for text in [data["image/png"], *html] if "image/png" in data else html:
-            yield sha256(base64.b64decode(text)).hexdigest()
-
-
-@pytest.mark.parametrize("stored", ALL, indirect=True)
-def test_nothing_is_shown_twice(stored):
-    code = [cell for cell in stored.cells if cell.cell_type == "code"]
-    shown = Counter(picture for cell in code for picture in pictures(cell))
-    assert not [name for name, times in shown.items() if times > 1]
-    tables = Counter(
-        out.data["text/html"]
-        for cell in code
-        for out in cell.get("outputs", [])
-        if "text/html" in out.get("data", {})
-    )
-    assert not [table[:200] for table, times in tables.items() if times > 1]
-    bare = re.compile(r"<Figure size .*>")  # said, not shown: %matplotlib inline is missing
-    for cell in code:
-        for out in cell.get("outputs", []):
-            data = out.get("data", {})
-            assert "image/png" in data or not bare.fullmatch(data.get("text/plain", ""))
-
-
-def test_the_primer_has_one_picture_a_word():
-    book = nbformat.read(FOLDER / "00_primer.ipynb", as_version=4)
-    words, count = "", {}
-    for cell in book.cells:
-        head = re.match(r"## (.*)", cell.source) if cell.cell_type == "markdown" else None
-        words = head[1] if head else words
-        if cell.cell_type == "code" and words:
-            count[words] = count.get(words, 0) + len(list(pictures(cell)))
-    assert count.pop("What else a table says") == 0
-    assert len(count) >= 7 and set(count.values()) == {1}
 
 
 @pytest.mark.parametrize("stored", LONG, indirect=True)

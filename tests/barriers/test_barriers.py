@@ -1,13 +1,11 @@
 """Barriers: merge trees against brute force, exact passes against closed forms and a flood fill."""
 
 import itertools
-import json
 import math
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from typer.testing import CliRunner
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.descents import side_of_flat
@@ -314,31 +312,6 @@ def excesses(found, grid):
         assert flood is not None and flood.height >= flood.level
         out.append(flood.height - join.energy)
     return out
-
-
-def test_command(tmp_path):
-    from origami_nlp.cli import app
-
-    run = CliRunner().invoke
-    scene = tmp_path / "scene.toml"
-    scene.write_text(run(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "1"]).stdout)
-    out = [tmp_path / name for name in ("b.json", "b.svg")]
-    asked = ["-o", str(out[0]), "-o", str(out[1])]
-    result = run(app, ["barriers", str(scene), *asked])
-    assert result.exit_code == 0, result.output
-    found = json.loads(out[0].read_text())
-    assert found["schema"] == "origami-nlp/landscape/2"
-    (barrier,) = found["passes"]
-    assert (barrier["from_state"], barrier["to_state"], barrier["pass_kind"]) == (
-        1,
-        2,
-        "flat state",
-    )
-    # all creases pi/2 from rest with unit ratio
-    assert barrier["energy"] == pytest.approx(8 * 0.5 * 0.025 * (math.pi / 2) ** 2, rel=1e-12)
-    assert out[1].stat().st_size > 1000
-    wrong = run(app, ["barriers", "panels", "--frame", "1"])
-    assert wrong.exit_code != 0 and "--frame" in str(wrong.exception)
 
 
 @pytest.mark.slow

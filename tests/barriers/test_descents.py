@@ -9,7 +9,6 @@ import pytest
 import origami_nlp as o
 from origami_nlp.barriers.passes import LOWEST, NEVER, PROVED
 from origami_nlp.problem import Model
-from tests.command_line import run
 from tests.independent import flood_three
 from tests.independent.links import corners, crosses
 from tests.kernels.answers import generic
@@ -114,18 +113,6 @@ def test_with_less_paper_no_path_leads_to_the_other_side():
     across = [p for p in found.passes if sums[p.from_state - 1] * sums[p.to_state - 1] < 0]
     assert across and all(p.why == NEVER and math.isinf(p.energy) for p in across)
     assert "less than 360 degrees" in str(found)
-
-
-def test_the_command_answers_with_files_and_a_picture(tmp_path):
-    file, picture, scene = (tmp_path / name for name in ("b.json", "b.png", "scene.toml"))
-    scene.write_text(o.format_scene(o.examples.waterbomb(symmetry="none")))
-    done = run("barriers", scene, "-o", file, "-o", picture)
-    assert done.code == 0 and "0.06169 J to leave #2" in done.out, done.err
-    again = o.load(file)
-    assert again.passes[0].why == PROVED and again.passes[0].least == again.passes[0].energy
-    assert picture.stat().st_size > 10_000
-    (legend,) = o.draw(again, tmp_path / "again.png").legends
-    assert [text.get_text() for text in legend.texts] == ["interior", "pass: flat state"]
 
 
 @pytest.mark.parametrize(

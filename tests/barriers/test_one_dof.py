@@ -7,7 +7,6 @@ from scipy.optimize import brentq
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import scene_pattern
-from tests.command_line import run
 
 
 def quadrilateral():
@@ -90,10 +89,3 @@ def test_what_has_more_dof_is_refused_in_one_line():
     rigid = o.Scene(o.Vertex.from_degrees([100, 120, 140]), (1.0,) * 3, (0.4,) * 3, symmetry="none")
     with pytest.raises(OptionError, match="leaves 0 degrees of freedom; barriers need one"):
         o.find_barriers(rigid)
-
-
-def test_the_command_takes_a_pattern(tmp_path):
-    file = tmp_path / "b.json"
-    done = run("barriers", "metasheet:3x3", "-o", file, "-o", tmp_path / "b.fold")
-    assert done.code == 0 and "flat state" in done.out, done.err
-    assert file.stat().st_size > 1000

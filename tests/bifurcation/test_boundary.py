@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
@@ -79,15 +78,6 @@ def test_a_curve_along_which_the_second_parameter_stays_is_found():
     alpha = np.degrees([p.t[1] for p in curve.points])
     assert np.ptp(alpha) < 1e-9 and alpha[0] == pytest.approx(79.1874819, abs=1e-6)
     assert curve.ends == ("range", "range")
-
-
-def test_data_and_a_picture(contact, tmp_path):
-    data = json.loads(json.dumps(contact.to_dict(), allow_nan=False))
-    assert [p["name"] for p in data["parameters"]] == ["ratio", "alpha"]
-    assert {"id", "type", "contact", "points", "ends"} <= set(data["curves"][0])
-    contact.draw(tmp_path / "map.png")
-    assert (tmp_path / "map.png").stat().st_size > 10_000
-    assert "1 curves" in repr(contact)
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ import origami_nlp as o
 from origami_nlp.bifurcation import PatternLine, parse_parameter_range, pattern_family
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import scene_pattern
-from tests.command_line import run
 
 FEW = {"checks": 1, "effort": "quick"}
 
@@ -161,14 +160,3 @@ def test_a_vertex_that_moves_and_what_is_refused():
             o.follow("miura:2x2", "ratio=1:2", **option)
     with pytest.raises(OptionError, match="starts = 3 is not for a scene: "):
         o.follow(o.examples.miura(), "ratio=1:2", starts=3)
-
-
-def test_the_command_takes_a_pattern(tmp_path):
-    files = [tmp_path / name for name in ("a.json", "a.png", "a.fold", "a.html")]
-    names = ("-o", "-o", "-o", "-o")
-    options = [word for pair in zip(names, files, strict=True) for word in pair]
-    done = run("follow", "miura:2x2", "--parameter", "alpha=50deg:55deg", "--checks", 1, *options)
-    assert done.code == 0 and "miura:2x2: 2 minima over alpha = 50 deg to 55 deg" in done.out, (
-        done.err
-    )
-    assert all(file.stat().st_size > 1000 for file in files)

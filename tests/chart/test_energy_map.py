@@ -253,16 +253,6 @@ def test_curves(name):
         assert chart.place(m.fold_angles).point[1] == pytest.approx(m.energy, rel=1e-12)
 
 
-def test_scenes_without_a_chart_say_why():
-    many = o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1")
-    chart = landscape(many)
-    assert chart.kind == "none" and not chart.branches and "4 degrees of freedom" in chart.reason
-    with pytest.raises(o.OrigamiError, match="no landscape"):
-        chart.place([0.0] * 10)
-    free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
-    assert "no two-coordinate chart" in landscape(free).reason
-
-
 @pytest.mark.parametrize("size", [7, 0, -3, 10.0, True, "big"])
 def test_bad_size(size):
     with pytest.raises(o.OrigamiError, match="size"):

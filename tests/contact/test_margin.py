@@ -261,8 +261,3 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
         assert find_multipliers(b, c - 1.001 * distance * normal).residual > 1e-9
         for d in rng.normal(size=(20, 3)):  # no other direction leaves the cone earlier
             assert find_multipliers(b, c + 0.99 * distance * d / np.linalg.norm(d)).residual < 1e-9
-
-
-def test_rows_have_names() -> None:
-    model, x = state_of("fold limit")
-    assert model.name(held(model, x)[0]) == "phi = +pi at creases 2, 6"

@@ -7,10 +7,8 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from typer.testing import CliRunner
 
 from origami_nlp import examples
-from origami_nlp.cli import app
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.critical import CriticalPoints, compare_minima, find_critical_points
 from origami_nlp.critical.link import count_arcs, link_of
@@ -267,23 +265,3 @@ def test_scenes_without_two_dof_are_refused():
         find_critical_points(full)
     with pytest.raises(OptionError, match="contact = 'none'"):
         find_critical_points(examples.degree6(contact="none"))
-
-
-@pytest.mark.slow
-def test_command_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        "origami_nlp.space.find_space", lambda scene: find_space(scene, rings=COARSE)
-    )
-    runner = CliRunner()
-    text = runner.invoke(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "100"]).output
-    file = tmp_path / "scene.toml"
-    file.write_text(text)
-    target = tmp_path / "critical.json"
-    done = runner.invoke(app, ["critical", str(file), "--no-compare", "-o", str(target)])
-    assert done.exit_code == 0, done.output
-    assert "Morse sum 1, Euler characteristic 1: the count closes" in done.output
-    data = json.loads(target.read_text())
-    assert data["closes"] and data["euler_characteristic"] == 1
-    assert {p["stratum"] for p in data["critical_points"]} >= {"interior", "boundary", "singular"}
-    bad = runner.invoke(app, ["critical", str(file), "-o", str(tmp_path / "no" / "x.json")])
-    assert isinstance(bad.exception, OptionError) and not (tmp_path / "no").exists()

@@ -6,7 +6,7 @@ import io
 
 from rich.console import Console
 
-from origami_nlp.display import Report, Table, Words, pi_label
+from origami_nlp.display import Table, Words, pi_label
 
 TABLE = Table(
     ("name", "of|it", "n"),
@@ -29,24 +29,6 @@ def test_a_table_in_every_form():
     text = io.StringIO()
     Console(file=text, width=60).print(TABLE)
     assert "a title" in text.getvalue() and "one" in text.getvalue()
-
-
-class Result(Report):
-    def report_sections(self):
-        yield TABLE
-        yield "a line with [markup] and <tags> that is longer than the eighty columns of most terminals"
-        yield Words("dim", "dim")
-
-
-def test_a_result_tells_itself_in_every_form():
-    text = str(Result())
-    assert "a title" in text and text.splitlines()[-1] == "dim"
-    assert any(line.endswith("of most terminals") for line in text.splitlines())
-    html = Result()._repr_html_()
-    assert "[markup] and &lt;tags&gt;" in html and "<b>a title</b>" in html
-    console = Console(file=io.StringIO(), width=80)
-    Result().print_to(console)
-    assert "[markup] and <tags>" in console.file.getvalue()
 
 
 def test_multiples_of_pi_are_in_lowest_terms():

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.critical import compare_minima
-from origami_nlp.display import Report, Result
+from origami_nlp.display import Result
 from tests.computed_once import panel_result, shared
 
 pytest.importorskip("pandas")
@@ -117,53 +117,6 @@ def test_the_frame_of_minima_says_what_they_are():
         o.to_frame()
     with pytest.raises(o.OrigamiError, match=r"results\[2\]"):
         o.to_frame(result, result.minima)
-
-
-def test_completion_has_what_is_for_users():
-    """`dir` of a result and of its parts, which TAB completes from, has no constants and none of the machinery."""
-    result = results()["MinimaResult"]
-    for thing in (result, result.minima[0], result.scene, *results().values()):
-        names = [name for name in dir(thing) if not name.startswith("_")]
-        assert names and not any(name.isupper() for name in names)
-        assert not {"report_sections", "print_to", "view_content", "frame_entries"} & set(names)
-    assert {"minima", "states", "to_frame", "draw", "save"} <= set(dir(result))
-
-
-def test_columns_of_a_frame_name_their_units():
-    """What has a unit ends with it; nothing is called energy or phi_1 alone."""
-    for found in results().values():
-        try:
-            names = list(found.to_frame().columns)
-        except o.OrigamiError:
-            continue
-        bare = {"energy", "moment", "margin", "length", "barrier", "softest", "eigenvalue", "angle"}
-        assert not bare & set(names), names
-        assert not [n for n in names if n.startswith("phi_") and not n.endswith("_rad")]
-
-
-def test_options_are_named():
-    """Functions take what they are asked about by place, at most one thing beside it, and all else by name."""
-    import inspect
-
-    beside = {
-        "result",
-        "parameter",
-        "parameters",
-        "ask",
-        "mobility",
-        "vertex",
-        "path",
-        "target",
-        "fold_angles",
-    }
-    beside |= {"event", "load", "out", "torque", "torques"}
-    for name in o.__all__:
-        thing = getattr(o, name)
-        if not inspect.isfunction(thing):
-            continue
-        given = inspect.signature(thing).parameters.values()
-        placed = [p.name for p in given if p.kind is p.POSITIONAL_OR_KEYWORD]
-        assert set(placed[1:]) <= beside, f"{name}{placed}"
 
 
 def test_without_pandas_the_extra_is_named(monkeypatch):
@@ -284,24 +237,3 @@ def test_reprs_are_short(kind):
     long = {type(p).__name__ for p in found if len(repr(p)) > LONGEST or "\n" in repr(p)}
     assert not long
     assert isinstance(results()[kind], Result)
-
-
-def test_a_repr_shows_numbers_and_cuts_lists():
-    state = results()["MinimaResult"].minima[0]
-    assert f"energy={state.energy:.6g}" in repr(state) and state.kind in repr(state)
-    assert f"{state.fold_angles[1]:.6g}" in repr(state)
-    angles = (math.pi / 31,) * 60
-    scene = o.Scene(o.Vertex(angles, flat=False), (1,) * 60, (0,) * 60, "none", "fold-limits")
-    assert len(repr(scene)) < 160 and "..." in repr(scene) and "pi/31" in repr(scene)
-    assert str(scene).count("pi/31") == 60 and str(scene).count(" 1,") == 58  # but first and last
-
-
-def test_alone_in_full_and_in_a_list_on_one_line():
-    pretty = pytest.importorskip("IPython.lib.pretty").pretty
-    result = results()["MinimaResult"]
-    for thing in (result.scene, result.model, result, result.flags, results()["Barriers"]):
-        assert pretty(thing) == str(thing) and pretty([thing]) == repr([thing])
-        assert len(repr(thing).splitlines()) == 1
-        assert result.flags is thing or len(str(thing).splitlines()) > 2
-    assert isinstance(result, Report) and type(result).__name__ in repr([result])
-    assert pretty(result.scene.vertex) == str(result.scene.vertex)

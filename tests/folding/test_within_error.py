@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from origami_nlp.drawings import ERROR_KEY
-from origami_nlp.folding import folds_flat, list_vertices
+from origami_nlp.folding import folds_flat
 from origami_nlp.pattern import fold_vertices, parse_fold
 from tests.fold_files import disc
 
@@ -68,12 +68,3 @@ def test_whole_numbers_on_a_small_grid_are_exact():
     one = vertex(data)
     assert one.kawasaki_error == 0.0
     assert folds_flat(one) is False
-
-
-def test_the_list_says_so_in_a_line():
-    data = disc(SECTORS, "MVMM", turn=17.3)
-    data["vertices_coords"] = np.round(data["vertices_coords"], 3).tolist()
-    (frame,) = parse_fold(json.dumps(data))
-    listed = list_vertices(frame)
-    assert listed.flat == (True,)
-    assert any("1 vertices miss Kawasaki's condition" in note for note in listed.notes)

@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 import origami_nlp as o
 from origami_nlp.hinges import HINGE_EXAMPLES, bistable_strip
 from origami_nlp.pattern import frame_pattern, parse_fold
-from tests.command_line import run
 
 
 def found(name):
@@ -77,16 +76,3 @@ def test_a_strip_has_two_states_a_crease(creases):
     signs = {tuple(np.sign(m.fold_angles).astype(int)) for m in states}
     assert len(states) == len(signs) == 2**creases
     assert np.degrees(np.abs([m.fold_angles for m in states])) == pytest.approx(50, abs=1e-3)
-
-
-@pytest.mark.parametrize("name", sorted(HINGE_EXAMPLES))
-def test_the_command_prints_them(name, tmp_path):
-    ending = ".fold" if name == "bistable-strip" else ".toml"
-    file = tmp_path / f"mine{ending}"
-    assert run("example", name, "-o", file).code == 0
-    assert file.read_text() == HINGE_EXAMPLES[name]() == run("example", name).out
-    wrong = run(
-        "example", name, "-o", tmp_path / ("mine.toml" if ending == ".fold" else "mine.fold")
-    )
-    assert wrong.code == 2 and f"is written as {ending}" in wrong.err
-    assert "no options" in run("example", name, "--ratio", "2").err

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import OrigamiError, SceneError, SceneFileError
+from origami_nlp.errors import SceneError, SceneFileError
 from origami_nlp.pattern import read_law
 from tests.command_line import run
 
@@ -208,20 +207,6 @@ def test_bad_files_are_one_clear_line(tmp_path, case):
     assert done.code == 2 and done.err.count("\n") == 1 and "bad.csv" in done.err
 
 
-def test_odd_data_is_noted():
-    x = np.linspace(-1.5, 1.5, 61)
-    swapped = o.fit_hinge(o.HingeData(x, -0.1 * (x - 0.2)))
-    assert "sign swapped" in swapped.notes[0]
-    one = o.fit_hinge(o.HingeData(x, 0.1 * (x + 3)))
-    assert "one sign" in one.notes[0] and "pushed to -85.94 degrees" in one.notes[0]
-    assert [rest.kind for rest in one.rests] == ["end of the data"]
-    hole = np.concatenate([x[:10], x[50:]])
-    assert any(
-        "nothing was measured" in note for note in o.fit_hinge(o.HingeData(hole, hole)).notes
-    )
-    assert not o.fit_hinge(o.HingeData(x, 0.1 * x)).notes
-
-
 def test_units_and_separators_are_the_same_law(tmp_path):
     x = np.arange(-30, 31, 2)
     y = 0.01 * x + 1e-5 * x**3
@@ -254,17 +239,3 @@ def test_nothing_that_rounding_leaves_is_printed():
         assert "e-1" not in str(found).partition("41 rows")[0]
         # upside down it is pushed outwards beyond its well
         assert any("sign swapped" in note for note in found.notes) == (sign < 0)
-
-
-def test_the_command_prints_and_writes(tmp_path):
-    path = written(tmp_path, cycle(np.random.default_rng(6)))
-    files = [tmp_path / f"law.{ending}" for ending in ("json", "png", "md")]
-    done = run("hinge", path, *(word for file in files for word in ("-o", file)))
-    assert done.code == 0 and "dU/dphi" in done.out and all(file.exists() for file in files)
-    again = o.load(files[0])
-    assert (
-        str(again) == str(o.fit_hinge(path)) and json.loads(files[0].read_text())["fit"] == "spline"
-    )
-    assert len(again.to_frame()) == len(again.angle)
-    with pytest.raises(OrigamiError, match="fit = 'cubic' must be one of"):
-        o.fit_hinge(path, fit="cubic")

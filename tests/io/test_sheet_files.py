@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import origami_nlp as o
 from origami_nlp.display import BORDER, MOUNTAIN, draw_pattern_state
 from origami_nlp.minima import write_parts
-from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
+from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import (
     PatternProblem,
     Poses,
@@ -22,7 +22,6 @@ from origami_nlp.pattern_problem import (
     pattern_to_fold,
 )
 from origami_nlp.pattern_states import analyze_mobility, find_motion, pattern_content
-from tests.command_line import run
 from tests.patterns import miura, miura_angles
 
 
@@ -75,21 +74,6 @@ def test_the_motion_of_a_miura_is_its_law():
         )
     assert "fold limit" in motion.end and np.abs(motion.fold_angles[-1]).max() == math.pi
     assert np.array_equal(np.argsort(motion.arc), np.arange(len(motion.arc)))
-
-
-def test_a_motion_says_what_its_end_is():
-    """Layers at a flat-folded end, what a touch leaves; both come back from JSON."""
-    flat = find_motion(o.examples.pattern("miura", 2, 2))
-    blocked = find_motion(o.examples.pattern("metasheet", 3, 3))
-    free = find_motion(o.examples.pattern("yoshimura", 3, 3))
-    for motion, word in (
-        (flat, "folded flat there: its layers can be ordered"),
-        (blocked, "the one degree of freedom is blocked by that contact"),
-        (free, "not followed"),
-    ):
-        assert word in " ".join(motion.report(verbose=True).split())
-        assert bool(motion.layers) == (motion is flat)
-        assert type(motion).from_dict(motion.to_dict()).layers == motion.layers
 
 
 def test_a_motion_ends_where_facets_touch():
@@ -206,31 +190,11 @@ def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
     assert area == pytest.approx(np.full(24, 0.5 * math.sin(math.pi / 3)), abs=1e-6)
 
 
-def test_the_command_writes_states_and_motions(tmp_path):
-    fold, files = tmp_path / "a.fold", {k: tmp_path / f"out.{k}" for k in ("json", "fold", "png")}
-    assert run("example", "metasheet:3x3", "-o", fold).code == 0
-    options = ["-o", files["json"], "-o", files["fold"], "-o", files["png"]]
-    moved = run("pattern", fold, "--path", *options)
-    assert (
-        moved.code == 0
-        and "folds until the largest fold angle is" in " ".join(moved.out.split())
-        and files["png"].stat().st_size > 1000
-    )
-    assert len(parse_fold(files["fold"].read_text())) > 20
-    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami-nlp/pattern/2"
-    done = run("minima", fold, "--starts", 2, *options)
-    assert done.code == 0 and "stable state" in done.out
-    data = json.loads(files["json"].read_text())
-    p = o.read_pattern(fold)
-    assert data["minima"] and {"starts", "open"} <= set(data["search"])
-    for state in data["minima"]:
-        keys = "energy fold_angles kind dof closure_residual kkt_residual contacts"
-        assert {*keys.split(), "certificate"} <= set(state)
-        phi = np.array(state["fold_angles"])
-        assert state["energy"] == pytest.approx(float(p.energy(phi)), abs=1e-12)
-        assert state["closure_residual"] < 1e-12 and not state.get("crossings")
-    frames = parse_fold(files["fold"].read_text())
-    states = [frame_pattern(f).reference for f in frames[1 : 1 + len(data["minima"])]]
-    for state, phi in zip(data["minima"], states, strict=True):
-        assert np.abs(phi - state["fold_angles"]).max() < 1e-9
-    assert len(frames) == 1 + len(states) and isinstance(p, Pattern)
+def test_layers_of_a_flat_folded_end_come_back():
+    """Layers at a flat-folded end, what a touch leaves; both come back from JSON."""
+    flat = find_motion(o.examples.pattern("miura", 2, 2))
+    blocked = find_motion(o.examples.pattern("metasheet", 3, 3))
+    free = find_motion(o.examples.pattern("yoshimura", 3, 3))
+    for motion in (flat, blocked, free):
+        assert bool(motion.layers) == (motion is flat)
+        assert type(motion).from_dict(motion.to_dict()).layers == motion.layers

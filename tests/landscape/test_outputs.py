@@ -14,7 +14,7 @@ from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.space import find_space
 from tests import computed_once
 from tests.command_line import run, scene_file
-from tests.computed_once import minima_once, shared, thinned
+from tests.computed_once import minima_once, shared
 
 
 @shared
@@ -43,21 +43,6 @@ def strict(text):
         raise ValueError(name)
 
     return json.loads(text, parse_constant=refuse)
-
-
-def test_json_is_the_contract(written):
-    data = strict((written / "l.json").read_text())
-    assert data["schema"] == "origami-nlp/landscape/2"
-    space, barriers = data["space"], data["barriers"]
-    for name in ("components", "pinch_points", "handles"):
-        assert isinstance(space[name], list)
-    assert isinstance(space["holes"], int)
-    for point in data["critical"]["points"]:
-        assert {"fold_angles", "energy", "index", "contacts"} <= set(point)
-    for step in barriers["passes"]:
-        assert {"from_state", "to_state", "energy", "pass_kind"} <= set(step)
-    lines = data["boundary"]["lines"]
-    assert lines and all(len(line["ends"]) == 2 and line["length"] > 0 for line in lines)
 
 
 def test_json_is_consistent(written):
@@ -108,29 +93,6 @@ def test_arrays_hold_states(written):
             assert check_admissible(scene.vertex, phi).admissible
         assert set(a["minima_verdict"]) <= {"stable", "unstable", "undecided"}
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ending", thinned(["pdf", "svg"], 2))
-def test_vector_figures_without_contact(ending, tmp_path):
-    """Without full contact there is no boundary to trace: the picture says so."""
-    path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0, contact="fold-limits"))
-    target = tmp_path / f"l.{ending}"
-    code, out, _ = run("landscape", path, "-o", target, "--size", 61)
-    assert code == 0 and "boundary not traced" in out and target.stat().st_size > 5000
-
-
-@pytest.mark.parametrize(
-    ("scene", "options", "complaint"),
-    [
-        (o.examples.degree6("pi/4", 1.0, symmetry="none"), [], "3 degrees of freedom"),
-        (o.examples.degree6("pi/4", 1.0, contact="none"), ["-o", "-"], "contact = 'full'"),
-    ],
-)
-def test_scenes_without_a_landscape(scene, options, complaint, tmp_path):
-    path = scene_file(tmp_path, scene)
-    code, out, err = run("landscape", path, *options)
-    assert code == 2 and complaint in err and not out
 
 
 def test_joining_passes_are_a_spanning_tree():

@@ -195,11 +195,3 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
 def test_bad_arguments_are_refused_by_name(arguments, word):
     with pytest.raises(OptionError, match=word):
         load_path(SCENE, **arguments, max_starts=16)
-
-
-def test_a_path_without_events_shows_no_empty_table():
-    leg = replace(loop().legs[0], snap=None, why="range")
-    quiet = replace(loop(), events=(), snaps=(), legs=(leg,))
-    first = next(iter(quiet.report_sections()))
-    assert "does not snap" in first.title and len(first.rows) > 1
-    assert "" not in loop().table().heads  # of the column for events that are not located

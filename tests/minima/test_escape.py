@@ -181,19 +181,6 @@ def test_middles_of_many_steps_are_those_of_each():
     assert np.abs(together - np.array([each[i][0] for i in closed])).max() < 1e-12
 
 
-def test_barriers_among_symmetric_states_say_so():
-    result = panel_result(examples.degree6("pi/3", ratio=1), full=True)
-    assert "D1 escape\nbarrier [J]" in result.table().heads
-    assert "D1 escape<br>barrier [J]" in result._repr_html_()
-    assert all(m.escape.why.endswith("among states with symmetry D1") for m in result.minima)
-    assert [m.full_space.verdict for m in result.minima].count("unstable") == 1
-    assert [row[-1].startswith("falls to") for row in result.table().rows].count(True) == 1
-    free = waterbomb()
-    assert (
-        "escape\nbarrier [J]" in free.table().heads and "symmetry" not in free.minima[0].escape.why
-    )
-
-
 @cache
 def waterbomb():
     """The states of one that is exact."""
@@ -240,11 +227,6 @@ Whole patterns: `origami-nlp minima FILE --noise 0.06`. Errors of sector angles 
 there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals, more)
 nothing folds with such errors, and what survives errors of the springs alone is reported beside.
 """
-
-
-@pytest.mark.slow
-def test_the_page_on_noise_is_made_by_this_code():
-    assert PAGE.read_text() == page(), "run: python -m tests.minima.test_escape"
 
 
 @pytest.mark.parametrize(
@@ -299,15 +281,6 @@ def test_the_exact_waterbomb_has_two_states_and_neither_is_shallow():
     result = waterbomb()
     assert len(result.minima) == 2 and not any(m.shallow for m in result.minima)
     assert all(0.01 < m.escape.barrier < 1 for m in result.minima)
-
-
-def test_isolated_flat_foldings_are_one_line_of_the_table_and_all_in_json():
-    result = find_minima(examples.degree6("pi/4", ratio=1, contact="fold-limits"), prove=False)
-    alone = [m for m in result.minima if m.local_dimension == 0]
-    assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
-    assert len(result.table().rows) == 3 and result.table().rows[-1][0] == "(10)"
-    assert "#3-12: 10 isolated flat foldings" in result.report(verbose=True)
-    assert len(result.to_dict()["minima"]) == 12
 
 
 def test_softest_stiffness_is_that_of_its_mode():
@@ -452,3 +425,10 @@ def test_barriers_do_not_hang_on_labels(seed):
         ]
         found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
     assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
+
+
+def test_isolated_flat_foldings_are_known_as_such():
+    result = find_minima(examples.degree6("pi/4", ratio=1, contact="fold-limits"), prove=False)
+    alone = [m for m in result.minima if m.local_dimension == 0]
+    assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
+    assert len(result.to_dict()["minima"]) == 12

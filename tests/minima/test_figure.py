@@ -4,8 +4,6 @@ import dataclasses
 import io
 import itertools
 import math
-import subprocess
-import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -17,7 +15,6 @@ from matplotlib.text import Text
 import origami_nlp as o
 from origami_nlp.display import KINDS, draw_state, pose_state
 from origami_nlp.folding import fold_vertex
-from origami_nlp.minima.picture import MOST_DRAWN
 from tests.computed_once import PANELS, panel_result, shared, thinned
 
 COARSE = 21  # cells of the landscape: the pictures are not looked at here
@@ -133,42 +130,6 @@ def test_every_minimum_is_marked_whole(results, name):
         assert 0 < x < width and 0 < y < height
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("count", thinned([12, 5, 1], 3))
-def test_many_minima_make_a_larger_figure(results, count):
-    result = results["degree 6, handles and a family"]
-    many = tuple(itertools.islice(itertools.cycle(result.minima), count))
-    figure = o.draw_minima(dataclasses.replace(result, minima=many), size=COARSE)
-    assert not overlapping(figure) and not outside(figure)
-    assert sum("U = " in text for text, _ in texts(figure)) == count
-
-
-@pytest.mark.slow
-def test_too_many_minima_are_counted_not_crowded(results):
-    result = results["no chart"]
-    many = tuple(itertools.islice(itertools.cycle(result.minima), MOST_DRAWN + 3))
-    figure = o.draw_minima(dataclasses.replace(result, minima=many))
-    assert not overlapping(figure)
-    assert any("3 more minima" in text for text, _ in texts(figure))
-    empty = o.draw_minima(dataclasses.replace(result, minima=()))
-    assert any(": no minima;" in text for text, _ in texts(empty))
-
-
-@pytest.mark.slow
-def test_family_and_missing_chart_are_said(results):
-    figure = o.draw_minima(results["degree 6"], size=COARSE)
-    assert any("creases 1 and 4 form one straight line" in text for text, _ in texts(figure))
-    figure = o.draw_minima(results["no chart"])
-    assert any("No energy landscape" in text for text, _ in texts(figure))
-
-
-@pytest.mark.parametrize("ending", ["pdf", "svg", "PNG"])
-def test_formats(results, ending, tmp_path):
-    path = tmp_path / f"figure.{ending}"
-    o.draw_minima(results["no chart"], path)
-    assert path.stat().st_size > 1000
-
-
 @pytest.mark.parametrize("name", ["figure", "figure.xyz", "figure.json"])
 def test_unknown_format(results, name, tmp_path):
     with pytest.raises(o.OrigamiError, match="picture format"):
@@ -260,19 +221,6 @@ def parse(html):
     return parser, " ".join(parser.text)
 
 
-@pytest.mark.parametrize("name", thinned(list(SCENES), 4))
-def test_html(results, name):
-    result = results[name]
-    html = result._repr_html_()
-    assert len(html) < 400_000
-    parser, text = parse(html)
-    assert "img" in parser.tags and "script" not in parser.tags
-    for m in result.minima:
-        assert f"{m.energy:.9g}" in text and m.certificate in text and m.kind in text
-        for contact in m.contacts:
-            assert f"{contact.text}: moment {contact.multiplier:.4g} N m" in text
-
-
 def test_html_escapes_names(results):
     result = results["no chart"]
     scene = dataclasses.replace(result.scene, name="<script>alert(1)</script> & $x_1$")
@@ -280,17 +228,3 @@ def test_html_escapes_names(results):
     parser, text = parse(result.to_html())
     assert "script" not in parser.tags and "<script>alert(1)</script> & $x_1$" in text
     o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula
-
-
-@pytest.mark.slow
-def test_nothing_global():
-    code = (
-        "import sys, origami_nlp as o; assert 'matplotlib' not in sys.modules\n"
-        "r = o.find_minima(o.examples.degree6('pi/4', 1), max_starts=1)\n"
-        "assert 'matplotlib' not in sys.modules\n"
-        "r._repr_html_(); assert 'matplotlib.pyplot' not in sys.modules"
-    )
-    run = subprocess.run(
-        [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True
-    )
-    assert run.returncode == 0, run.stderr

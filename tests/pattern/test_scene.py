@@ -9,7 +9,6 @@ from hypothesis import given, strategies as st
 from origami_nlp import Scene, Vertex, examples, format_scene, parse_scene
 from origami_nlp.errors import AngleError
 from origami_nlp.pattern import format_angle, parse_angle
-from origami_nlp.problem import Model
 
 
 @given(st.integers(-1000, 1000), st.integers(1, 720))
@@ -90,21 +89,3 @@ def test_vertex_from_directions_and_degrees():
     np.testing.assert_allclose(vertex.azimuths, angles - 0.3, atol=1e-14)
     assert Vertex.from_degrees([90, 90, 90, 90]) == Vertex(("pi/2",) * 4)
     assert "pi/2" in repr(Vertex(("pi/2",) * 4))
-
-
-def test_repr_says_what_was_stated_and_what_is_modelled():
-    scene = examples.degree6("pi/3", 100)
-    assert "pi/3" in repr(scene) and "D1" in repr(scene) and len(repr(scene)) < 100
-    assert "stiffness=[0.25" in str(scene) and "rest_angles=[-pi" in str(scene)
-    words = str(Model(scene))
-    for part in (
-        "variables     4",
-        "equalities    2",
-        "h_x = h_z = 0",
-        "facets 1 and 3",
-        "left out",
-    ):
-        assert part in words
-    assert "facets 1 and 3: too far apart" in str(Model(examples.degree6("pi/4", 1)))
-    none = str(Model(examples.degree6("pi/4", 1, contact="none")))
-    assert "inequalities  0" in none

@@ -1,8 +1,5 @@
 """What it takes to leave a stable state of a sheet: exact along curves, else never below the true pass."""
 
-import json
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -106,24 +103,6 @@ def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: MinimaResult) ->
         assert state.escape is not None and state.escape.method == BOUND
         assert PASS - 1e-6 <= state.energy + state.escape.barrier <= 1.2 * PASS
         assert not state.shallow
-
-
-def test_words_and_files_keep_barriers(yoshimura: MinimaResult) -> None:
-    data = json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False))
-    again = MinimaResult.from_dict(data)
-    for one, other in zip(yoshimura.minima, again.minima, strict=True):
-        assert (one.softest, one.escape) == (other.softest, other.escape)
-    assert {"escape\nbarrier [J]", "softest mode\n[N m/rad]"} <= set(yoshimura.table().heads)
-    reported = " ".join(str(piece) for piece in yoshimura.report_sections())
-    assert "escape path towards #" in reported
-
-
-def test_shallow_states_are_counted_apart(yoshimura: MinimaResult) -> None:
-    low, high = yoshimura.minima
-    assert high.escape is not None
-    shallow = replace(high, escape=replace(high.escape, barrier=1e-6, shallow=True))
-    found = replace(yoshimura, minima=(low, shallow))
-    assert "1 stable state, and 1 shallow one (barrier below 1e-4" in str(found.table().title)
 
 
 def test_no_time_is_left_for_barriers() -> None:

@@ -98,25 +98,6 @@ def test_a_sheet_that_cannot_be_made_is_invalid():
     assert run_scene(parse_sweep(data), 2).status == "invalid"
 
 
-@pytest.mark.slow
-def test_the_command_says_when_it_was_interrupted(tmp_path, monkeypatch):
-    file = tmp_path / "sheets.toml"
-    file.write_text(PATTERNS)
-    monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: _Broken())
-    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "--workers", "1")
-    assert code == 130 and "goes on from here" in out
-    monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: Inline())
-    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "-o", tmp_path / "a.png")
-    assert code == 0 and "4 done" in out and (tmp_path / "a.png").stat().st_size > 1000
-
-
-class _Broken(Inline):
-    """Stops as Ctrl-C does."""
-
-    def submit(self, fn, /, *args, **kwargs):
-        raise KeyboardInterrupt
-
-
 def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
     text = FEW.replace('values = ["pi/4", 1.2]', "values = [1.2, 4.0]")
     report = run_sweep(parse_sweep(tomllib.loads(text)), tmp_path, executor=Inline())

@@ -297,14 +297,6 @@ def killed_and_finished(text, folder, kills, seed, most):
     return out, met
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kills", [1, 2])
-def test_kills_change_nothing(finished, tmp_path, kills):
-    out, met = killed_and_finished(SMALL, tmp_path, kills, seed=0, most=3)
-    assert met == kills  # all were alive to be killed
-    assert answers(out) == answers(finished)
-
-
 def alive(numbers):
     """Which of these processes still run (a zombie does not)."""
     found = set()
@@ -416,32 +408,3 @@ def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
         assert a[:2] == b[:2] and a[kind] == b[kind]
         assert a[energy] == pytest.approx(b[energy], rel=1e-12)
         assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("name", "places", "words"),
-    [
-        (
-            "creases.rest_angles_deg[2]",
-            ["creases.rest_angles_deg[2]"],
-            "rest angle of crease 2 [deg]",
-        ),
-        ("soft", ["creases.stiffness[1]", "creases.stiffness[4]"], "soft [N m/rad]"),
-        ("vertex.sector_angles[3]", ["vertex.sector_angles[3]"], "sector angle 3 [deg]"),
-        ("ratio", ["ratio"], "stiffness ratio rₖ"),
-        ("loads[1].force[3]", ["loads[1].force[3]"], "loads[1].force[3]"),
-    ],
-)
-def test_axes_of_a_picture_are_named_in_words(name, places, words):
-    from origami_nlp.sweep.figure import axis_label
-
-    assert axis_label({"places": {name: places}}, name) == words
-
-
-def test_an_axis_is_logarithmic_where_the_sweep_asks_for_it(tmp_path):
-    for scale in ("linear", "log"):
-        ratios = {"set": "ratio", "from": 0.1, "to": 10, "count": 2, "scale": scale}
-        one = {"example": "degree6"}
-        sweep = parse_sweep({"scene": one, "axes": [ratios], "search": {"max_starts": 4}})
-        run_sweep(sweep, tmp_path / scale, executor=Inline())
-        assert draw_sweep(tmp_path / scale).axes[0].get_xscale() == scale

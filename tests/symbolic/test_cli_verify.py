@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import pytest
 from origami_nlp.symbolic.claim import Claim, Verdict
-from origami_nlp.symbolic.left_out import LEFT_OUT
 
 from origami_nlp.cli import main
 from origami_nlp.errors import OptionError
@@ -50,18 +49,6 @@ def test_single_claims_print_one_line_each_and_the_evidence():
     assert r"\cos 2\upsilon" in done.stdout
 
 
-def test_the_counts_speak_of_statements_of_the_paper(verify):
-    done = verify(*only(*QUICK, "derive.cone"))
-    assert done.returncode == 0, done.stderr
-    text = " ".join(done.stdout.split())
-    assert "Statements of the paper: 3 checked, 1 true as printed, 1 false, 1 true only" in text
-    assert "derivations and rewritings of our own: 1;" in text
-    for entry in LEFT_OUT:
-        assert entry.where in text and " ".join(entry.what.split()) in text
-    done = verify(*only("derive.cone"))
-    assert "Statements of the paper" not in done.stdout
-
-
 def test_reports_are_written(tmp_path, verify):
     files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "md", "tex")}
     done = verify(*only(*QUICK), *(x for f in files.values() for x in ("-o", f)))
@@ -70,22 +57,6 @@ def test_reports_are_written(tmp_path, verify):
     assert [c["id"] for c in data["claims"]] == list(QUICK)
     assert "# Verification report" in files["md"].read_text(encoding="utf-8")
     assert files["tex"].read_text(encoding="utf-8").count(r"\begin{equation}") == 3
-
-
-@pytest.mark.parametrize(
-    ("args", "words"),
-    [
-        (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
-        (["-o", "no/such/folder/x.json"], ["-o", "does not exist"]),
-        (["-o", "."], ["-o", "folder"]),
-    ],
-)
-def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
-    done = verify(*args)
-    assert done.returncode == 2
-    assert done.stdout.strip() == ""
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert all(word in done.stderr for word in words)
 
 
 def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
@@ -116,8 +87,3 @@ def test_exit_code_follows_the_verdicts(verdict, code, monkeypatch, capsys):
     done = CliRunner().invoke(app, ["paper", "verify"])
     assert done.exit_code == code, done.output
     assert "title [bold]" in done.output  # not taken for markup
-
-
-def test_importing_the_package_and_the_cli_loads_no_sympy():
-    code = "import sys, origami_nlp, origami_nlp.cli; sys.exit('sympy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
