@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
-from typing import TYPE_CHECKING
-
-from origami_nlp.cli.interruption import ending_at_once
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from origami_nlp.cli.group import Group
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Settings by which users ask for a number of threads."""
+INTERRUPTED = 130
+"""Exit code: 128 + SIGINT, as shells say of other programs."""
+asked_to_end: list[int] = []
+"""Signals of the user that came."""
 MANY = 50_000
 """Objects after which Python looks for those that only each other refer to."""
 
@@ -21,9 +28,10 @@ MANY = 50_000
 def main(commands: Group | None = None) -> None:
     """Run the command line, or another group of commands.
 
-    Bad input, and output that nobody takes, end with one line and exit code 2.
+    Bad input, and output that nobody takes, end with one line and exit code 2; an interruption by the user with a line
+    of its own and exit code 130.
     """
-    with ending_at_once():
+    with _interruptible():
         _occupy_streams()
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
@@ -33,6 +41,38 @@ def main(commands: Group | None = None) -> None:
         from origami_nlp.cli.entry import run  # takes most of a second
 
         run(commands)
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Let whatever comes of Ctrl-C, an ImportError of a half loaded module too, end with one line."""
+    asked_to_end.clear()
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        asked_to_end.append(number)
+        raise KeyboardInterrupt
+
+    former = signal.getsignal(
+        signal.SIGINT
+    )  # who started us may have said that Ctrl-C does nothing
+    taken = (
+        threading.current_thread() is threading.main_thread()
+        and former == signal.default_int_handler
+    )
+    try:
+        if taken:
+            signal.signal(signal.SIGINT, interrupt)
+        yield
+    except BaseException as error:
+        if not asked_to_end and not isinstance(error, KeyboardInterrupt):
+            raise
+        # a terminal shows ^C on the line where it stands
+        end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
+        print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
+        sys.exit(INTERRUPTED)
+    finally:
+        if taken:
+            signal.signal(signal.SIGINT, former)
 
 
 def _one_thread() -> None:
