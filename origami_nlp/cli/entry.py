@@ -6,9 +6,10 @@ import io
 import os
 import platform
 import shlex
+import signal
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
@@ -24,7 +25,6 @@ from origami_nlp.cli.inspecting import hinge, inspect
 from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
-from origami_nlp.cli.start import INTERRUPTED, asked_to_end
 from origami_nlp.cli.understanding import (
     barriers,
     contacts,
@@ -73,8 +73,11 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def run(commands: Group | None = None) -> None:
-    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
+def run(commands: Group | None, interrupted: Sequence[int]) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it.
+
+    interrupted: signals of the user that came; what follows them is what comes of it.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
@@ -86,10 +89,10 @@ def run(commands: Group | None = None) -> None:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
     except Exception as error:
-        if asked_to_end:  # that is what came of it
+        if interrupted:
             raise
         _end(error, inputs)
-    if code == INTERRUPTED:
+    if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     sys.exit(code)
 

@@ -17,10 +17,6 @@ if TYPE_CHECKING:
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Settings by which users ask for a number of threads."""
-INTERRUPTED = 130
-"""Exit code: 128 + SIGINT, as shells say of other programs."""
-asked_to_end: list[int] = []
-"""Signals of the user that came."""
 MANY = 50_000
 """Objects after which Python looks for those that only each other refer to."""
 
@@ -31,7 +27,7 @@ def main(commands: Group | None = None) -> None:
     Bad input, and output that nobody takes, end with one line and exit code 2; an interruption by the user with a line
     of its own and exit code 130.
     """
-    with _interruptible():
+    with _interruptible() as asked:
         _occupy_streams()
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
@@ -40,16 +36,16 @@ def main(commands: Group | None = None) -> None:
         gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
 
-        run(commands)
+        run(commands, asked)
 
 
 @contextmanager
-def _interruptible() -> Iterator[None]:
-    """Let whatever comes of Ctrl-C, an ImportError of a half loaded module too, end with one line."""
-    asked_to_end.clear()
+def _interruptible() -> Iterator[list[int]]:
+    """Let whatever comes of Ctrl-C, even of a module half loaded, end with one line; gives the signals that came."""
+    asked: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        asked_to_end.append(number)
+        asked.append(number)
         raise KeyboardInterrupt
 
     former = signal.getsignal(
@@ -62,14 +58,14 @@ def _interruptible() -> Iterator[None]:
     try:
         if taken:
             signal.signal(signal.SIGINT, interrupt)
-        yield
+        yield asked
     except BaseException as error:
-        if not asked_to_end and not isinstance(error, KeyboardInterrupt):
+        if not asked and not isinstance(error, KeyboardInterrupt):
             raise
         # a terminal shows ^C on the line where it stands
         end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
         print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
-        sys.exit(INTERRUPTED)
+        sys.exit(128 + signal.SIGINT)
     finally:
         if taken:
             signal.signal(signal.SIGINT, former)

@@ -103,12 +103,12 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
     out.write("html", lambda: pytest.fail("nobody asked for it"))
     assert json.loads(good.read_text()) == {"x": 1} and (tmp_path / "a.csv").read_text() == "TEXT"
     reported = capsys.readouterr()
-    assert reported.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.md'}"]
+    assert reported.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.csv'}"]
     out = Output(["-", str(tmp_path / "b.csv")], kinds)
     out.write("json", lambda: [1])
     out.write("csv", lambda: "b")
     reported = capsys.readouterr()
-    assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.md'}\n"
+    assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.csv'}\n"
 
 
 def test_an_ending_says_what_a_file_holds_and_several_may_be_of_one_kind(tmp_path, capsys):
