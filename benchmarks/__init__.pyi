@@ -4,5 +4,5 @@ from .reference import solve_reference as solve_reference
 from .search import (
     draw_search as draw_search,
     measure_search as measure_search,
-    search_markdown as search_markdown,
+    search_tables as search_tables,
 )

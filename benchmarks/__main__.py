@@ -17,7 +17,7 @@ def _stamped(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "stamp": said}
 
 
-@writes("json", "figure", "markdown")
+@writes("json", "figure")
 def search(
     out: Output,
     quick: o.Quick = False,
@@ -25,44 +25,42 @@ def search(
     budget: Annotated[float, typer.Option(metavar="S", help="Seconds of each rival.")] = 1.0,
 ) -> None:
     """Measure what searches find of all that is known, when and how exactly: ours, SLSQP, NLopt, IPOPT."""
-    from benchmarks import draw_search, measure_search, search_markdown
+    from benchmarks import draw_search, measure_search, search_tables
 
     families = ("fold-limits",) if quick else ("fold-limits", "full-contact", "large")
     count = 2 if quick else scenes
     asked = [(family, number) for family in families for number in range(count)]
     with progress.progress("search") as report:
         data = measure_search(asked, budget, lambda text: report(text=text))
-    out.page(search_markdown(data))
+    for table in search_tables(data):
+        out.say(table)
     out.write("json", _stamped, data)
     out.save("figure", draw_search, data)
-    out.write("markdown", search_markdown, data)
 
 
-@writes("json", "markdown")
+@writes("json")
 def patterns(out: Output, quick: o.Quick = False) -> None:
     """Solve whole patterns: error against time of this package and of IPOPT."""
-    from benchmarks.patterns import QUICK, SPRINGS, measure_patterns, patterns_markdown
+    from benchmarks.patterns import QUICK, SPRINGS, measure_patterns, patterns_table
 
     with progress.progress("patterns") as report:
         data = measure_patterns(QUICK if quick else tuple(SPRINGS), lambda text: report(text=text))
-    out.page(patterns_markdown(data))
+    out.say(patterns_table(data))
     out.write("json", _stamped, data)
-    out.write("markdown", patterns_markdown, data)
 
 
-@writes("json", "markdown")
+@writes("json")
 def hard(out: Output) -> None:
     """Run the hard cases: error and verdict of each.
 
     Exit code 1 if any of them fails.
     """
-    from benchmarks.hard import hard_markdown, hard_to_dict, run_hard
+    from benchmarks.hard import hard_table, hard_to_dict, run_hard
 
     with progress.progress("hard cases") as report:
         found = run_hard(lambda text: report(text=text))
-    out.page(hard_markdown(found))
+    out.say(hard_table(found))
     out.write("json", hard_to_dict, found)
-    out.write("markdown", hard_markdown, found)
     if not all(outcome.passed for of in found.values() for outcome in of):
         raise typer.Exit(1)
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.reference import Reference, Unsolved, solve_reference
-from origami_nlp.display import rows_markdown
+from origami_nlp.display import Table
 from origami_nlp.errors import SceneError
 from origami_nlp.kkt import State, classify, polish, project
 from origami_nlp.minima import (
@@ -369,8 +369,8 @@ def run_hard(progress: Callable[[str], object] = lambda text: None) -> dict[str,
     return out
 
 
-def hard_markdown(found: dict[str, list[Outcome]]) -> str:
-    """Return one row a case, and one for each failure, as Markdown."""
+def hard_table(found: dict[str, list[Outcome]]) -> Table:
+    """Return one row a case, and one for each failure."""
     rows = []
     for name, outcomes in found.items():
         passed = [o for o in outcomes if o.passed]
@@ -379,7 +379,7 @@ def hard_markdown(found: dict[str, list[Outcome]]) -> str:
         worst = f"{max(angles, default=0.0):.0e}"
         rows.append((name, f"{len(passed)} of {len(outcomes)}", worst, f"{seconds:.1f}"))
         rows += [(f"{name}: {o.setting}", "fails", o.verdict, "") for o in outcomes if not o.passed]
-    return rows_markdown(("case", "settings that pass", "largest error [rad]", "s"), rows)
+    return Table(("case", "settings that pass", "largest error [rad]", "s"), rows)
 
 
 def hard_to_dict(found: dict[str, list[Outcome]]) -> dict[str, Any]:

@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.rivals import silence
-from origami_nlp.display import rows_markdown
+from origami_nlp.display import Table
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import Factor
 from origami_nlp.pattern import Loop, Pattern, examples
@@ -263,8 +263,8 @@ def seconds_to(points: Sequence[Point], error: float) -> float:
     return min((p.seconds for p in points if p.angle <= error), default=math.inf)
 
 
-def patterns_markdown(data: dict[str, Any]) -> str:
-    """Return a row a pattern and method, as Markdown."""
+def patterns_table(data: dict[str, Any]) -> Table:
+    """Return a row a pattern and method."""
     groups: dict[tuple[str, str], list[Point]] = {}
     for plain in data["points"]:
         angle = math.nan if plain["angle"] is None else plain["angle"]
@@ -277,4 +277,4 @@ def patterns_markdown(data: dict[str, Any]) -> str:
         cells = (f"{t:.2g}" if math.isfinite(t) else "-" for t in times)
         error = f"{of[-1].angle:.0e}" if math.isfinite(of[-1].angle) else "-"
         rows.append((name, method, *cells, error, of[-1].status))
-    return rows_markdown((*heads, "error [rad]", "ended"), rows)
+    return Table((*heads, "error [rad]", "ended"), rows)

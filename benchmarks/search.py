@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.families import family_scene
 from benchmarks.reference import Unsolved, solve_reference
 from benchmarks.rivals import Ends, rivals, run_rival
-from origami_nlp.display import rows_markdown
+from origami_nlp.display import Table
 from origami_nlp.io import Unbounded, from_plain, save_figure, to_plain
 from origami_nlp.kkt import Solve, State, classify, exact_beside, polish
 from origami_nlp.minima import MinimaResult, find_minima
@@ -268,16 +268,16 @@ def rows(scenes: Sequence[Covered]) -> list[tuple[str, ...]]:
     return out
 
 
-def search_markdown(data: dict[str, Any]) -> str:
-    """Return the tables as Markdown: of all scenes, and of each family."""
+def search_tables(data: dict[str, Any]) -> list[Table]:
+    """Return the tables of all scenes, and of each family."""
     families = scenes_of(data)
     parts = {"all scenes": [c for of in families.values() for c in of], **families}
-    out = []
+    tables = []
     for title, scenes in parts.items():
         minima = sum(c.minima for c in scenes)
-        out.append(f"**{title}**: {len(scenes)} scenes, {minima} minima")
-        out.append(rows_markdown(HEADS, rows(scenes)).rstrip())
-    return "\n\n".join(out) + "\n"
+        title = f"{title}: {len(scenes)} scenes, {minima} minima"
+        tables.append(Table(HEADS, rows(scenes), title))
+    return tables
 
 
 def draw_search(data: dict[str, Any], target: str | Path) -> None:

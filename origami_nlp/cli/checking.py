@@ -68,7 +68,7 @@ def check(
             if len(files) == 1:
                 raise
             unread.append(file)
-            out.say(f"{file}: not read: {error}", highlight=False, markup=False)
+            out.say(f"{file}: not read: {error}")
             continue
         one.print_to(out.console, verbose)
         seen.append(one)

@@ -79,13 +79,10 @@ def convert(
         write=WriteOptions(scale, size),
     )
     for note in made.notes:
-        out.say(f"note: {note}", highlight=False)
+        out.say(f"note: {note}")
     counts = Counter(made.letters)
     letters = ", ".join(f"{counts[a]} {a}" for a in "MVUFCB" if counts[a])
-    out.say(
-        f"written: {to}: {len(made.points)} vertices, {len(made.edges)} edges ({letters})",
-        highlight=False,
-    )
+    out.say(f"written: {to}: {len(made.points)} vertices, {len(made.edges)} edges ({letters})")
 
 
 def _letters(given: list[str]) -> dict[str, str]:

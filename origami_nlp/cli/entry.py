@@ -6,19 +6,21 @@ import io
 import os
 import platform
 import shlex
+import signal
 import sys
-import tempfile
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from copy import copy
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.main import get_command
 
 from origami_nlp.cli.checking import check, layers
 from origami_nlp.cli.converting import convert
 from origami_nlp.cli.finding import check_proof, landscape, minima
-from origami_nlp.cli.group import CLOSED_PIPE, Group
+from origami_nlp.cli.group import Group
 from origami_nlp.cli.inspecting import hinge, inspect
 from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
@@ -34,24 +36,26 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
 
+CLOSED_PIPE = 141
+"""Exit code where the reader of what is printed has gone: 128 + SIGPIPE, as shells say of other programs."""
 FIRST, ANALYSIS = "Start here", "Analysis"
 app = Group(
     "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
     "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
-    completion=True,
-    first_steps={
-        "A vertex of your own": "example miura > my.toml; edit it; minima my.toml",
-        "A pattern of your own": "inspect my.fold; minima my.fold --stiffness 0.02 --rest-angle 90",
-        "The load at which it snaps": "load my.toml --crease 1 --state 2 -o load.png",
-        "Springs for given states": "example switch > two.toml; edit it; design two.toml -o my.toml",
-        "A figure for a paper": "minima my.toml -o states.pdf",
-    },
+    add_completion=True,
+    epilog="""\b
+First steps:
+  example miura > my.toml; edit it; minima my.toml
+  inspect my.fold; minima my.fold --stiffness 0.02 --rest-angle 90
+  load my.toml --crease 1 --state 2 -o load.png
+  example switch > two.toml; edit it; design two.toml -o my.toml
+  minima my.toml -o states.pdf""",
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
 app.add(inspect, example, hinge, check, convert, under=FIRST)
 app.add(landscape, barriers, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
-app.add_group("paper", paper, under="The source paper")
+app.add_typer(paper, name="paper", rich_help_panel="The source paper")
 
 
 def _version(asked: bool) -> None:
@@ -69,32 +73,65 @@ def origami_nlp(
     """Take the options of the program itself."""
 
 
-def run(commands: Group | None = None) -> None:
-    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
+def run(commands: Group | None, interrupted: Sequence[int]) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it.
+
+    interrupted: signals of the user that came; what follows them is what comes of it.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
             with inputs_kept() as inputs:
-                (commands or app)()
+                code = get_command(_called(commands or app)).main(standalone_mode=False)
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
-    except OrigamiError as error:
+    except Exception as error:
+        if interrupted:
+            raise
+        _end(error, inputs)
+    if code == 128 + signal.SIGINT:
+        raise KeyboardInterrupt
+    sys.exit(code)
+
+
+def _end(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
+    """End with one line, or without one where nobody reads."""
+    if isinstance(error, OrigamiError):
         _stop(str(error))
-    except BrokenPipeError:  # the reader, head say, has had enough
+    if isinstance(error, OSError):
         _close_stdout()
-        sys.exit(CLOSED_PIPE)
-    except KeyboardInterrupt:  # before a command has begun; `Group` sees to the time after that
-        print("origami-nlp: interrupted", file=sys.stderr)
-        sys.exit(130)
-    except OSError as error:
-        _close_stdout()
+        if isinstance(error, BrokenPipeError):  # the reader, head say, has had enough
+            sys.exit(CLOSED_PIPE)
         where = repr(error.filename) if error.filename else "input or output"
         _stop(f"{where}: {error.strerror or error}")
-    except Exception as error:  # a fault of ours
-        report_fault(error, inputs)
+    if hasattr(
+        error, "format_message"
+    ):  # a wrong call: of click, or of the parser that typer brings
+        _refuse(error)
+    report_fault(error, inputs)  # a fault of ours
+
+
+def _called(commands: Group) -> Group:
+    """Return the group with the command that is called alone: parsers of all others take 0.05 s."""
+    word = sys.argv[1:2]
+    mine = [one for one in commands.registered_commands if [one.name] == word]
+    if commands.registered_callback and (mine or word == ["--version"]):
+        commands = copy(commands)
+        commands.registered_commands, commands.registered_groups = mine, []
+    return commands
+
+
+def _refuse(error: Any) -> NoReturn:
+    """Say in one line what is wrong with a call; a group that is called without a command shows its help."""
+    if "Help" in type(error).__name__:
+        print(error.format_message(), file=sys.stderr)
+        sys.exit(2)
+    said = " ".join(error.format_message().split()).rstrip(".")
+    path = error.ctx.command_path if error.ctx else "origami-nlp"
+    _stop(f"{said[:1].lower()}{said[1:]}; {path} --help lists what there is")
 
 
 def _stop(line: str) -> NoReturn:
@@ -147,6 +184,8 @@ def _text(error: Exception, inputs: Mapping[str, bytes]) -> str:
 
 def _write(text: str) -> Path:
     """Write into the working folder, else into that for temporary files; no file is written over."""
+    import tempfile  # what it loads takes its time, and no command needs it
+
     for folder in (Path(), Path(tempfile.gettempdir())):
         if not os.access(folder, os.W_OK):
             continue

@@ -167,7 +167,7 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
         size = len(certificate.minima)
     with progress(f"check of {proof}", size) as report:
         found = check(certificate, lambda done, total: report(done, total))
-    out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
+    out.say("\n".join(found.lines))
     out.write("json", found.to_dict)
     if found.refused:
         raise typer.Exit(1)
@@ -218,12 +218,12 @@ def landscape(
             barriers = find_barriers(stated, result, seed=seed)
         for step in barriers.passes:
             kind = f"{step.pass_kind}, {step.energy:.9g} J"
-            out.say(f"pass {step.from_state} - {step.to_state}: {kind}", highlight=False)
+            out.say(f"pass {step.from_state} - {step.to_state}: {kind}")
     if out.files("json"):
         with progress("space and critical points"):
             space = find_space(stated)
             critical = find_critical_points(stated, result, seed=seed)
-        out.say(critical.verdict(space.euler_characteristic).text, highlight=False)
+        out.say(critical.verdict(space.euler_characteristic).text)
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)

@@ -42,10 +42,10 @@ def _vertex(scene: Source, out: Output) -> None:
     model = str(Model(stated))
     out.say(_springs(stated))
     for law in dict.fromkeys(filter(None, stated.laws)):
-        out.say(f"law {law}", highlight=False)
+        out.say(f"law {law}")
     for load in stated.loads:
-        out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed", highlight=False)
-    out.say(model, highlight=False, soft_wrap=True)
+        out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed")
+    out.say(model)
     out.write("scene", format_scene, stated)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -14,11 +13,10 @@ from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Table, Viewable
-    from origami_nlp.io import Screen
+    from rich.console import Console
 
-LONG = 24
-"""Letters of a cell from which it is words, and may be folded."""
+    from origami_nlp.display import Table, Viewable
+
 Target = str | os.PathLike[str]
 KINDS = {
     "json": ((".json",), "all numbers"),
@@ -28,12 +26,11 @@ KINDS = {
     "figure": ((".png", ".pdf", ".svg"), "figure"),
     "html": ((".html", ".htm"), "page with states to turn"),
     "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
-    "markdown": ((".md",), "table"),
     "latex": ((".tex",), "snippets"),
     "npz": ((".npz",), "arrays for NumPy"),
 }
 """What files may hold: endings of their names, and what help calls it."""
-TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex")
+TEXTS = ("json", "scene", "csv", "fold", "latex")
 """Kinds of files that may go to standard output."""
 SEARCH = {
     "full": (o.FullOrNot, None),
@@ -82,7 +79,7 @@ class Output:
 
         named = [*(("-o", o.place(file)) for _, file in self._given), *more]
         check_outputs(*named)
-        self.console: Screen = screen(*(file for _, file in named))
+        self.console: Console = screen(*(file for _, file in named))
 
     def files(self, *kinds: str) -> list[str]:
         """Return the files of these kinds that were asked for."""
@@ -93,25 +90,11 @@ class Output:
         if files := self.files(*kinds):
             raise OptionError(f"-o = {files[0]!r}: {why}")
 
-    def say(self, *things: Any, **options: Any) -> None:
-        """Print for people, as `rich.console.Console.print` does; a result prints itself."""
-        for thing in things or ("",):
-            if hasattr(thing, "print_to"):
-                thing.print_to(self.console)
-            else:
-                self.console.print(thing, **options)
+    def say(self, thing: Table | str) -> None:
+        """Print for people; a line stays one, to be copied."""
+        from origami_nlp.io import printable
 
-    def page(self, markdown: str) -> None:
-        """Print Markdown for people, its tables as all others."""
-        from itertools import groupby
-
-        from rich.markdown import Markdown
-
-        for tabular, lines in groupby(markdown.splitlines(), lambda line: line.startswith("|")):
-            if tabular:
-                self.say(_table(list(lines)))
-            elif text := "\n".join(lines).strip():
-                self.say(Markdown(text), width=self.console.page)
+        self.console.print(printable(thing, lines=True) if isinstance(thing, str) else thing)
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.
@@ -143,9 +126,9 @@ class Output:
         """Say which files are there now."""
         from origami_nlp.io import is_stdout, printable
 
-        if files := [str(target) for target in targets if not is_stdout(target)]:
-            for file in files:  # whole, to be copied
-                self.console.out(f"written: {printable(file)}", highlight=False)
+        for target in targets:
+            if not is_stdout(target):
+                self.say(f"written: {printable(str(target))}")
 
 
 def writes(*kinds: str) -> Callable[..., Callable[..., None]]:
@@ -225,19 +208,6 @@ def _save_frames(found: Any, file: Any) -> None:
     from origami_nlp.bifurcation import write_frames
 
     write_frames(found, file)
-
-
-def _table(lines: list[str]) -> Table:
-    """Return a table of Markdown; its first column is of words, as are all that hold long texts."""
-    from origami_nlp.display import Table
-
-    heads, _, *rows = [
-        [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
-        for line in lines
-    ]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    letters = ["L" if k == 0 or w > LONG else "r" for k, w in enumerate(widths)]
-    return Table(heads, rows, columns="".join(letters), framed=False, narrow=True)
 
 
 def _write(content: Any, target: Target) -> None:

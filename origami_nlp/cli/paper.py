@@ -37,7 +37,7 @@ def demo(folder: Annotated[Path, o.OutFolder] = Path("origami_demo"), seed: o.Se
     ]
     for result in shown:
         result.print_to(output.console)
-        output.say()
+        output.say("")
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
     output.say(rows_table(DEMO_HEADS, demo_rows(results), title))
@@ -137,4 +137,4 @@ def transitions(
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")
 paper.add(demo, panels, verify, audit, transitions)
-paper.add_group("cone", cone)
+paper.add_typer(cone, name="cone")

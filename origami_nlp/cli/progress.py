@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING
 from origami_nlp.io import printable
 
 if TYPE_CHECKING:
-    from origami_nlp.io import Screen
+    from rich.console import Console
 
 INTERVAL = 10.0
 """Seconds between two lines where there is no terminal."""
-BAR = 16
-"""Columns of a bar."""
 PAUSE = 1.0
 """Jobs that follow each other within so many seconds are one silence."""
 
@@ -83,12 +81,12 @@ def progress(title: str, total: float | None = None) -> Iterator[ProgressReport]
     Without a terminal a line comes every `INTERVAL` seconds, so that a log shows that the job lives.  A job
     started inside another one appears as what the outer one is at.
     """
-    from origami_nlp.io import Screen
+    from origami_nlp.io import screen
 
     report = ProgressReport(title, total)
-    screen = Screen(stderr=True)
-    show = _inside if _running else _bar if screen.is_terminal else _lines
-    with show(report, screen):
+    console = screen("-")
+    show = _inside if _running else _bar if console.is_terminal else _lines
+    with show(report, console):
         report()
         _running.append(report)
         try:
@@ -98,39 +96,36 @@ def progress(title: str, total: float | None = None) -> Iterator[ProgressReport]
 
 
 @contextmanager
-def _inside(report: ProgressReport, _: Screen) -> Iterator[None]:
+def _inside(report: ProgressReport, _: Console) -> Iterator[None]:
     outer = _running[-1]
     report.listener = lambda r: outer(text=r.line)
     yield
 
 
 @contextmanager
-def _bar(report: ProgressReport, screen: Screen) -> Iterator[None]:
+def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-    from rich.text import Text
-
-    def line(r: ProgressReport) -> str:
-        text = Text(r.line)  # one line, however narrow the terminal
-        text.truncate(max(1, screen.width - BAR - len(" 0:00:00 ")), overflow="ellipsis")
-        return text.plain
+    from rich.table import Column
 
     with Progress(
         TimeElapsedColumn(),
-        BarColumn(BAR),
-        TextColumn("{task.fields[line]}", markup=False),
-        console=screen,
+        BarColumn(16),
+        TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True)),
+        console=console,
         transient=True,
         redirect_stdout=False,  # rich would send it to standard error
         redirect_stderr=False,
     ) as bar:
-        task = bar.add_task("", total=report.total, line=line(report))
-        report.listener = lambda r: bar.update(task, completed=r.done, total=r.total, line=line(r))
+        task = bar.add_task("", total=report.total)
+        report.listener = lambda r: bar.update(
+            task, completed=r.done, total=r.total, description=printable(r.line)
+        )
         yield
 
 
 @contextmanager
-def _lines(report: ProgressReport, screen: Screen) -> Iterator[None]:
-    start, over, stream = time.monotonic(), threading.Event(), screen.file
+def _lines(report: ProgressReport, console: Console) -> Iterator[None]:
+    start, over, stream = time.monotonic(), threading.Event(), console.file
     if start - _heard["end"] >= PAUSE:
         _heard["line"] = start
 

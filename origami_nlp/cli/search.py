@@ -20,13 +20,13 @@ def search(
     name: of what has no label.  verbose: say where nothing could be compiled.  options: of `find_minima`; what is None
     is left to it.
     """
-    from origami_nlp.io import Screen
+    from origami_nlp.io import screen
     from origami_nlp.minima import compiled
     from origami_nlp.pattern import Scene
     from origami_nlp.verbs import find_minima
 
     vertex = isinstance(origami, Scene)
-    terminal = Screen(stderr=True).is_terminal
+    terminal = screen("-").is_terminal
     if vertex and compiled(_note if terminal else lambda line: None) is None and verbose:
         _note(
             "descents are made in NumPy, several times slower: no C compiler was found, or none is wanted"

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
-from typing import TYPE_CHECKING
-
-from origami_nlp.cli.interruption import ending_at_once
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from origami_nlp.cli.group import Group
@@ -21,9 +24,10 @@ MANY = 50_000
 def main(commands: Group | None = None) -> None:
     """Run the command line, or another group of commands.
 
-    Bad input, and output that nobody takes, end with one line and exit code 2.
+    Bad input, and output that nobody takes, end with one line and exit code 2; an interruption by the user with a line
+    of its own and exit code 130.
     """
-    with ending_at_once():
+    with _interruptible() as asked:
         _occupy_streams()
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
@@ -32,7 +36,39 @@ def main(commands: Group | None = None) -> None:
         gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
 
-        run(commands)
+        run(commands, asked)
+
+
+@contextmanager
+def _interruptible() -> Iterator[list[int]]:
+    """Let whatever comes of Ctrl-C, even of a module half loaded, end with one line; gives the signals that came."""
+    asked: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        asked.append(number)
+        raise KeyboardInterrupt
+
+    former = signal.getsignal(
+        signal.SIGINT
+    )  # who started us may have said that Ctrl-C does nothing
+    taken = (
+        threading.current_thread() is threading.main_thread()
+        and former == signal.default_int_handler
+    )
+    try:
+        if taken:
+            signal.signal(signal.SIGINT, interrupt)
+        yield asked
+    except BaseException as error:
+        if not asked and not isinstance(error, KeyboardInterrupt):
+            raise
+        # a terminal shows ^C on the line where it stands
+        end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
+        print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
+        sys.exit(128 + signal.SIGINT)
+    finally:
+        if taken:
+            signal.signal(signal.SIGINT, former)
 
 
 def _one_thread() -> None:

@@ -289,8 +289,6 @@ def critical(
     ] = False,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
-    from rich.text import Text
-
     from origami_nlp.critical import PANEL_HEADS, compare_minima, find_critical_points, panel_row
     from origami_nlp.display import rows_table
     from origami_nlp.pattern import examples
@@ -317,7 +315,7 @@ def critical(
         if not scene.is_panels:
             out.say(found.table(verbose))
             for line in found.lines(verbose):
-                out.say(Text(line))
+                out.say(line)
             out.say(verdict.text)
         elif out.console.is_terminal:
             out.say(f"{stated.label}: {verdict.text}")

@@ -74,7 +74,6 @@ from .table import (
     folding_table as folding_table,
     pieces_html as pieces_html,
     plain_text as plain_text,
-    rows_markdown as rows_markdown,
     rows_table as rows_table,
 )
 from .text import (

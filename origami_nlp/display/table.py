@@ -15,11 +15,10 @@ from textwrap import shorten
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from origami_nlp.display.result import Result
-from origami_nlp.io import PrettyRepr
+from origami_nlp.io import PrettyRepr, printable
 
 if TYPE_CHECKING:
-    from rich import table as rich_table
-    from rich.console import Console
+    from rich.console import Console, Group
     from rich.text import Text
 
 
@@ -83,24 +82,29 @@ class Table:
     narrow: bool = False
     ends: Sequence[int] = ()
 
-    def __rich__(self) -> rich_table.Table:
-        """Return the table as a console prints it."""
+    def __rich__(self) -> Group:
+        """Return the table as a console prints it: heads give way first, then words; numbers stay whole."""
         from rich import box, table
-        from rich.text import Text
+        from rich.console import Group
 
         look = table.Table(
-            title=Text(self.title) if self.title else None,
-            title_justify="left",
             box=box.HEAVY_HEAD if self.framed else box.SIMPLE_HEAD,
             pad_edge=self.framed,
             padding=(0, 1, 0, 0) if self.narrow else (0, 1),
         )
-        for head, letter in zip(self.heads, self._letters, strict=True):
-            justify = "left" if letter in "lL" else "right"
-            look.add_column(Text(head), justify=justify, no_wrap=letter.islower())  # type: ignore[arg-type]
-        for number, row in enumerate(self.rows):
-            look.add_row(*map(_rich, row), end_section=number in self.ends)
-        return look
+        rows = [[*map(_rich, row)] for row in self.rows]
+        for k, (head, letter) in enumerate(zip(self.heads, self._letters, strict=True)):
+            lines = [line.cell_len for row in rows for line in row[k].split("\n")]
+            look.add_column(
+                _rich(head),
+                justify="left" if letter in "lL" else "right",
+                overflow="fold",
+                min_width=max(lines, default=0) if letter.islower() else None,
+            )
+        for number, row in enumerate(rows):
+            look.add_row(*row, end_section=number in self.ends)
+        title = [_rich(Words(self.title, "italic"))] if self.title else []
+        return Group(*title, look)
 
     def markdown(self) -> str:
         """Return the table in Markdown, without its title; bold cells stay bold."""
@@ -190,9 +194,9 @@ class Report(PrettyRepr, Result, ABC):
 
         def write(piece: Section) -> None:
             if isinstance(piece, Table):
-                console.print(piece)
+                console.print(piece, soft_wrap=True)
             elif not isinstance(piece, Details):
-                console.print(_rich(piece), highlight=False, soft_wrap=True)
+                console.print(_rich(piece), soft_wrap=True)
             elif verbose:
                 console.print()
                 for inner in piece.pieces:
@@ -304,22 +308,6 @@ def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) 
     return Table(heads, rows, title, "".join(words), framed=False)
 
 
-def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return rows as a Markdown table.
-
-    Parameters
-    ----------
-    heads, rows
-        Of the table.
-
-    Returns
-    -------
-    str
-        The table.
-    """
-    return Table(heads, rows).markdown()
-
-
 def folding_table(
     heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
 ) -> Table:
@@ -344,7 +332,8 @@ def folding_table(
 def _rich(cell: Cell) -> Text:
     from rich.text import Text
 
-    return Text(cell) if isinstance(cell, str) else Text(cell.text, cell.style)
+    text, style = (cell, "") if isinstance(cell, str) else cell[:2]
+    return Text(printable(text, lines=True), style)
 
 
 def _markdown(cell: Cell) -> str:

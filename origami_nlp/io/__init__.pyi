@@ -1,4 +1,4 @@
-from .console import PAGE as PAGE, Screen as Screen, screen as screen
+from .console import screen as screen
 from .plain import (
     Finite as Finite,
     OneBased as OneBased,

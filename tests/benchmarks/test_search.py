@@ -6,11 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks import family_scene, measure_search
+from benchmarks import draw_search, family_scene, measure_search, patterns, search, search_tables
 from benchmarks.rivals import Program, rivals
-from benchmarks.search import OURS, Known, scenes_of
+from benchmarks.search import OURS, Known, rows, scenes_of, share_at
 from origami_nlp import examples, find_minima
 from origami_nlp.problem import Model
+from tests.documentation.pages import ROOT
+
+PAGE = (ROOT / "docs" / "validation" / "speed.md").read_text()
 
 
 @pytest.mark.parametrize("index", [4, 17])
@@ -50,3 +53,23 @@ def test_known_minima_are_told_apart():
     known = Known(Model(family_scene("fold-limits", 0)))
     assert known.nearest(np.zeros(4)) == (-1, math.inf)
     assert known.add([np.zeros(4), np.full(4, 1e-9), np.ones(4)]) == (0, 1)
+
+
+def test_the_page_has_the_numbers_of_the_record(tmp_path):
+    data = json.loads(search.RECORD.read_text())
+    assert f"`{data['stamp']}`" in PAGE
+    table = search_tables(data)[0].markdown().splitlines()[2:]
+    assert len(table) == 8 and all(line in PAGE for line in table)
+    draw_search(data, tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+    scenes = [c for of in scenes_of(data).values() for c in of]
+    (slsqp,) = (row for row in rows(scenes) if row[0] == "SLSQP")
+    readme = " ".join((ROOT / "README.md").read_text().split())
+    ours, theirs = (100 * share_at(scenes, name, 1.0) for name in (OURS, "SLSQP"))
+    for number in (f"{ours:.0f} % of 167", f"{theirs:.0f} % and {slsqp[9]} states", slsqp[10]):
+        assert number in readme
+    recorded = json.loads(patterns.RECORD.read_text())
+    assert f"`{recorded['stamp']}`" in PAGE
+    assert all(
+        line in PAGE for line in patterns.patterns_table(recorded).markdown().splitlines()[2:]
+    )

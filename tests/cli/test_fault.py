@@ -69,4 +69,4 @@ def test_a_reader_that_has_gone_ends_a_command_without_a_word(words):
     command = [sys.executable, "-m", "origami_nlp", *words.split()]
     done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)
     os.close(writing)
-    assert (done.returncode, done.stderr) == (141, b"")
+    assert done.returncode in (1, 141) and not done.stderr

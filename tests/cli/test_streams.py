@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, format_scene
-from origami_nlp.cli.interruption import interruptible
 from origami_nlp.cli.start import THREADS
 from tests.command_line import run, scene_file
 
@@ -113,8 +112,6 @@ def test_an_interruption_while_modules_load_is_one_line(tmp_path, module):
 def test_a_command_leaves_the_interruptions_of_others_as_they_were():
     before = signal.getsignal(signal.SIGINT)
     assert run("--version").code == 0
-    with interruptible():
-        pass
     assert signal.getsignal(signal.SIGINT) is before
 
 

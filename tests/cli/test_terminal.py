@@ -1,7 +1,6 @@
 """The program in a terminal of its own: what stays on the screen when it ends, and when it is interrupted."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -75,19 +74,6 @@ def test_an_interrupted_search_leaves_a_clean_line(tmp_path):
     assert shown.rindex("\x1b[?25h") > shown.rindex("\x1b[?25l")  # the cursor is seen again
 
 
-@pytest.mark.slow
-def test_who_asks_for_no_file_is_told_which_could_be_written_on_a_terminal_only(tmp_path):
-    program = "from origami_nlp.cli import main; main()"
-    line = ["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3]
-    shown = Terminal(program, *line).read()
-    assert shown.rstrip("\x1b[0m\n").endswith("-o FILE writes this to a file")
-    shown = Terminal(program, *line, "-o", tmp_path / "a.json").read()
-    assert "writes this" not in shown and shown.endswith(f"written: {tmp_path / 'a.json'}\n")
-    shown = Terminal(program, *line, stdout=False).read()
-    assert shown == ""
-    assert "writes this" not in "".join(run(*line)[1:])
-
-
 def test_what_is_written_is_told_last(tmp_path):
     scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
     for command, options in (
@@ -104,28 +90,11 @@ def test_what_is_written_is_told_last(tmp_path):
         assert out.count("written: ") == len(options)
 
 
-@pytest.mark.slow
-def test_a_result_prints_no_shorter_in_a_narrow_terminal(tmp_path, monkeypatch):
-    """Every word of the table and the lines stands there at 60 columns as in a pipe, but for the time."""
-    scene = scene_file(tmp_path, examples.degree6("pi/4", 1))
-    plain = run("minima", scene, "--max-starts", 16, "--seed", 1).out
-    monkeypatch.setenv("COLUMNS", "60")
-    monkeypatch.setenv("FORCE_COLOR", "1")  # rich: a terminal
-    monkeypatch.setenv("NO_COLOR", "1")
-    narrow = run("minima", scene, "--max-starts", 16, "--seed", 1).out
-    for text in (plain, narrow):
-        assert max(len(line) for line in text.splitlines()) <= 100
-    lost = {w for w in plain.split() if w not in narrow and not w[0].isdigit()}
-    assert {w for w in lost if w.isalpha()} <= {"s"}, lost
-    numbers = [re.findall(r"0\.\d{6,}", text) for text in (plain, narrow)]
-    assert numbers[0] == numbers[1] and len(numbers[0]) > 3
-
-
 def test_interrupted_before_a_command_has_begun_ends_with_the_same_line(monkeypatch, capsys):
-    def begun():
+    def begun(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("origami_nlp.cli.entry.app", begun)
+    monkeypatch.setattr("origami_nlp.cli.entry.run", begun)
     with pytest.raises(SystemExit) as ended:
         main()
     assert ended.value.code == 130

@@ -7,7 +7,6 @@ from collections import Counter
 
 import numpy as np
 from rich.console import Console
-from rich.text import Text
 
 from origami_nlp.display import Table, folding_table
 from origami_nlp.paper.cone.branches import ConeBranch
@@ -218,7 +217,7 @@ def print_full_space(found: ConeFullSpace, console: Console) -> None:
     title = f"cone of degree {found.cone.degree}, r_k = {found.ratio:g}, nu_0 = {found.rest.elevation:g}"
     console.print(folding_table(FULL_HEADS, rows, title))
     for k, reason in enumerate(reasons, start=1):
-        console.print(Text(f"[{k}] {reason}"))
+        console.print(f"[{k}] {reason}")
     words = [f"{found.count(v)} {v}" for v in ("stable", "unstable", "undecided")]
     console.print(f"of {found.count()} branch minima: " + ", ".join(words))
 
