@@ -34,6 +34,7 @@ from .full_space import (
     hessian_spectra as hessian_spectra,
     is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
+    mode_symmetry as mode_symmetry,
 )
 from .interactive import (
     CELLS as CELLS,

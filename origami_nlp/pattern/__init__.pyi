@@ -86,6 +86,7 @@ from .hinges_stated import (
 )
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
+    EquivalentVertices as EquivalentVertices,
     Relabelling as Relabelling,
     canonical_labels as canonical_labels,
     group_equivalent_vertices as group_equivalent_vertices,

@@ -27,6 +27,7 @@ from .interactive import (
     view_motion as view_motion,
 )
 from .interpolant import (
+    Interpolant as Interpolant,
     halves as halves,
     interpolate as interpolate,
     wells as wells,

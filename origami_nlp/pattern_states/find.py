@@ -213,7 +213,7 @@ class _Search(Scouting):
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
             self.part("the search for single vertices", self.round_the_vertex, seed)
         asked = self.options
-        self.part(OtherWells.name, self.snap, asked.most_snapped * starts, asked.most_on * starts)
+        self.part(OtherWells.name, self.snap, asked.most_popped * starts, asked.most_on * starts)
         for k in range(min(asked.most_drawn * starts, most)):
             if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
                 break

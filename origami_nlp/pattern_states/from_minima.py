@@ -1,10 +1,12 @@
-"""Starts that follow from what was found: of minima their images, hinges in other wells, any changes."""
+"""Starts that follow from what was found: of minima their images, vertices popped, hinges in other wells, any
+changes."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections import Counter, defaultdict
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,8 +16,11 @@ from origami_nlp.pattern_problem import MOST_DENSE, image
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
+    POPPED,
     Changed,
+    Listed,
     OtherWells,
+    Popped,
     SearchOptions,
     hinge_rests,
 )
@@ -33,7 +38,7 @@ class FromMinima(Parts):
 
     def __init__(self) -> None:
         super().__init__()
-        self._gone: dict[str, np.ndarray] = {}
+        self._gone: dict[str, list[np.ndarray]] = {}
         self._counts: dict[str, Counter[str]] = defaultdict(Counter)
         self._mirrored = 0
 
@@ -105,40 +110,28 @@ class FromMinima(Parts):
         longest, known = options.most_on * starts, None
         while known != (known := self.count()):
             self.part(IMAGES, self.add_images)
-            self.part(OtherWells.name, self.snap, options.most_snapped * starts, longest)
+            self.part(OtherWells.name, self.snap, options.most_popped * starts, longest)
+            self.part(Popped.name, self.pop, options.most_popped * starts, longest)
             given = options.most_changed * starts, options.most_drawn * starts
             self.part(Changed.name, self.change, rng, *given)
 
-    def snap(self, most: int, longest: int) -> None:
-        """Start from each minimum with one hinge in another well of its law, the lowest first.
+    def pop(self, most: int, longest: int) -> None:
+        """Start from each minimum with one vertex popped.
 
-        What that leads to is among them.  Until `most` starts in all led to no other minimum, or after `longest`.
-        Where the sheet has symmetries, one of a minimum and its images is enough.  What was gone on from is not gone
-        on from again.
+        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
+        that let facets cross.  Each minimum is popped in one way before any is in another: the next way seldom leads
+        elsewhere from there.
         """
-        pattern, name, counts = self.problem.pattern, OtherWells.name, self._counts[OtherWells.name]
-        while hinge_rests(pattern) and name not in self.tally.cut:
-            self.problem.check_time()
-            gone = self._gone_on(name)
-            states = np.array([s.phi for s in self.minima if s.phi.any()])
-            states = states.reshape(-1, self.problem.size)
-            waiting = states[~are_among(states, gone)]
-            if not len(waiting):
-                return
-            phi = waiting[0]
-            images = [image(symmetry, phi) for symmetry in self._symmetries]
-            self._gone[name] = np.vstack([gone, phi, *images])
-            for start in OtherWells(pattern, self.labels, self.beside(phi)).states():
-                if are_among(start[None], states).any():
-                    continue
-                if counts["idle"] == most or counts["made"] == longest:
-                    self.tally.cut = (*self.tally.cut, name)
-                    break
-                before = self.count()
-                self.begin(name)
-                self.attempt(self.look_ahead, start)
-                counts["made"] += 1
-                counts["idle"] += self.count() == before
+        pattern, labels = self.problem.pattern, self.labels
+        ways = [partial(Popped, pattern, labels, shares=[shares]) for shares in POPPED]
+        self._go_on(Popped.name, ways, most, longest)
+
+    def snap(self, most: int, longest: int) -> None:
+        """Start from each minimum with one hinge in another well of its law."""
+        pattern, labels = self.problem.pattern, self.labels
+        if hinge_rests(pattern):
+            ways = [partial(OtherWells, pattern, labels)]
+            self._go_on(OtherWells.name, ways, most, longest)
 
     def change(self, rng: np.random.Generator, most: int, longest: int) -> None:
         """Start from minima changed at random, those among them that this leads to.
@@ -151,7 +144,7 @@ class FromMinima(Parts):
         alone = len(problem.pattern.vertices) < 2 or problem.size > MOST_DENSE
         if alone or not (most and self.contact) or self.tally.lines or self.tally.families:
             return
-        gone = self._gone_on(name)
+        [gone] = self._gone.setdefault(name, [np.empty((0, problem.size))])
         known, quiet = -1, 0
         while quiet < most and name not in self.tally.cut:
             problem.check_time()
@@ -160,7 +153,7 @@ class FromMinima(Parts):
                 for phi in (s.phi for s in self.minima if s.phi.any()):
                     if not are_among(phi[None], gone)[0]:
                         images = [image(symmetry, phi) for symmetry in self._symmetries]
-                        gone = self._gone[name] = np.vstack([gone, phi, *images])
+                        gone = self._gone[name][0] = np.vstack([gone, phi, *images])
                         self._changed.add(self.beside(phi), images)
             if not len(start := self._changed.draw(rng, 1).x):
                 return
@@ -171,9 +164,45 @@ class FromMinima(Parts):
             if counts["made"] == longest or counts["followed"] > FORESEEN + longest // FORESEEN:
                 self.tally.cut = (*self.tally.cut, name)
 
-    def _gone_on(self, name: str) -> np.ndarray:
-        """Return the minima that a family has gone on from, [m, n]."""
-        return self._gone.setdefault(name, np.empty((0, self.problem.size)))
+    def _go_on(
+        self,
+        name: str,
+        ways: Sequence[Callable[[np.ndarray], Listed]],
+        most: int,
+        longest: int,
+        least: int = 0,
+    ) -> None:
+        """Start from each minimum, the lowest first, in one way after the other, what that leads to among them.
+
+        Until `most` starts in all led to no other minimum, or after `longest`; minima with fewer degrees of freedom
+        than `least` are left out.  Where the sheet has symmetries, one of a minimum and its images is enough.  What was
+        gone on from is not gone on from again.
+        """
+        none = [np.empty((0, self.problem.size)) for _ in ways]
+        gone, counts = self._gone.setdefault(name, none), self._counts[name]
+        while name not in self.tally.cut:
+            self.problem.check_time()
+            states = np.array([s.phi for s in self.minima if s.phi.any() and s.dof >= least])
+            states = states.reshape(-1, self.problem.size)
+            waiting = (
+                (k, phi) for k, done in enumerate(gone) for phi in states[~are_among(states, done)]
+            )
+            if (first := next(waiting, None)) is None:
+                return
+            k, phi = first
+            images = [image(symmetry, phi) for symmetry in self._symmetries]
+            gone[k] = np.vstack([gone[k], phi, *images])
+            for start in ways[k](self.beside(phi)).states():
+                if are_among(start[None], states).any():
+                    continue
+                if counts["idle"] == most or counts["made"] == longest:
+                    self.tally.cut = (*self.tally.cut, name)
+                    break
+                before = self.count()
+                self.begin(name)
+                self.attempt(self.look_ahead, start)
+                counts["made"] += 1
+                counts["idle"] += self.count() == before
 
 
 def are_among(states: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
+| `Popped` | pattern | a minimum with one vertex on its other side |
 | `Changed` | pattern | a minimum crossed with another, or with one crease folded otherwise |
 | `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 

@@ -28,10 +28,12 @@ from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
 from .of_patterns import (
+    POPPED as POPPED,
     Changed as Changed,
     Given as Given,
     Grown as Grown,
     OtherWells as OtherWells,
+    Popped as Popped,
     Uniform as Uniform,
     UniformFolded as UniformFolded,
     creases_around as creases_around,

@@ -1,10 +1,10 @@
-"""Starts of patterns: what the pattern gives, any fold angles, grown out of the flat state, and from known minima."""
+"""Starts of patterns: what the pattern gives, any fold angles, grown out of the flat state, vertices popped."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations, cycle, islice, permutations
+from itertools import combinations, cycle, islice, permutations, product
 from typing import Any
 
 import numpy as np
@@ -145,6 +145,45 @@ def families_in_turn(
     anywhere = Uniform(labels, limits)
     grown = Grown(problem, labels) if problem.pattern.lies_flat else anywhere
     return grown, anywhere, UniformFolded(labels, limits)
+
+
+POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
+"""Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
+
+
+class Popped(Listed):
+    """A state with each vertex popped that is not flat, in an order that labels do not change.
+
+    Parameters
+    ----------
+    pattern, labels
+        The pattern, and the order of its creases.
+    phi
+        The state, [n] [rad].
+    shares
+        Some of `POPPED`.
+    """
+
+    name = "minima with a vertex popped"
+    sentence = "a minimum with one vertex on its other side"
+
+    def __init__(
+        self,
+        pattern: Pattern,
+        labels: CanonicalLabelling,
+        phi: np.ndarray,
+        shares: Sequence[tuple[float, float]] = POPPED,
+    ) -> None:
+        self.size, self._shares = pattern.creases, shares
+        self._around, self._phi = creases_around(pattern, labels), phi
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet."""
+        for creases, (size, share) in product(self._around, self._shares):
+            if self._phi[creases].any():
+                start = size * self._phi
+                start[creases] *= share
+                yield start
 
 
 class Changed(StartFamily):

@@ -47,9 +47,9 @@ class SearchOptions:
         where most of them lead (`pattern_problem.Scouts`): these cost a thirtieth.
     most_drawn
         Random starts in all, over `in_a_row`.
-    most_snapped
-        Starts from minima with a hinge in another well of its law that find nothing new, over `in_a_row`; then that
-        part ends.
+    most_popped
+        Starts from minima with a vertex popped, or a hinge in another well of its law, that find nothing new, over
+        `in_a_row`; then that part ends.
     most_changed
         Starts from minima changed at random in a row that find nothing new, over `in_a_row`; `most_drawn` in all.
     most_on
@@ -87,7 +87,7 @@ class SearchOptions:
     in_a_row: int = 60
     scouted: int = 10
     most_drawn: int = 10
-    most_snapped: int = 1
+    most_popped: int = 1
     most_changed: int = 2
     most_on: int = 50
     most_traced: int = 250
@@ -96,7 +96,7 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_snapped", "most_changed", "most_on"),
+            *("in_a_row", "most_popped", "most_changed", "most_on"),
             *("most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
@@ -149,7 +149,7 @@ EFFORTS = {
         hits=4,
         quiet=4,
         in_a_row=160,
-        most_snapped=10,
+        most_popped=10,
         most_changed=10,
     ),
 }

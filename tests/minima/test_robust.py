@@ -23,6 +23,7 @@ from origami_nlp.pattern_problem import (
     PopSigns,
 )
 from origami_nlp.pattern_states import find_states
+from origami_nlp.starts import Popped
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
@@ -173,3 +174,5 @@ def test_a_minimum_on_the_other_side_of_a_vertex(labels):
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
     signs = [tuple(np.sign(PopSigns(found.pattern).sums(s.phi))) for s in found.minima]
     assert len(set(signs)) == 4
+    assert found.search.by_source[Popped.name] > 0
+    assert any(Popped.name in words for words in found.search.words())

@@ -58,6 +58,7 @@ def pattern_families():
         starts.Grown(problem, labels),
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
+        starts.Popped(pattern, labels, phi),
         changed,
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
     ]

@@ -11,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, Scouts
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, Changed, SearchOptions
+from origami_nlp.starts import EFFORTS, Changed, Popped, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
@@ -62,12 +62,13 @@ def test_fields_of_a_search_of_a_pattern_have_their_effect():
     assert search(in_a_row=3).drawn > plain.drawn
     assert search(most_traced=0).curves == 0 < plain.curves
     assert search(most_curves=1).not_traced > plain.not_traced
+    assert Popped.name not in search(most_popped=0).by_source and plain.by_source[Popped.name]
     assert search(in_a_row=0).drawn == 0
 
 
 def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
     def search(**changed):
-        once = {"in_a_row": 1, "scouted": 1, "most_drawn": 1}
+        once = {"in_a_row": 1, "scouted": 1, "most_drawn": 1, "most_popped": 0}
         options = SearchOptions(**{**once, **changed})
         return o.find_minima("yoshimura:2x3", options=options, escape=False).search
 
@@ -80,7 +81,7 @@ def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
 
 def test_more_starts_are_made_where_it_is_foreseen_where_they_lead(monkeypatch):
     def search(scouted):
-        options = SearchOptions(in_a_row=2, scouted=scouted, most_drawn=1)
+        options = SearchOptions(in_a_row=2, scouted=scouted, most_drawn=1, most_popped=0)
         return o.find_minima("yoshimura:2x2", options=options, escape=False).search
 
     monkeypatch.setenv("ORIGAMI_NLP_COMPILED", "0")
