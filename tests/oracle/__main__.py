@@ -131,19 +131,12 @@ def judged(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
                 row.tell(record["name"], "moment", who, moment, carried[who])
 
 
-def _moments(answer: Any) -> dict[str, float]:
-    """Moments of contacts that are unique, by the creases or facets that touch; not of a name that comes twice."""
-    found: dict[str, list[float]] = {}
-    for kind, creases, facets, value, low, high in answer["contacts"]:
-        unique = (
-            low is not None
-            and high is not None
-            and math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-12)
-        )
-        found.setdefault(f"{kind} {sorted(creases)} {sorted(facets)}", []).extend(
-            [value] if unique else [0.0, 0.0]
-        )
-    return {who: values[0] for who, values in found.items() if len(values) == 1}
+def _moments(answer: Any) -> dict[str, list[float | None]]:
+    """Least and largest moment of contacts, by the creases or facets that touch; not of a name that comes twice."""
+    found: dict[str, list[float | None]] = {}
+    for kind, creases, facets, _, low, high in answer["contacts"]:
+        found.setdefault(f"{kind} {sorted(creases)} {sorted(facets)}", []).extend([low, high])
+    return {who: ends for who, ends in found.items() if len(ends) == 2}
 
 
 def passes(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:

@@ -1,7 +1,9 @@
-"""Ask today's code all questions of the oracle, and keep the answers: `python -m tests.oracle.make FOLDER [GROUP ...]`.
+"""Ask today's code further questions, and keep the answers: `python -m tests.oracle.make FOLDER GROUP=FILE ...`.
 
-Answers that are kept are numbers and enums.  States are held against a program that shares nothing where there is one:
-all must close by rotations alone; searches by SLSQP join the union of vertices within fold limits.
+A line of JSON a question: its ``name``, ``verb``, and what `ask` takes; folders of data only grow.  The first questions
+were stated by ``scenes.py``, which the history keeps.  Answers that are kept are numbers and enums.  States are held
+against a program that shares nothing where there is one: all must close by rotations alone, and of vertices within fold
+limits a search by SLSQP says what only it has.
 """
 
 from __future__ import annotations
@@ -16,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from tests.independent import search_slsqp
-from tests.oracle import scenes
 from tests.oracle.engine import (
     Asked,
     angle_of,
@@ -50,7 +51,7 @@ def slsqp(stated: Any) -> list[list[float]]:
     model, springs = scene["model"], scene["creases"]
     if set(springs) != {"stiffness", "rest_angles"} or model.get("contact") != "fold-limits":
         return []
-    if model.get("symmetry") != "none":
+    if model.get("symmetry") != "none" or not scene["vertex"].get("flat", True):
         return []
     sectors = np.array([angle_of(a) for a in scene["vertex"]["sector_angles"]])
     k, rest = (
@@ -65,17 +66,15 @@ def slsqp(stated: Any) -> list[list[float]]:
     return [list(map(float, phi)) for phi in found]
 
 
-def searched(group: str, name: str, q: Any, ask: Asked, long: bool = False) -> Any:
+def searched(group: str, name: str, q: Any, ask: Asked) -> Any:
     """A question about minima: the union over seeds and efforts, how many of three seeds find each."""
-    asked = {"verb": "minima", **q}
-    seeds = (SEEDS[:1] if name.startswith("resch") else SEEDS[:2]) if long else SEEDS
-    answers = [ask({**asked, "seed": seed}) for seed in seeds]
+    answers = [ask({**q, "seed": seed}) for seed in SEEDS]
     if "error" in answers[0]:
-        return {"name": name, "group": group, "q": asked, "answer": answers[0]}
+        return {"name": name, "group": group, "q": q, "answer": answers[0]}
     union = joined(*(a.get("minima", []) for a in answers))
     seconds = float(np.median([a["seconds"] for a in answers]))
-    if seconds < THOROUGH and not long:
-        more = ask({**asked, "seed": 3, "effort": "thorough"})
+    if seconds < THOROUGH:
+        more = ask({**q, "seed": 3, "effort": "thorough"})
         union = joined(union, more.get("minima", []))
     lost = [set(missing(union, a.get("minima", []))) for a in answers]
     bad = [e for e, phi in union if unclosed(q["stated"], phi) > CLOSED]
@@ -85,13 +84,12 @@ def searched(group: str, name: str, q: Any, ask: Asked, long: bool = False) -> A
     answer = {
         "minima": union,
         "share": share,
-        "seeds": len(seeds),
         "undecided": max(len(a.get("undecided", [])) for a in answers),
     }
     return {
         "name": name,
         "group": group,
-        "q": asked,
+        "q": q,
         "answer": answer,
         "seconds": seconds,
         "peak": answers[0]["peak"],
@@ -112,28 +110,6 @@ def simple(group: str, name: str, q: Any, ask: Asked, table: dict[str, Any]) -> 
     }
 
 
-def groups() -> dict[str, Any]:
-    """Questions by group: a name and what is stated."""
-    of_minima = {
-        f.__name__: ("minima", f)
-        for f in (
-            *(
-                scenes.panels,
-                scenes.random_vertices,
-                scenes.cones_of_paper,
-                scenes.symmetric_vertices,
-            ),
-            *(scenes.almost_special, scenes.stiffness_ratios, scenes.sheets, scenes.large_sheets),
-        )
-    }
-    others = (scenes.escaped, scenes.located, scenes.designed, scenes.counted)
-    return {
-        **of_minima,
-        "proved": ("proof", scenes.proved),
-        **{f.__name__: ("", f) for f in others},
-    }
-
-
 def of_file(file: Path) -> Iterator[tuple[str, Any]]:
     """Further questions from a file, a line of JSON each: name and question."""
     for line in file.read_text().splitlines():
@@ -150,21 +126,14 @@ def write(folder: Path, group: str, records: list[Any]) -> None:
 
 
 def main(folder: Path, words: list[str]) -> None:
-    known = groups()
     folder.mkdir(parents=True, exist_ok=True)
-    for word in words or known:
+    for word in words:
         group, _, file = word.partition("=")
-        verb, stated = known.get(group, ("", lambda file=file: of_file(Path(file))))
-        records, table = (
-            [],
-            {n: q["stated"] for _, f in groups().values() for n, q in f() if "stated" in q},
-        )
-        table |= stated_by_name(folder)
+        records, table = [], stated_by_name(folder)
         with Asked(Path.cwd()) as ask:
-            for name, q in stated():
-                verb_of = verb or q.pop("verb")
-                if verb_of == "minima":
-                    record = searched(group, name, q, ask, group == "large_sheets")
+            for name, q in of_file(Path(file)):
+                if q["verb"] == "minima":
+                    record = searched(group, name, q, ask)
                     listed = np.array([phi for _, phi in record["answer"].get("minima", [])])
                     found = slsqp(q["stated"])
                     # what only the other search has: a place to look
@@ -173,13 +142,10 @@ def main(folder: Path, words: list[str]) -> None:
                     if alone:
                         print("only by SLSQP:", group, name, alone, flush=True)
                 else:
-                    record = simple(group, name, {"verb": verb_of, **q}, ask, table)
+                    record = simple(group, name, q, ask, table)
                 records.append(record)
                 print(f"{group}: {name}: {record.get('seconds', 0):.2f} s", flush=True)
-                if len(records) % 10 == 0:
-                    write(folder, group, records)
         write(folder, group, records)
-        print(group, len(records), "questions", flush=True)
 
 
 if __name__ == "__main__":
