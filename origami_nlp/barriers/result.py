@@ -21,7 +21,6 @@ from origami_nlp.display import (
     Table,
     Viewable,
     angle_columns,
-    short_label,
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
@@ -45,7 +44,6 @@ MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
 """Minima whose energies, and pairs whose bounds, are printed below the passes."""
-LONG_HEADS = ("scene", "pair", "minima [J]", "pass [J]", "kind", "fold angles at the pass [deg]")
 
 
 @dataclass(frozen=True)
@@ -259,19 +257,6 @@ class Barriers(Report, Viewable):
             self.result.view_content(chart), self.result.origami, self.passes, chart
         )
         return replace(content, pieces=(*self.report_sections(), *content.pieces))
-
-
-def barriers_table(several: Sequence[Barriers]) -> Table:
-    """Return the passes of several scenes, a row a pair: minima, pass, kind, where."""
-    rows = []
-    for barriers in several:
-        name = short_label(barriers.label).replace("*", r"\*")
-        for p in barriers.passes:
-            one, two = barriers._energies(p)
-            first, second, _, _, energy, kind, angles = barriers._cells(p)
-            ends = (f"{first} - {second}", f"{one:.6g}, {two:.6g}")
-            rows.append((name, *ends, energy, kind, angles))
-    return Table(LONG_HEADS, rows)
 
 
 def add_passes(
