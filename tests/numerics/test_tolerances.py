@@ -42,7 +42,7 @@ BESIDE_THE_TABLE = {
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.APART
         pattern_states/contact_descents.NEAR pattern_states/contact_descents.REACH
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
-        pattern_states/plane_faces.STEP pattern_states/strings.LONGEST
+        pattern_states/plane_faces.STEP
          space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
