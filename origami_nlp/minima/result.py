@@ -62,7 +62,6 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import PopSigns
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
@@ -225,22 +224,6 @@ class MinimaResult(Report, Viewable):
         if self.is_pattern or minimum.winding == self.model.structure.winding:
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))
-
-    @cached_property
-    def _pop_signs(self) -> PopSigns | None:
-        """None where facets may cross: their signs mean nothing."""
-        contact = getattr(self.search, "contact", getattr(self.origami, "contact", "full"))
-        return PopSigns(self.origami) if contact == "full" else None
-
-    @cached_property
-    def signs(self) -> tuple[str, ...]:
-        """Sides of the flat state that vertices are on (`PopSigns`): ``"+-0"`` a minimum; "" where facets may cross."""
-        return tuple(self._pop_signs.of(m.phi) if self._pop_signs else "" for m in self.minima)
-
-    @property
-    def sign_vertices(self) -> tuple[int, ...]:
-        """The vertices that `signs` are of, as a FOLD file numbers them: those with 360 degrees of paper or less."""
-        return self._pop_signs.vertices if self._pop_signs else ()
 
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
