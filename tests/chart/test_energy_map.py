@@ -270,3 +270,13 @@ def test_colours_go_on_beyond_the_edge_and_not_inside():
     filled = fill_outwards(branch, 2)
     assert (filled[known] == branch.energy[known]).all()
     assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
+
+
+def test_scenes_without_a_chart_say_why():
+    many = o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1")
+    chart = landscape(many)
+    assert chart.kind == "none" and not chart.branches and "4 degrees of freedom" in chart.reason
+    with pytest.raises(o.OrigamiError, match="no landscape"):
+        chart.place([0.0] * 10)
+    free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
+    assert "no two-coordinate chart" in landscape(free).reason

@@ -45,3 +45,10 @@ def test_a_contact_opens_at_the_margin_and_not_before():
             assert (forces.min() > 0) == (factor < 1)
         reported += 1
     assert reported >= 2
+
+
+def test_what_is_for_vertices_says_so(found):
+    with pytest.raises(o.OrigamiError, match="segments = True"):
+        o.find_contacts(found, segments=True)
+    with pytest.raises(o.OrigamiError, match="number of a minimum"):
+        o.find_contacts(found, state=1000)

@@ -109,3 +109,16 @@ def test_joining_passes_are_a_spanning_tree():
 
     chosen = joining_passes(Found())  # type: ignore[arg-type]
     assert [(p.from_state, p.to_state) for p in chosen] == [(1, 2), (1, 3)]
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "complaint"),
+    [
+        (o.examples.degree6("pi/4", 1.0, symmetry="none"), [], "3 degrees of freedom"),
+        (o.examples.degree6("pi/4", 1.0, contact="none"), ["-o", "-"], "contact = 'full'"),
+    ],
+)
+def test_scenes_without_a_landscape(scene, options, complaint, tmp_path):
+    path = scene_file(tmp_path, scene)
+    code, out, err = run("landscape", path, *options)
+    assert code == 2 and complaint in err and not out

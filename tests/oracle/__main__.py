@@ -124,19 +124,22 @@ def judged(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
         ):
             row.differing += 1
             row.tell(record["name"], "eigenvalues", one, other)
-        carried = _moments(answer)
-        for who, moment in _moments(record["answer"]).items():
+        held, carried = _moments(record["answer"]), _moments(answer)
+        alike = held.keys() == carried.keys()
+        for who, moment in held.items():
+            if not alike:  # of other rows the shortest vector of multipliers is another one
+                moment, carried = moment[1:], {w: m[-2:] for w, m in carried.items()}
             if who in carried and not near(moment, carried[who], MOMENTS):
                 row.differing += 1
                 row.tell(record["name"], "moment", who, moment, carried[who])
 
 
 def _moments(answer: Any) -> dict[str, list[float | None]]:
-    """Least and largest moment of contacts, by the creases or facets that touch; not of a name that comes twice."""
+    """Moment of contacts, least and largest, by the creases or facets that touch; not of a name that comes twice."""
     found: dict[str, list[float | None]] = {}
-    for kind, creases, facets, _, low, high in answer["contacts"]:
-        found.setdefault(f"{kind} {sorted(creases)} {sorted(facets)}", []).extend([low, high])
-    return {who: ends for who, ends in found.items() if len(ends) == 2}
+    for kind, creases, facets, *moments in answer["contacts"]:
+        found.setdefault(f"{kind} {sorted(creases)} {sorted(facets)}", []).extend(moments)
+    return {who: moments for who, moments in found.items() if len(moments) == 3}
 
 
 def passes(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:

@@ -50,12 +50,11 @@ def test_single_claims_print_one_line_each_and_the_evidence():
 
 
 def test_reports_are_written(tmp_path, verify):
-    files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "md", "tex")}
+    files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "tex")}
     done = verify(*only(*QUICK), *(x for f in files.values() for x in ("-o", f)))
     assert done.returncode == 0, done.stderr
     data = json.loads(files["json"].read_text(encoding="utf-8"))
     assert [c["id"] for c in data["claims"]] == list(QUICK)
-    assert "# Verification report" in files["md"].read_text(encoding="utf-8")
     assert files["tex"].read_text(encoding="utf-8").count(r"\begin{equation}") == 3
 
 
@@ -87,3 +86,19 @@ def test_exit_code_follows_the_verdicts(verdict, code, monkeypatch, capsys):
     done = CliRunner().invoke(app, ["paper", "verify"])
     assert done.exit_code == code, done.output
     assert "title [bold]" in done.output  # not taken for markup
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
+        (["-o", "no/such/folder/x.json"], ["-o", "does not exist"]),
+        (["-o", "."], ["-o", "folder"]),
+    ],
+)
+def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
+    done = verify(*args)
+    assert done.returncode == 2
+    assert done.stdout.strip() == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert all(word in done.stderr for word in words)
