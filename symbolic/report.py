@@ -1,4 +1,4 @@
-"""Reports on decided claims: JSON, Markdown, LaTeX snippets and the errata page.
+"""Reports on decided claims: JSON, LaTeX snippets and the errata page.
 
 ``python -m origami_nlp.symbolic.report docs/validation/errata.md`` regenerates the committed page of errata.
 """
@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from .catalogue import Result, claims, decide_all
-from .left_out import LEFT_OUT
 
 SCHEMA = "origami-nlp/paper/1"
 PAPER = (
@@ -95,32 +94,6 @@ def as_json(results: Sequence[Result]) -> str:
     )
 
 
-def as_markdown(results: Sequence[Result]) -> str:
-    """The report a reviewer reads: every claim with its verdict, evidence and correction."""
-    count = summary(results)
-    lines = [
-        "# Verification report",
-        "",
-        f"Source: {PAPER}.",
-        "",
-        f"{count['total']} claims: {count['proved']} proved as printed, {count['refuted']} refuted, "
-        f"{count['convention']} true only in another reading, {count['unproved']} unproved.  "
-        f"{count['decided']} of {count['total']} decided ({count['seconds']:.0f} s of computing).",
-        "",
-        tally_text(results),
-        "",
-    ]
-    section = ""
-    for r in results:
-        place = _section(r)
-        if place != section:
-            section = place
-            lines += [f"## {section}", ""]
-        lines += _entry(r)
-    lines += ["## What is not checked here", "", *left_out_lines(), ""]
-    return "\n".join(lines)
-
-
 def errata_page(results: Sequence[Result]) -> str:
     """The page ``docs/validation/errata.md``: what is wrong in the paper, corrected, and how it was proved."""
     errata = [r for r in results if r.verdict.fails]
@@ -132,8 +105,8 @@ def errata_page(results: Sequence[Result]) -> str:
         f"{PAPER}.  Each entry: place and verdict; what is printed; why it fails; what holds instead, proved in one "
         "run. **refuted**: false as printed; **convention**: true in another reading.",
         "",
-        "`origami-nlp paper verify --only ID -o FILE.md` repeats one, with all evidence; without "
-        "`--only` also what is not checked.  Made by `python -m origami_nlp.symbolic.report FILE`.",
+        "`origami-nlp paper verify --only ID -o FILE.json` repeats one, with all evidence.  Made by "
+        "`python -m origami_nlp.symbolic.report FILE`.",
         "",
         *_shared_roots(errata),
     ]
@@ -169,21 +142,6 @@ def _shared_roots(errata: Sequence[Result]) -> list[str]:
     return ["One cause each:", "", *shared, ""] if shared else []
 
 
-def left_out_lines() -> list[str]:
-    """Markdown table of the statements that no claim decides."""
-    rows = [f"| {plain(e.where)} | {plain(e.what)} | {plain(e.why)} |" for e in LEFT_OUT]
-    return ["| place | what is said | why it is not decided here |", "|---|---|---|", *rows]
-
-
-def _section(r: Result) -> str:
-    where = r.claim.where
-    match = re.match(r"(sec\. \d|app\. [A-Z])", where)
-    if match is None:
-        return "Derivations"
-    kind, number = match.group(1).split()
-    return f"{'Section' if kind == 'sec.' else 'Appendix'} {number}"
-
-
 def plain(text: str) -> str:
     """Text that Markdown shows as it is: no emphasis, no HTML, no table columns."""
     for mark in ("*", "<", "|"):
@@ -197,29 +155,6 @@ def _display(tex: str) -> list[str]:
     GitHub refuses ``\operatorname``, so operators are set upright by hand.
     """
     return ["```math", re.sub(r"\\operatorname\{(\w+)\}", r"\\mathrm{\1}\\,", tex), "```"]
-
-
-def _entry(r: Result) -> list[str]:
-    """Lines of one claim."""
-    v = r.verdict
-    lines = [
-        f"### {plain(r.claim.title)}",
-        "",
-        f"`{r.claim.id}`, {plain(r.claim.where)}: **{v.verdict}** ({plain(v.method)}, {v.seconds:.2f} s)",
-        "",
-        *_display(r.claim.statement_latex),
-        "",
-        plain(v.evidence),
-        "",
-        *([f"Remark: {plain(v.remark)}", ""] if v.remark else []),
-    ]
-    if v.corrected_latex is not None:
-        state = "Corrected:" if v.corrected_proved else "Corrected, NOT proved:"
-        said = (
-            v.corrected_proved and "Corrected: " in v.evidence
-        )  # the words stand above the formula
-        lines += [*([] if said else [state, ""]), *_display(v.corrected_latex), ""]
-    return lines
 
 
 def as_latex(results: Sequence[Result]) -> str:

@@ -47,7 +47,7 @@ def print_results(results: Sequence[Result], console: Console) -> None:
     if any(r.claim.origin == "paper" for r in results):
         console.print(tally_text(results), markup=False)
     if len(results) > FEW:
-        console.print(f"Not decided, {len(LEFT_OUT)} kinds of statements (why: --markdown):")
+        console.print(f"Not decided, {len(LEFT_OUT)} kinds of statements:")
         for entry in LEFT_OUT:
             console.print(f"  {entry.where}: {entry.what}", markup=False)
         return

@@ -79,29 +79,11 @@ MUTATIONS = [
         "hessian = model.lagrangian_hessian(local.x, -multipliers, rows)\n",
         ("panels", "random_vertices"),
     ),
-    Mutation(  # a lower state that is reached through facets refutes nothing
-        "kkt/descent_witness.py",
-        "        if model.refuses(y):\n",
-        "        if False:\n",
-        ("states", "refused"),
-    ),
-    Mutation(  # downhill
-        "kkt/descent_witness.py",
-        "falls = slope < -INDEPENDENT",
-        "falls = slope > -INDEPENDENT",
-        ("states", "refused"),
-    ),
     Mutation(  # the two lines on which a form of rank two vanishes
         "kkt/tangent_cone.py",
         "(b * vectors[:, low[0]] + s * a * vectors[:, high[0]])",
         "(a * vectors[:, low[0]] + s * b * vectors[:, high[0]])",
         ("states", "refused"),
-    ),
-    Mutation(  # an arc is longer than its chord
-        "continuation/tracer.py",
-        "chord * (1 + 0.5",
-        "chord * (1 - 0.5",
-        ("located",),
     ),
     Mutation(  # at a fold one eigenvalue changes its sign, at a pitchfork none or two
         "continuation/events.py",
@@ -119,6 +101,24 @@ MUTATIONS = [
         "pattern_problem/contact_pairs.py",
         "tt / d - (both + both.T + volume * ss) / d**2",
         "tt / d + (both + both.T + volume * ss) / d**2",
+        ("states",),
+    ),
+    Mutation(  # a crease at its limit opens against its side
+        "problem/contact.py",
+        "slopes[..., r, c.index] = -c.side",
+        "slopes[..., r, c.index] = c.side",
+        ("states",),
+    ),
+    Mutation(  # the sign of a crease says which facet is above
+        "pattern_problem/stacks.py",
+        "right = (self.phi[c] > 0) == (",
+        "right = (self.phi[c] < 0) == (",
+        ("states",),
+    ),
+    Mutation(  # second derivatives are symmetric
+        "pattern_problem/closure.py",
+        "bent = bent + bent.swapaxes(2, 3)",
+        "bent = bent - bent.swapaxes(2, 3)",
         ("states",),
     ),
 ]

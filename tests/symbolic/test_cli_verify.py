@@ -28,7 +28,9 @@ def verify(monkeypatch, capsys):
         with pytest.raises(SystemExit) as stop:
             main()
         reported = capsys.readouterr()
-        return SimpleNamespace(returncode=stop.value.code, stdout=reported.out, stderr=reported.err)
+        return SimpleNamespace(
+            returncode=stop.value.code or 0, stdout=reported.out, stderr=reported.err
+        )
 
     return run
 

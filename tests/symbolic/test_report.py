@@ -77,8 +77,7 @@ def test_the_tally_of_the_catalogue_adds_up(run):
     assert count["findings"] < len(failing) == count["false"] + count["another_reading"]
 
 
-def test_an_unproved_correction_is_shown_as_such():
+def test_an_unproved_correction_counts_as_not_decided():
     verdict = Verdict("refuted", "m", "e", "y", False)
     result = Result(Claim("a.b", "app. A", "t", 0, "x", lambda _: verdict), verdict)
-    assert "NOT proved" in report.as_markdown([result])
     assert report.summary([result])["decided"] == 0
