@@ -193,8 +193,11 @@ class CompiledDescents:
         keeps: bool = False,
     ) -> dict[str, np.ndarray]:
         """Run C on copies of samples, which are returned."""
-        k, x = len(starts), np.array(starts.x)
-        held = {name: np.array(getattr(starts, name), dtype=np.int64) for name in (*HELD, "hold")}
+        k, x = len(starts), np.array(starts.x, order="C")
+        held = {
+            name: np.array(getattr(starts, name), dtype=np.int64, order="C")
+            for name in (*HELD, "hold")
+        }
         reach = np.full(k, min(FIRST_REACH, vertex.longest))
         arrays = {"x": x, "reach": reach, **held}
         if keeps:

@@ -74,10 +74,18 @@ def c_sources(*paths: Path) -> str:
 
 
 def address(array: Any) -> int:
-    """Return where the numbers of an array stand, for C; as `array.ctypes.data`, in a quarter of its time."""
+    """Return where the numbers of an array stand, for C; as `array.ctypes.data`, in a quarter of its time.
+
+    Raises
+    ------
+    ValueError
+        If they are not row after row in one piece: C would read others.
+    """
     try:
         return ctypes.addressof(ctypes.c_char.from_buffer(array))
     except (TypeError, ValueError):  # not writable, not in one piece, or empty
+        if not array.flags.c_contiguous:
+            raise ValueError("an array for C is not row after row in one piece") from None
         return int(array.ctypes.data)
 
 

@@ -57,6 +57,15 @@ def assert_same(one, other, to=SAME):
     assert np.abs(one.samples.x - other.samples.x)[done].max(initial=0.0) <= to
 
 
+def test_columns_first_is_the_same_start():
+    model = Model(vertex(5, 1))
+    descents = Descents(model)
+    some = starts_of(model, descents, 24)
+    turned = replace(some, x=np.asfortranarray(some.x), at_limit=np.asfortranarray(some.at_limit))
+    one, other = map(descents.run, (some, turned))
+    assert_same(one, other, 0.0)
+
+
 def with_laws(scene, every=2):
     """Laws of all kinds on each second crease: falling torques, table data, pieces of all lengths."""
     rng = np.random.default_rng(scene.degree)
