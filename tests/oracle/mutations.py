@@ -91,18 +91,6 @@ MUTATIONS = [
         "not (a.index - b.index) % 2:",
         ("located",),
     ),
-    Mutation(  # chords on the line of both planes are measured from one point
-        "pattern_problem/crossings.py",
-        "np.minimum(high_a, high_b + shift)",
-        "np.minimum(high_a, high_b - shift)",
-        ("states",),
-    ),
-    Mutation(  # the length of the common normal changes as well
-        "pattern_problem/contact_pairs.py",
-        "tt / d - (both + both.T + volume * ss) / d**2",
-        "tt / d + (both + both.T + volume * ss) / d**2",
-        ("states",),
-    ),
     Mutation(  # a crease at its limit opens against its side
         "problem/contact.py",
         "slopes[..., r, c.index] = -c.side",
