@@ -225,7 +225,7 @@ class Barriers(Report, Viewable):
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.left_out:
             yield f"{OUT_OF_TIME}, not through with: {', '.join(self.left_out)}"
-        if self.result.is_pattern and self.result.search.contact == "full":
+        if self.result.is_pattern and getattr(self.result.search, "contact", "") == "full":
             signs = PopSigns(self.result.pattern)
             for p in self.passes:
                 for vertex, _ in signs.crossed(p.path):
