@@ -259,10 +259,10 @@ def test_a_reader_that_leaves_is_no_fault(tmp_path):
 
 
 def test_any_fault_of_the_system_is_one_line(monkeypatch, capsys):
-    def fail():
+    def fail(*_):
         raise PermissionError(13, "Permission denied", "a\x1b[31m")
 
-    monkeypatch.setattr("origami_nlp.cli.entry.app", fail)
+    monkeypatch.setattr("origami_nlp.cli.entry.get_command", fail)
     with pytest.raises(SystemExit) as stop:
         main()
     assert stop.value.code == 2

@@ -171,9 +171,7 @@ def test_no_dof_to_first_order_is_none_at_all():
     assert angle_sums(p)[0] == pytest.approx(2 * math.pi, abs=1e-15)
     seen = o.analyze_mobility(p)
     assert seen.folded is None and seen.dof == hinge_dof(p, np.zeros(2)) == 0
-    assert "no degree of freedom is left" in str(seen) and "not flat" not in str(seen)
-    alone = o.analyze_mobility(make_pattern(square[:4], [(0, 1, 2, 3)]))
-    assert alone.dof == 0 and "no degree of freedom" not in str(alone)
+    assert o.analyze_mobility(make_pattern(square[:4], [(0, 1, 2, 3)])).dof == 0
 
 
 def kresling(plates, sides=6, twist=0.7):
