@@ -86,28 +86,15 @@ def searched(group: str, name: str, q: Any, ask: Asked) -> Any:
         "share": share,
         "undecided": max(len(a.get("undecided", [])) for a in answers),
     }
-    return {
-        "name": name,
-        "group": group,
-        "q": q,
-        "answer": answer,
-        "seconds": seconds,
-        "peak": answers[0]["peak"],
-    }
+    spent = {"seconds": seconds, "peak": answers[0]["peak"]}
+    return {"name": name, "group": group, "q": q, "answer": answer, **spent}
 
 
 def simple(group: str, name: str, q: Any, ask: Asked, table: dict[str, Any]) -> Any:
     """A question with one answer."""
     answer = ask(resolved(q, table))
-    seconds, peak = answer.pop("seconds"), answer.pop("peak")
-    return {
-        "name": name,
-        "group": group,
-        "q": q,
-        "answer": answer,
-        "seconds": seconds,
-        "peak": peak,
-    }
+    spent = {key: answer.pop(key) for key in ("seconds", "peak")}
+    return {"name": name, "group": group, "q": q, "answer": answer, **spent}
 
 
 def of_file(file: Path) -> Iterator[tuple[str, Any]]:
