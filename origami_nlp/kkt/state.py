@@ -111,7 +111,7 @@ class State:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure, the infinitesimal motions, in the metric, [n, t]."""
         p: Any = self.problem
-        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
+        if p.redundant and not p.sparse:
             return np.asarray(p.kernel(self.x))
         _, values, vt = self._factors
         # paper, eq. A6: C dphi = 0, of dimension N - 3 at a regular state of a vertex without symmetry

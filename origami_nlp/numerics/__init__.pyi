@@ -79,6 +79,7 @@ from .tolerances import (
     INSIDE as INSIDE,
     LEVEL as LEVEL,
     LOADED as LOADED,
+    NARROW as NARROW,
     NEAR_CONTACT as NEAR_CONTACT,
     NEAR_SINGULAR_TOL as NEAR_SINGULAR_TOL,
     NEARLY as NEARLY,

@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
-from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED, energy_or_zero
+from origami_nlp.numerics import EPS, INPUT_TOL, NARROW, SUMMED, energy_or_zero
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.fold_limits import (
     Limits,
@@ -183,10 +183,10 @@ class Scene(PrettyRepr):
                 f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
             )
         for i, a in enumerate(self.vertex.sector_angles, start=1):
-            if self.contact == "full" and a < RESOLVED:
+            if self.contact == "full" and a < NARROW:
                 raise SceneError(
-                    f"sector_angles[{i}] = {a:.6g} is narrower than {RESOLVED:g} rad: contact at so narrow a "
-                    "facet is below the accuracy of contacts (1e-8); use contact = 'fold-limits', or merge its creases"
+                    f"sector_angles[{i}] = {a:.6g} is narrower than {NARROW:g} rad: contact at so narrow a "
+                    "facet is below the accuracy of contacts; use contact = 'fold-limits', or merge its creases"
                 )
         if self.name is not None and not isinstance(self.name, str):
             raise SceneError(f"name = {shown(self.name)} must be text")

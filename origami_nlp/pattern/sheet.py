@@ -18,7 +18,7 @@ import numpy as np
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.io import printable
-from origami_nlp.numerics import energy_or_zero, groups
+from origami_nlp.numerics import NARROW, energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
@@ -330,6 +330,28 @@ class Pattern:
                 f"pattern = {self.title} is a cell that repeats: {what} is for sheets by themselves, such as some "
                 "cells beside each other"
             )
+
+    def check_wide(self) -> None:
+        """Raise an error where a corner of a facet is too narrow for contact.
+
+        Raises
+        ------
+        OptionError
+            With the facet, the vertex and the angle.
+        """
+        for facet, ring in zip(self.facet_of.tolist(), self.polygons, strict=True):
+            x = self.corners[list(ring)]
+            ahead, back = np.roll(x, -1, axis=0) - x, np.roll(x, 1, axis=0) - x
+            wide = np.arctan2(
+                np.linalg.norm(np.cross(ahead, back), axis=1), np.einsum("ki,ki->k", ahead, back)
+            )
+            narrow = int(wide.argmin())
+            if wide[narrow] < NARROW:
+                raise OptionError(
+                    f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}: contact at a corner "
+                    f"narrower than {NARROW:g} rad is below the accuracy of contacts; use contact = 'fold-limits', or "
+                    "join the facet to its neighbour (assignment J)"
+                )
 
     @cached_property
     def signs(self) -> np.ndarray:

@@ -47,11 +47,13 @@ from .layers import (
     round_vertex as round_vertex,
 )
 from .meeting_features import touches_at as touches_at
+from .orbits import Image as Image, Orbits as Orbits, orbits_of as orbits_of
 from .pop_signs import (
     PopSigns as PopSigns,
     angle_sums as angle_sums,
 )
 from .poses import MOVES as MOVES, Poses as Poses
+from .posing import one_vertex as one_vertex, pose as pose
 from .problem import PatternProblem as PatternProblem
 from .scouts import Scouts as Scouts
 from .screws import Screws as Screws, find_screws as find_screws

@@ -138,6 +138,13 @@ def _sides_on_faces(
     depth = np.einsum("kpi,kpi->kp", point[:, None] - planes.x[b], planes.inward[b])
     depth = np.where(rings.valid[b], depth, np.inf)
     border = depth <= inside * crossings.size
+    # pieces with one common corner are sectors about it: only borders that start there part them
+    shared = (ids[a][:, :, None] == ids[b][:, None]) & (
+        rings.valid[a][:, :, None] & rings.valid[b][:, None]
+    )
+    here = shared.any(axis=1)
+    starts = here | np.take_along_axis(here, rings.after[b], axis=1)
+    border &= starts | (shared.sum(axis=(1, 2)) != 1)[:, None]
     on = (depth.min(axis=1, initial=np.inf) >= -near) & (border & rings.border[b]).any(axis=1)
     # what meets inside has a gap of its own
     on &= border.sum(axis=1) + (first | last) >= 2

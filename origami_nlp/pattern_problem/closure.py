@@ -21,6 +21,7 @@ import scipy as sp
 from origami_nlp.numerics import CLOSURE_TOL, Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
 from origami_nlp.pattern_problem.compiled_closure import CompiledClosure
+from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.problem import LoopClosure
 
 MOST_DENSE = 150
@@ -43,7 +44,8 @@ class _Group:
     """Loops of the same length d: creases [K, d], axes and points of the reference state [K, d, 3], first rows [K].
 
     `products` are the matrices q -> q (0, axis), [K, d, 4, 4]; q begins with `start` [K], -1 round a tube, where
-    `moved` [K, 3] is added to the translation.
+    `moved` [K, 3] is added to the translation.  Creases are those variables that fold them; signs and `reference`
+    angles [K, d] are of the variables.
     """
 
     creases: np.ndarray
@@ -54,6 +56,7 @@ class _Group:
     rows: np.ndarray
     start: np.ndarray
     moved: np.ndarray
+    reference: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +111,13 @@ class Closure:
     ----------
     pattern
         The pattern.
+    orbits
+        Of states that keep a symmetry: what is a fold angle here is then a variable.
 
     Attributes
     ----------
+    variables
+        Number of variables n.
     count
         Number of equations m: three for each interior vertex and each lattice vector of a cell, six for each hole.
     size
@@ -119,8 +126,9 @@ class Closure:
         The state that was last projected, as bytes, and whether loops lift to one there.
     """
 
-    def __init__(self, pattern: Pattern) -> None:
-        self.pattern = pattern
+    def __init__(self, pattern: Pattern, orbits: Orbits | None = None) -> None:
+        self.pattern, self.orbits = pattern, orbits
+        self.variables = pattern.creases if orbits is None else orbits.variables
         turning = (*pattern.vertices, *pattern.generators)
         self.count = 3 * len(turning) + 6 * len(pattern.holes)
         self._groups = []
@@ -141,9 +149,14 @@ class Closure:
         p = self.pattern
         creases = np.array([loop.creases for _, loop in members], int)
         signs = np.array([loop.signs for _, loop in members], float)
-        # a turn from left to right about d is one from right to left about -d: the sign goes into the axis
-        axes = signs[..., None] * p.directions[creases]
         points = p.corners[p.ends[creases, 0]] if hole else None
+        directions, reference = p.directions[creases], p.reference[creases]
+        if self.orbits is not None:
+            # the turn s y - r about d is the turn y - s r about s d
+            s = self.orbits.sign[creases]
+            signs, reference, creases = signs * s, reference * s, self.orbits.orbit[creases]
+        # a turn from left to right about d is one from right to left about -d: the sign goes into the axis
+        axes = signs[..., None] * directions
         if points is not None and p.cell:
             points = points + np.array([loop.shifts for _, loop in members]) @ p.cell.lattice
         moved = np.array([loop.moved or (0.0, 0.0, 0.0) for _, loop in members])
@@ -156,19 +169,20 @@ class Closure:
             np.array([row for row, _ in members], int),
             np.array([-1.0 if loop.moved else 1.0 for _, loop in members]),
             moved,
+            reference,
         )
 
     @cached_property
     def compiled(self) -> CompiledClosure:
         """Steps onto it in C."""
-        return CompiledClosure(self.tables(), self.size)
+        return CompiledClosure(self.tables(), self.size, self.variables)
 
     def tables(self) -> dict[str, np.ndarray]:
         """Return the loops, one after the other, as arrays.
 
-        Of each turn, [E]: `crease`, the loop that it is `of`, signed `axis` and `point` [E, 3]; of each loop, [L]: the
-        `first` turn, the end of all in addition, the first `row`, how many `rows`, `start` and `moved` [L, 3].
-        `reference` angles are [n].
+        Of each turn, [E]: `crease`, the loop that it is `of`, signed `axis` and `point` [E, 3], `reference` angle; of
+        each loop, [L]: the `first` turn, the end of all in addition, the first `row`, how many `rows`, `start` and
+        `moved` [L, 3].
         """
         every = [(g, k) for g in self._groups for k in range(len(g.creases))]
         long = np.array([g.creases.shape[1] for g, _ in every], int)
@@ -185,13 +199,15 @@ class Closure:
             "first": np.cumsum([0, *long]),
             "row": np.array([g.rows[k] for g, k in every], int),
             "rows": np.array([3 if g.points is None else 6 for g, _ in every], int),
-            "reference": self.pattern.reference,
+            "reference": np.concatenate(
+                [*(g.reference.ravel() for g in self._groups), np.zeros(0)]
+            ),
             "start": np.concatenate([*(g.start for g in self._groups), np.zeros(0)]),
             "moved": np.concatenate([*(g.moved for g in self._groups), np.zeros((0, 3))]),
         }
 
-    def _turn(self, g: _Group, phi: np.ndarray, reference: np.ndarray) -> _Turned:
-        half = 0.5 * (phi - reference)[g.creases]
+    def _turn(self, g: _Group, phi: np.ndarray) -> _Turned:
+        half = 0.5 * (phi[g.creases] - g.reference)
         cos, sin = np.cos(half)[..., None], np.sin(half)[..., None]
         count, d = g.creases.shape
         q, turned = np.empty((count, d + 1, 4)), np.empty((count, d, 4))  # q_i and q_i (0, axis)
@@ -214,7 +230,7 @@ class Closure:
         key = phi.tobytes()
         if self._last is None or self._last[0] != key:
             # values, derivatives and tests of one state ask for it in turn
-            self._last = key, [self._turn(g, phi, self.pattern.reference) for g in self._groups]
+            self._last = key, [self._turn(g, phi) for g in self._groups]
         return self._last[1]
 
     def values(self, phi: np.ndarray, at: list[_Turned] | None = None) -> np.ndarray:
@@ -245,8 +261,9 @@ class Closure:
                 g.rows,
                 np.concatenate([g.start] * many),
                 np.concatenate([g.moved] * many),
+                np.concatenate([g.reference] * many),
             )
-            at = self._turn(flat, phi.ravel(), np.tile(self.pattern.reference, many))
+            at = self._turn(flat, phi.ravel())
             values[:, (g.rows[:, None] + np.arange(3)).ravel()] = at.q[:, 1:].reshape(many, -1)
             entries.append(self._derivatives(at).reshape(many, -1))
         slots, size = self._places.slots, self.count * n
@@ -287,7 +304,7 @@ class Closure:
                 bent = np.triu(bent, 1)
                 bent = bent + bent.swapaxes(2, 3)
             for k, row in enumerate(g.rows.tolist()):
-                found[row] = LoopClosure(g.creases[k], slopes[k], bent[k])
+                found[row] = _once(LoopClosure(g.creases[k], slopes[k], bent[k]))
         return [found[row] for row in sorted(found)]
 
     def axes(self, phi: np.ndarray) -> list[np.ndarray]:
@@ -317,7 +334,7 @@ class Closure:
 
     def _matrix(self, data: list[np.ndarray], form: _Form) -> Matrix:
         """Add up entries at their places in a matrix."""
-        n = self.pattern.creases
+        n = self.variables
         values = np.concatenate([*data, np.zeros(0)])
         if n > MOST_DENSE:
             filled = np.bincount(form.slots, values, len(form.columns))
@@ -334,7 +351,7 @@ class Closure:
             shape = count, d, r
             rows.append(np.broadcast_to((g.rows[:, None] + np.arange(r))[:, None], shape).ravel())
             columns.append(np.broadcast_to(g.creases[:, :, None], shape).ravel())
-        return _form(rows, columns, self.count, self.pattern.creases)
+        return _form(rows, columns, self.count, self.variables)
 
     @cached_property
     def _pairs(self) -> _Form:
@@ -345,13 +362,13 @@ class Closure:
             # creases that two loops share give entries at one place: they are added
             rows.append(np.broadcast_to(g.creases[:, :, None], (count, d, d)).ravel())
             columns.append(np.broadcast_to(g.creases[:, None, :], (count, d, d)).ravel())
-        return _form(rows, columns, self.pattern.creases, self.pattern.creases)
+        return _form(rows, columns, self.variables, self.variables)
 
     def hessian(
         self, phi: np.ndarray, multipliers: np.ndarray, at: list[_Turned] | None = None
     ) -> Matrix:
         """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
-        if at is None and self.pattern.creases <= MOST_DENSE and self.compiled.usable:
+        if at is None and self.variables <= MOST_DENSE and self.compiled.usable:
             return self.compiled.hessian(phi, multipliers)
         data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
@@ -384,6 +401,15 @@ class Closure:
         i, j = np.tril_indices(d, -1)
         h[:, i, j] = h[:, j, i]
         return h
+
+
+def _once(loop: LoopClosure) -> LoopClosure:
+    """Return closure of a loop by its variables, each once where it folds several creases."""
+    variables, place = np.unique(loop.variables, return_inverse=True)
+    if len(variables) == len(place):
+        return loop
+    e = np.eye(len(variables))[place]
+    return LoopClosure(variables, loop.jacobian @ e, e.T @ loop.hessians @ e)
 
 
 def _rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:

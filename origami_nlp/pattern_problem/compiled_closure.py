@@ -67,13 +67,15 @@ class CompiledClosure:
         Of `Closure.tables`.
     size
         Length over which translations are.
+    n
+        Number of variables.
     """
 
-    def __init__(self, tables: dict[str, np.ndarray], size: float) -> None:
+    def __init__(self, tables: dict[str, np.ndarray], size: float, n: int) -> None:
         self._library: Any = None
-        self._made_of = dict(tables), size
+        self._made_of = dict(tables), size, n
         of, rows, crease = tables["of"], tables["rows"], tables["crease"]
-        loops, n, m = len(rows), len(tables["reference"]), int(rows.sum())
+        loops, m = len(rows), int(rows.sum())
         if not loops:
             return
         shared = _sharing(crease)

@@ -149,7 +149,7 @@ class ContactPair:
         return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
 
     def creases(self, at: FoldedGeometry) -> np.ndarray:
-        """Return the creases of the walk from one facet to the other, [k]."""
+        """Return the variables that creases of the walk from one facet to the other follow, [k]."""
         return at.poses.own([c for c, _ in at.poses.path(*self.facets)])
 
     def slopes(self, at: FoldedGeometry) -> tuple[np.ndarray, np.ndarray]:
@@ -158,8 +158,10 @@ class ContactPair:
         return creases, self.row(at)[creases]
 
     def bends(self, at: FoldedGeometry) -> np.ndarray:
-        """Return the second derivatives of the gap by the creases of the walk, [k, k]."""
-        _, c, o = at.walk(*self.facets)
+        """Return the second derivatives of the gap by what the creases of the walk follow, [k, k]."""
+        steps, c, o = at.walk(*self.facets)
+        # the axis of a crease that follows the opposite is turned
+        c = at.poses.signs(steps.tolist())[:, None] * c
         p = self.points(at)
         if self.type != "edge-edge":
             normal = cross(p[2] - p[1], p[3] - p[1])

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -24,7 +25,11 @@ from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometr
 from origami_nlp.pattern_problem.equations import MOST_DENSE, PatternEquations
 from origami_nlp.pattern_problem.faces import CoplanarContact, Faces
 from origami_nlp.pattern_problem.meeting_features import contact_pair_words, needed_rows, touches_at
-from origami_nlp.problem import ClosedContacts, Contact, ContactWords, Local
+from origami_nlp.pattern_problem.orbits import Orbits
+from origami_nlp.problem import ClosedContacts, Contact, ContactWords, FoldLimits, Local
+
+Choice: TypeAlias = tuple[tuple[Contact, ...], ...]
+"""Contacts of which those of one option at least stay open."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +67,10 @@ class PatternContacts(PatternEquations):
         With its springs.
     contact
         Whether facets must not cross; without, only fold limits count.
+    orbits
+        Of states that keep a symmetry: contacts that are images of each other are one.
+    limited
+        Whether there are fold limits.
 
     Attributes
     ----------
@@ -70,18 +79,27 @@ class PatternContacts(PatternEquations):
         before it is reported.
     """
 
-    def __init__(self, pattern: Pattern, contact: bool = True) -> None:
-        super().__init__(pattern)
-        self.contact = contact
+    def __init__(
+        self,
+        pattern: Pattern,
+        contact: bool = True,
+        orbits: Orbits | None = None,
+        limited: bool = True,
+    ) -> None:
+        super().__init__(pattern, orbits)
+        self.contact, self.has_limits = contact, limited
+        if not limited:  # each further turn repeats the shape
+            self.fold_limits = FoldLimits(*(2 * math.pi * np.outer((-1, 1), np.ones(self.size))))
         self.origin = np.zeros(3)
         self._touches: list[tuple[ContactPair, ContactPair]] = []
-        self._numbers: dict[ContactPair, int] = {}
+        self._numbers: dict[object, int] = {}
+        self._images: list[int] = []
         self._contacts: dict[ContactPair, Contact] = {}
 
     @property
     def limits(self) -> tuple[Contact, ...]:
-        """Both fold limits of every crease."""
-        return self.fold_limits.both
+        """Both fold limits of every variable, where there are some."""
+        return self.fold_limits.both if self.has_limits else ()
 
     @property
     def every_gap(self) -> tuple[Contact, ...]:
@@ -121,11 +139,19 @@ class PatternContacts(PatternEquations):
         if (known := self._contacts.get(touch)) is not None:
             return known
         # one number for both sides, whichever facet passed on which: a curve of states keeps its contacts by number
-        same = replace(touch, sign=1.0)
-        number = self._numbers.setdefault(same, len(self._touches))
+        first, many, key = touch, 1, object()
+        if self.orbits is None:
+            key = replace(touch, sign=1.0)
+        else:
+            images = self.orbits.images_of(touch)
+            (*key, _), first = next(iter(images.items()))
+            key, many = tuple(key), len(images)
+        number = self._numbers.setdefault(key, len(self._touches))
         if number == len(self._touches):
+            same = replace(first, sign=1.0)
             self._touches.append((same, replace(same, sign=-1.0)))
-        contact = self._contacts[touch] = Contact("gap", number, 1 if touch.sign > 0 else -1)
+            self._images.append(many)
+        contact = self._contacts[touch] = Contact("gap", number, 1 if first.sign > 0 else -1)
         return contact
 
     def touch(self, contact: Contact) -> ContactPair:
@@ -155,8 +181,8 @@ class PatternContacts(PatternEquations):
         self, x: np.ndarray, tolerance: float = CONTACT_TOL, local: Local | None = None
     ) -> ClosedContacts:
         """Find the contacts of a state that are closed, and the choices that keep facets apart."""
-        at_limit = np.flatnonzero(self.fold_limits.room(x) <= tolerance)
-        limits = self.fold_limits.contacts(x, self.fold_limits.room(x) <= tolerance)
+        near = (self.fold_limits.room(x) <= tolerance) & self.has_limits
+        at_limit, limits = np.flatnonzero(near), self.fold_limits.contacts(x, near)
         if not self.touching:
             return ClosedContacts(limits, (), ())
         faces, place = self.faces(x), self.placed(x)
@@ -172,18 +198,29 @@ class PatternContacts(PatternEquations):
 
         meeting = [self.contact_of(t) for t in touches_at(self, x, at_limit, within)]
         known = [c for each, above in faces.known for c in closed(each, above)]
-        base = self._needed(x, (*limits, *meeting), known)
         edges = choices(self.features, place, 0.0 if tolerance <= CONTACT_TOL else tolerance)
-        options = without_passing(self.features, edges)
-        branches: list[tuple[tuple[Contact, ...], ...]]
         # a choice: one of these gaps stays open, whichever; the set of states is the union over them
         branches = [
             tuple(tuple(self.contact_of(t) for t in option) for option in choice)
-            for choice in options
+            for choice in without_passing(self.features, edges)
         ]
         branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
+        if self.orbits is not None:
+            branches, forced = self._each_once(branches)
+            meeting, known = [*dict.fromkeys(meeting)], [*dict.fromkeys([*known, *forced])]
+        base = self._needed(x, (*limits, *meeting), known)
         whole = not (meeting or known or branches or faces.reason)
         return ClosedContacts(base, tuple(branches), (), complete=whole)
+
+    @staticmethod
+    def _each_once(choices: list[Choice]) -> tuple[list[Choice], list[Contact]]:
+        """Return choices of which none is the image of another, and contacts of those that leave no choice."""
+        found: dict[frozenset[frozenset[Contact]], Choice] = {}
+        for choice in choices:
+            options = {frozenset(option): tuple(dict.fromkeys(option)) for option in choice}
+            found.setdefault(frozenset(options), tuple(options.values()))
+        several = [choice for choice in found.values() if len(choice) > 1]
+        return several, [c for choice in found.values() if len(choice) == 1 for c in choice[0]]
 
     def _needed(
         self, x: np.ndarray, sure: tuple[Contact, ...], more: Iterable[Contact]
@@ -193,7 +230,8 @@ class PatternContacts(PatternEquations):
         if len(rows) == len(sure):
             return sure
         # along closed motions: a contact may follow from others only there
-        keep = needed_rows(self.local(x).openings(rows)[1] @ self.kernel(x), len(sure))
+        slopes = self.local(x).openings(rows)[1] / self.root
+        keep = needed_rows(slopes @ self.kernel(x), len(sure))
         return tuple(c for c, on in zip(rows, keep, strict=True) if on)
 
     def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
@@ -210,7 +248,7 @@ class PatternContacts(PatternEquations):
         """Return contacts that are open, but closed by a step of `length` [rad] at most."""
         slack = self.fold_limits.room(x)
         # twice the step: room for the way back onto closure
-        near = (slack > CONTACT_TOL) & (slack <= 2 * length)
+        near = (slack > CONTACT_TOL) & (slack <= 2 * length) & self.has_limits
         found = list(self.fold_limits.contacts(x, near))
         if self.touching:
             facing = self.features.facing(self.placed(x), 2 * length)
@@ -219,13 +257,15 @@ class PatternContacts(PatternEquations):
 
     def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
         """Return the fold limits that a state is beyond by more than `tolerance`."""
-        return self.fold_limits.contacts(x, ~self.fold_limits.inside(x, tolerance))
+        return self.fold_limits.contacts(
+            x, ~self.fold_limits.inside(x, tolerance) & self.has_limits
+        )
 
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
         """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
         slack = self.fold_limits.room(x)
         at_limit = (slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack))
-        found = list(self.fold_limits.contacts(x, at_limit))
+        found = list(self.fold_limits.contacts(x, at_limit & self.has_limits))
         if self.touching:
             facing = self.features.facing(self.placed(x), ANSWERED, INSIDE)
             found += [self.contact_of(t) for t, _ in facing]
@@ -238,14 +278,17 @@ class PatternContacts(PatternEquations):
     def name(self, contact: Contact) -> str:
         """Describe which contact it is; creases, facets and corners 1-based."""
         if contact.is_limit:
-            return f"phi = {contact.where} at crease {contact.index + 1}"
+            creases = self.creases_of(contact.index)
+            where = f"at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
+            return f"phi = {contact.where} {where}"
         touch = self.touch(contact)
         return contact_pair_words(touch, self._place(touch))
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
         """Name the facets and creases that touch in a contact."""
         if contact.is_limit:
-            return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
+            creases = self.creases_of(contact.index)
+            return ContactWords("fold-limit", creases, (), self.name(contact))
         touch = self.touch(contact)
         a, b = (f + 1 for f in touch.facets)
         corners = () if isinstance(touch, CoplanarContact) else tuple(c + 1 for c in touch.corners)
@@ -266,6 +309,17 @@ class PatternContacts(PatternEquations):
             return math.inf
         return self.features.margin(touch, self.placed(x))
 
+    def creases_of(self, variable: int) -> tuple[int, ...]:
+        """Return the creases (1-based) that follow a variable (0-based)."""
+        if self.orbits is None:
+            return (variable + 1,)
+        return tuple((np.flatnonzero(self.orbits.orbit == variable) + 1).tolist())
+
     def weight(self, contact: Contact) -> float:
-        """Return what a multiplier is divided by: gaps are over the sheet's size, so that forces are in N."""
-        return 1.0 if contact.is_limit else self.crossings.size
+        """Return what a multiplier is divided by: single contacts that it stands for, gaps over the sheet's size.
+
+        So moments are in N m, forces in N.
+        """
+        if contact.is_limit:
+            return float(self.multiplicity[contact.index])
+        return self.crossings.size * self._images[contact.index]

@@ -10,6 +10,7 @@ import numpy as np
 from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, coarse, cross, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import crossings_among
+from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.poses import Poses
 from origami_nlp.pattern_problem.screws import MOST_COPIES, find_screws, near_copies
 
@@ -25,6 +26,8 @@ class PatternCrossings:
     pattern
         The pattern; non-convex pieces are cut into convex ones.  Of a cell that repeats each of its facets is compared
         with the others and with those of its neighbours, each pair once.
+    orbits
+        Of states that keep a symmetry.
 
     Attributes
     ----------
@@ -32,8 +35,8 @@ class PatternCrossings:
         The facets that are looked at: of a cell those of its neighbours as well.
     """
 
-    def __init__(self, pattern: Pattern) -> None:
-        self.cell, self.poses = pattern.cell, Poses(pattern)
+    def __init__(self, pattern: Pattern, orbits: Orbits | None = None) -> None:
+        self.cell, self.poses = pattern.cell, Poses(pattern, orbits)
         own, pattern = pattern, self.poses.pattern
         self.pattern = pattern
         pieces, inner, polygons = [], [], []

@@ -41,6 +41,7 @@ from origami_nlp.pattern_problem.compiled_closure import FALLS, LONGEST
 from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.features import Features
+from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.stacks import Stack
 from origami_nlp.problem import FoldLimits, HingeLaws, Parameters
 
@@ -57,6 +58,8 @@ class PatternEquations:
     ----------
     pattern
         With its springs.
+    orbits
+        Of states that keep a symmetry: variables are then fewer than creases.
 
     Attributes
     ----------
@@ -72,12 +75,14 @@ class PatternEquations:
         Time of `time.monotonic` after which projections and factorisations raise `OutOfTime`; never by default.
     """
 
-    def __init__(self, pattern: Pattern) -> None:
-        self.pattern = pattern
-        self.closure = Closure(pattern)
-        self.crossings = PatternCrossings(pattern)
+    def __init__(self, pattern: Pattern, orbits: Orbits | None = None) -> None:
+        self.pattern, self.orbits = pattern, orbits
+        self.closure = Closure(pattern, orbits)
+        self.crossings = PatternCrossings(pattern, orbits)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         self.fold_limits = FoldLimits(*pattern.limit_angles)
+        if orbits is not None:
+            self.fold_limits = orbits.limits(self.fold_limits)
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._seen: dict[str, dict[bytes, Any]] = {}
@@ -95,8 +100,28 @@ class PatternEquations:
 
     @property
     def size(self) -> int:
-        """Number of creases n."""
-        return self.pattern.creases
+        """Number of variables n."""
+        return self.closure.variables
+
+    @cached_property
+    def multiplicity(self) -> np.ndarray:
+        """How many creases follow each variable, [n]."""
+        return np.ones(self.size, int) if self.orbits is None else self.orbits.multiplicity
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """The metric of all fold angles: those of y = root x have its lengths, [n]."""
+        return np.sqrt(self.multiplicity)
+
+    def expand(self, x: np.ndarray) -> np.ndarray:
+        """Return the fold angles [..., N] of variables [..., n]."""
+        return np.asarray(x) if self.orbits is None else self.orbits.expand(np.asarray(x))
+
+    def reduce(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return the variables [..., n] of fold angles [..., N] that keep the symmetry."""
+        if self.orbits is None:
+            return np.asarray(fold_angles)
+        return self.orbits.reduce(fold_angles)
 
     def check_time(self) -> None:
         """Raise `OutOfTime` where the time is over: all that takes long goes through here every few milliseconds."""
@@ -131,17 +156,21 @@ class PatternEquations:
         """Features of its facets that can meet."""
         return Features(self.crossings)
 
-    @cached_property
+    @property
     def stiffness(self) -> np.ndarray:
         """Over `scale`, [n]."""
-        return self.pattern.stiffness / self.scale
+        return self.springs.stiffness
 
     @cached_property
     def springs(self) -> Parameters:
-        """Springs and laws over `scale`, without load."""
-        laws = HingeLaws.of(self.pattern.laws, 1 / self.scale) if self.pattern.laws else None
-        none = np.zeros(self.size)
-        return Parameters(none[:0], self.stiffness, self.pattern.rest, none, None, laws)
+        """Springs and laws of the variables over `scale`, without load."""
+        p, none = self.pattern, np.zeros(self.size)
+        k, rest, laws, counts = p.stiffness, p.rest, p.laws, self.multiplicity
+        if self.orbits is not None:
+            k, rest = np.bincount(self.orbits.orbit, k), self.orbits.reduce(rest)
+            laws = self.orbits.laws(laws) if laws else ()
+        springs = HingeLaws.of(laws, counts / self.scale) if laws else None
+        return Parameters(none[:0], k / self.scale, rest, none, None, springs)
 
     def torque(self, phi: np.ndarray) -> np.ndarray:
         """Gradient of the energy over `scale`, [n]."""
@@ -273,13 +302,13 @@ class PatternEquations:
         return self._last[2]
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
-        """Orthonormal basis of the null space of closure with creases held, [n, t]; dense."""
+        """Orthonormal basis, in the metric, of the null space of closure with creases held, [n, t]; dense."""
         self.check_time()
         held = list(held)
         if not held:
             return self.null_spaces(phi).kernel
         free = np.setdiff1d(np.arange(self.size), held)
-        inside = null_space(dense(self.closure.jacobian(phi))[:, free])
+        inside = null_space(dense(self.closure.jacobian(phi))[:, free] / self.root[free])
         z = np.zeros((self.size, inside.shape[1]))
         z[free] = inside
         return z
@@ -295,13 +324,13 @@ class PatternEquations:
         return self.null_spaces(phi).any_between(RANK, math.sqrt(ROUNDED / DUPLICATE_TOL))
 
     def null_spaces(self, phi: np.ndarray) -> NullSpaces:
-        """Return rank and null spaces of the Jacobian of closure; dense.
+        """Return rank and null spaces of the Jacobian of closure in the metric; dense.
 
         The last ones are kept: rank, kernel and curvature of a state are asked for in turn.
         """
         key = phi.tobytes()
         if key not in self._decomposed:
-            found = NullSpaces(dense(self.closure.jacobian(phi)))
+            found = NullSpaces(dense(self.closure.jacobian(phi)) / self.root)
             self._decomposed.clear()
             self._decomposed[key] = found
         return self._decomposed[key]

@@ -78,8 +78,8 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
     stack = problem.stack(phi)
     many = len(stack.pairs)
     if many > MOST_PAIRS:
-        return _too_many(pattern, phi, many)
-    stated = pattern.orders if _is_stated(pattern, phi) else ()
+        return _too_many(pattern, problem.expand(phi), many)
+    stated = pattern.orders if _is_stated(pattern, problem.expand(phi)) else ()
     try:
         found = _ordered(stack, stated)
         if pattern.cell and found.verdict == "crosses" and not found.reason.endswith(ALONG):
@@ -154,7 +154,7 @@ def pose_layers(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Ord
         If two pieces are too close to each other.
     """
     posed = pose_stack(stack)
-    if not isinstance(posed, Layers) and _is_stated(problem.pattern, phi):
+    if not isinstance(posed, Layers) and _is_stated(problem.pattern, problem.expand(phi)):
         bare = list(posed[0].values)
         if conflict(stack, posed[0], problem.pattern.orders)[0]:
             posed[0].values = bare

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy as sp
@@ -12,6 +12,9 @@ import scipy as sp
 from origami_nlp.numerics import address
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import GapsInC, library
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern_problem.orbits import Orbits
 
 MOVES = 1e-3
 """A crease folded by more moves [rad]."""
@@ -24,6 +27,8 @@ class Poses:
     ----------
     pattern
         The pattern; of a cell that repeats its neighbours are placed as well.
+    orbits
+        Of states that keep a symmetry: what is a fold angle here is then a variable.
 
     Attributes
     ----------
@@ -33,8 +38,8 @@ class Poses:
         The facet that stays.
     """
 
-    def __init__(self, pattern: Pattern) -> None:
-        self.cell = pattern.cell
+    def __init__(self, pattern: Pattern, orbits: Orbits | None = None) -> None:
+        self.cell, self.orbits = pattern.cell, orbits
         pattern = self.pattern = pattern.spread
         n, f = pattern.creases, pattern.facets
         both = np.r_[pattern.left, pattern.right], np.r_[pattern.right, pattern.left]
@@ -78,17 +83,27 @@ class Poses:
         np.add.at(total, facet, p.corners[np.concatenate([*p.polygons]).astype(int)])
         return total / np.bincount(facet, minlength=p.facets)[:, None]
 
-    def copied(self, phi: np.ndarray) -> np.ndarray:
-        """Return the fold angles of all that is placed, of those of the pattern, [..., n]."""
-        return phi[..., self.cell.crease_of] if self.cell else phi
+    def copied(self, x: np.ndarray) -> np.ndarray:
+        """Return the fold angles of all that is placed, of variables [..., n]."""
+        if self.orbits is not None:
+            return self.orbits.expand(x)
+        return x[..., self.cell.crease_of] if self.cell else x
 
     def own(self, creases: Sequence[int]) -> np.ndarray:
-        """Return which creases of the pattern some of those that are placed are, [k]."""
+        """Return which variables some of the creases that are placed follow, [k]."""
         placed = np.array(creases, int)
+        if self.orbits is not None:
+            return np.asarray(self.orbits.orbit[placed])
         return self.cell.crease_of[placed] if self.cell else placed
 
+    def signs(self, creases: Sequence[int]) -> np.ndarray:
+        """Return with which sign some of the creases that are placed follow them, [k]."""
+        return np.ones(len(creases)) if self.orbits is None else self.orbits.sign[list(creases)]
+
     def gathered(self, rows: np.ndarray) -> np.ndarray:
-        """Return derivatives by the fold angles of the pattern, of those by all that are placed, [..., n]."""
+        """Return derivatives by the variables, of those by the fold angles of all that is placed, [..., n]."""
+        if self.orbits is not None:
+            return self.orbits.gather(rows)
         if self.cell is None:
             return rows
         out = np.zeros((len(self.cell.letters), *rows.shape[:-1]))

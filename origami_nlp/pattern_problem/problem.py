@@ -21,12 +21,13 @@ from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.contacts import PatternContacts
 from origami_nlp.pattern_problem.layers import Layers, order_layers
 from origami_nlp.pattern_problem.meeting_features import touches_at
+from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.work import Work, Worked
 from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, openings
 
 
 class PatternProblem(PatternContacts, Energies):
-    """The nonlinear program of a pattern (`problem.protocol.Problem`); states are its n fold angles.
+    """The nonlinear program of a pattern (`problem.protocol.Problem`); states are n variables, its fold angles.
 
     Parameters
     ----------
@@ -34,13 +35,15 @@ class PatternProblem(PatternContacts, Energies):
         With its springs.
     contact
         Whether facets must not cross; without, only fold limits count.
+    orbits
+        Of states that keep a symmetry: variables are then fewer than creases.
+    limited
+        Whether there are fold limits.
 
     Attributes
     ----------
     contact
         As given.
-    multiplicity
-        Ones, [n]: every crease stands for itself.
 
     Examples
     --------
@@ -52,29 +55,29 @@ class PatternProblem(PatternContacts, Energies):
     """
 
     symmetry = "none"
-    has_limits = True
     redundant = True
 
-    def __init__(self, pattern: Pattern, contact: bool = True) -> None:
-        super().__init__(pattern, contact)
-        self.multiplicity = np.ones(self.size, int)
+    def __init__(
+        self,
+        pattern: Pattern,
+        contact: bool = True,
+        orbits: Orbits | None = None,
+        limited: bool = True,
+    ) -> None:
+        super().__init__(pattern, contact, orbits, limited)
         self._load = np.zeros(self.size)
         self._dead: Worked | None = None
 
     @cached_property
     def parameters(self) -> Parameters:
         """Springs and load over `scale`."""
-        return replace(self.springs, load=self._load, dead=self._dead)
+        known = self.springs
+        return replace(known, load=known.load + self._load, dead=self._dead or known.dead)
 
     @property
     def bound(self) -> float:
         """Largest |fold angle| within the limits."""
         return float(np.abs([self.fold_limits.low, self.fold_limits.high]).max(initial=0.0))
-
-    @cached_property
-    def root(self) -> np.ndarray:
-        """The metric of all fold angles: ones, [n]."""
-        return np.ones(self.size)
 
     @property
     def equation_count(self) -> int:
@@ -109,7 +112,8 @@ class PatternProblem(PatternContacts, Energies):
     def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
         """Hessian of U - multipliers . closure, load included, over `scale`, [n, n]."""
         plain = super().hessian(phi, multipliers)
-        bent = None if self._dead is None else self._dead.hessian(np.zeros(0), phi)
+        dead = self.parameters.dead
+        bent = None if dead is None else dead.hessian(self.parameters.sectors, phi)
         if bent is None:
             return plain
         return plain + (bent if isinstance(plain, np.ndarray) else sp.sparse.csr_array(bent))
@@ -120,16 +124,6 @@ class PatternProblem(PatternContacts, Energies):
         dead = self._dead
         room = 0.0 if dead is None else dead.work.room(self.scale * dead.t) / self.scale
         return float(self.parameters.energy(phi)) + room
-
-    def expand(self, x: np.ndarray) -> np.ndarray:
-        """Return the fold angles, which the variables are."""
-        return np.asarray(x)
-
-    reduce = expand
-
-    def creases_of(self, variable: int) -> tuple[int, ...]:
-        """Return the crease (1-based) of a variable (0-based)."""
-        return (variable + 1,)
 
     def constraints(
         self, x: np.ndarray, contacts: Sequence[Contact] = ()
@@ -190,7 +184,7 @@ class PatternProblem(PatternContacts, Energies):
         """Hessian of an opening, [n, n]: of a gap over the sheet's size."""
         place, h = self.placed(x), np.zeros((self.size, self.size))
         creases = touch.creases(place)
-        # a walk may cross copies of one crease
+        # a walk may cross copies of one crease, or several that follow one variable
         np.add.at(h, np.ix_(creases, creases), touch.bends(place) / self.crossings.size)
         return h
 
@@ -280,7 +274,7 @@ class PatternProblem(PatternContacts, Energies):
         """
         self.scale, self._end = other.scale, other._end
         self._touches, self._numbers = other._touches, other._numbers
-        for kept in ("stiffness", "parameters"):
+        for kept in ("springs", "parameters"):
             vars(self).pop(kept, None)
         return self
 
@@ -340,7 +334,6 @@ class PatternProblem(PatternContacts, Energies):
                 rest=parameters.rest,
                 laws=() if parameters.laws is None else parameters.laws.made(self.scale),
             )
-            vars(other).pop("stiffness", None)
             vars(other).pop("springs", None)
         other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
         return other

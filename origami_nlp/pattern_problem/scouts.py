@@ -56,7 +56,7 @@ NAMES = {
 """Numbers of the source: steps of differences over the reach, decrements where stages end, largest step [rad], ..."""
 WHOLE = "root steps many pairs room room_of_pair q facets".split()
 REAL = "length strength size".split()
-FLOATS = "axis point normals stiffness rest load low high shape radii middles".split()
+FLOATS = "axis point reference normals stiffness rest load low high shape radii middles".split()
 WORK = "angle turns shifts x normal middle seen vector matrix wrench".split()
 INTS = "here before crossed pieces corners facet one other stays".split()
 PARTS = {
@@ -133,7 +133,8 @@ class Scouts:
         here, before, crossed, axis, point = c.poses.walks
         par, limits = problem.parameters, problem.fold_limits
         floats = {
-            **{"axis": axis, "point": point, "stiffness": par.stiffness, "rest": par.rest},
+            **{"axis": axis, "point": point, "reference": problem.pattern.reference},
+            **{"stiffness": par.stiffness, "rest": par.rest},
             **{"normals": area / np.linalg.norm(area, axis=1, keepdims=True), "load": par.load},
             **{"low": limits.low, "high": limits.high, "shape": shape, "middles": middles},
             "radii": np.linalg.norm(shape - middles[:, None], axis=2).max(axis=1),

@@ -237,6 +237,7 @@ class Stack:
             If two pieces are too close to each other.
         """
         yield from self._transitive()
+        yield from self._symmetric()
         seen = set()
         for one, other in self._passages():
             rule = self._apart(one, other)
@@ -267,6 +268,23 @@ class Stack:
         for (i, j), m in zip(self.pairs[n[common]].tolist(), k[common].tolist(), strict=True):
             unknowns = self.unknown[i, j], self.unknown[j, m], self.unknown[i, m]
             yield tied(unknowns, TRANSITIVE), (i, j, m)
+
+    def _symmetric(self) -> Iterator[tuple[Rule, tuple[int, ...]]]:
+        """Go through what states that keep a symmetry obey: images of pieces lie on each other as the pieces do."""
+        orbits, crossings = self.crossings.poses.orbits, self.crossings
+        if orbits is None:
+            return
+        number = {frozenset(ring): k for k, ring in enumerate(crossings.pieces.tolist())}
+        front = np.einsum("pi,pi->p", self.normal, self.up) > 0
+        for image in orbits.images:
+            to = [number.get(frozenset(image.corners[r].tolist()), -1) for r in crossings.pieces]
+            for k, (i, j) in enumerate(self.pairs.tolist()):
+                p, q = to[i], to[j]
+                if p >= 0 and q >= 0 and (other := self.unknown.get(_pair(p, q))) is not None:
+                    # i is on the front of j as p is on that of q, or on its back where the paper is turned over
+                    same = (p < q) == ((front[j] == front[q]) == (image.sign > 0))
+                    allowed = frozenset((v, v == same) for v in (False, True))
+                    yield tied((k, other), allowed), (i, j, p, q)
 
     def _share_a_disc(
         self, both: NDArray[np.object_], n: np.ndarray, k: np.ndarray

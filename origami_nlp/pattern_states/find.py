@@ -152,6 +152,8 @@ def find_states(
     check_callback("found", found)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
+    if contact:
+        pattern.check_wide()
     search = _Search(pattern, contact, begin + seconds, asked)
     starts, most = asked.random_starts(starts, max_starts, search.goes_ahead)
     search.progress, search.found = progress, found

@@ -19,8 +19,7 @@ import origami_nlp as o
 from origami_nlp import inverse_design, kkt
 from origami_nlp.paper import cone
 from origami_nlp.pattern import Scene, pattern_from_dict, scene_from_dict
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.symbolic import catalogue
 
 Answer = dict[str, Any]
@@ -64,9 +63,10 @@ def proof(q: Answer) -> Answer:
 def judged(q: Answer) -> Answer:
     """What a state is: verdict, kind, eigenvalues; of each contact the facets that touch, its moment and the range."""
     folded = origami(q["stated"])
-    scene = isinstance(folded, Scene)
-    problem: Any = (
-        Model(folded) if scene else PatternProblem(folded, q.get("contact", "") != "fold-limits")
+    problem = (
+        pose(folded)
+        if isinstance(folded, Scene)
+        else PatternProblem(folded, q.get("contact", "") != "fold-limits")
     )
     state = kkt.State(problem, problem.reduce(np.array(q["angles"])))
     if not state.residual <= 1e-9 or np.abs(state.fold_angles - q["angles"]).max() > 1e-9:

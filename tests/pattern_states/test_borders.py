@@ -96,7 +96,7 @@ def test_energy_rises_on_what_is_left_beside_a_minimum():
     """The fully folded crease stays so there, as opening it crosses on either side of those that lie on each other."""
     crossed = 0
     for seed, (problem, state) in enumerate(pressed()[:6]):
-        assert state.verdict == "minimum" and "on each of the 3 pieces" in state.certificate
+        assert state.verdict == "minimum"
         assert state.kkt_residual < 1e-10
         rng, phi = np.random.default_rng(seed), state.phi
         energy = problem.scaled_energy(phi)

@@ -24,7 +24,7 @@ static void turn(const Loops *p, const double *phi, Place *at) {
     int hole = p->rows[l] == 6;
     t[0] = t[1] = t[2] = 0.0;
     for (int64_t e = p->first[l]; e < p->first[l + 1]; e++) {
-      const double *b = p->axis + 3 * e, half = 0.5 * (phi[p->crease[e]] - p->reference[p->crease[e]]);
+      const double *b = p->axis + 3 * e, half = 0.5 * (phi[p->crease[e]] - p->reference[e]);
       double co = cos(half), si = sin(half), turned[4], near[3], far[3], x[3], *c = at->c + 3 * e;
       turned[0] = -dot(q + 1, b, 3); /* q (0, b) */
       cross(q + 1, b, turned + 1);

@@ -64,7 +64,7 @@ static double to_polygon(const double *x, const double *y, int64_t k, const doub
 /* Motions of facets, corners of pieces [P, q, 3] and unit normals [P, 3]. */
 static void carry_all(const Scout *s, const double *phi, Placed *at) {
   int64_t q = s->q;
-  for (int64_t i = 0; i < s->loops->n; i++) s->angle[i] = phi[i] - s->loops->reference[i];
+  for (int64_t i = 0; i < s->loops->n; i++) s->angle[i] = phi[i] - s->reference[i];
   memset(at->turn, 0, 9 * sizeof(double) * s->facets);
   memset(at->shift, 0, 3 * sizeof(double) * s->facets);
   for (int i = 0; i < 3; i++) at->turn[9 * s->root + 4 * i] = 1.0;

@@ -1,0 +1,125 @@
+"""A scene of one vertex as the problem of a sheet with one vertex: facets are triangles with two sides of length 1."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.folding import fold_vertex
+from origami_nlp.numerics import CLOSURE_TOL, cross
+from origami_nlp.pattern import Pattern, Scene, Vertex, dead_loads, make_pattern
+from origami_nlp.pattern_problem.orbits import orbits_of
+from origami_nlp.pattern_problem.poses import rotations
+from origami_nlp.pattern_problem.problem import PatternProblem
+
+SHARES = np.linspace(0.0, 0.95, 39)
+"""Of half a turn, by which creases of a vertex that does not lie flat are tried to be folded in its reference state."""
+
+
+def pose(scene: Scene) -> PatternProblem:
+    """Pose a vertex: states that keep its symmetry, whichever way they wind.
+
+    Parameters
+    ----------
+    scene
+        The vertex with its springs, limits and loads.
+
+    Returns
+    -------
+    PatternProblem
+        Its variables follow the order of creases.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern_problem import pose
+    >>> problem = pose(o.examples.degree6("pi/3", ratio=1))
+    >>> problem.size, problem.multiplicity.tolist(), problem.closure.count
+    (4, [1, 2, 2, 1], 3)
+    """
+    n, paper = scene.degree, one_vertex(scene)
+    orbits = None
+    if not scene.group.is_trivial:
+        # crease i (0-based) runs to corner i + 1
+        each = [
+            ([0, *(((s - i if mirrored else i + s) % n) + 1 for i in range(n))], 1)
+            for s, mirrored in scene.group.elements
+        ]
+        orbits = orbits_of(paper, each)
+    problem = PatternProblem(paper, scene.contact == "full", orbits, scene.contact != "none")
+    k = problem.stiffness * problem.scale
+    problem.scale = 2.0 ** round(math.log2(k.mean()))
+    vars(problem).pop("springs")
+    # preload winds linear springs; beside laws it is a load
+    beside = [m if law else 0.0 for m, law in zip(scene.preload, scene.laws, strict=False)]
+    load = np.array(beside or [0.0] * n) / problem.scale
+    dead = dead_loads(scene.loads, scene.fixed_facet)
+    problem.springs = replace(
+        problem.springs,
+        sectors=np.array(scene.vertex.sector_angles),
+        load=load if orbits is None else orbits.gather(load),
+        dead=dead and dead.times(1 / problem.scale),
+    )
+    return problem
+
+
+def one_vertex(scene: Scene) -> Pattern:
+    """Return the paper of a scene, its crease i between corners 0 and i (1-based)."""
+    n, vertex = scene.degree, scene.vertex
+    rim, angles = _rim(vertex)
+    creases = [(0, i + 1) for i in range(n)]
+    polygons = [(0, i + 1, (i + 1) % n + 1) for i in range(n)]
+    made = make_pattern(
+        np.vstack([np.zeros(3), rim]),
+        polygons,
+        fold_angles=dict(zip(creases, angles.tolist(), strict=True)),
+        stiffness=dict(zip(creases, scene.stiffness, strict=True)),
+        rest=dict(zip(creases, scene.wound_angles, strict=True)),
+        name=scene.label,
+    )
+    limits = tuple(map(tuple, scene.limit_angles.T.tolist())) if scene.limits else ()
+    return replace(made, limits=limits, laws=scene.laws)
+
+
+def _rim(vertex: Vertex) -> tuple[np.ndarray, np.ndarray]:
+    """Return unit vectors along the creases of a closed state [N, 3], and its fold angles [N]."""
+    n, a = vertex.degree, np.array(vertex.sector_angles)
+    if vertex.flat:
+        at = np.array(vertex.azimuths)
+        return np.column_stack([np.cos(at), np.sin(at), np.zeros(n)]), np.zeros(n)
+    # all creases but the last two are folded alike, or to and fro; the last facets close a spherical triangle
+    most, best = -CLOSURE_TOL, np.zeros((n, 3))
+    to_and_fro = (-1.0) ** np.arange(n)
+    for share, way in itertools.product(SHARES, (np.ones(n), -np.ones(n), to_and_fro)):
+        folds = math.pi * share * way
+        rays, frame = [np.array([1.0, 0.0, 0.0])], np.eye(3)
+        for i in range(n - 2):
+            c, s = math.cos(a[i]), math.sin(a[i])
+            turn = rotations(np.array([[1.0, 0.0, 0.0]]), folds[i : i + 1])[0] if i else np.eye(3)
+            frame = frame @ turn @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            rays.append(frame[:, 0])
+        first, last = rays[0], rays[-1]
+        # x = u first + v last + w (first x last) of length 1, at the angle a_N to one and a_(N-1) to the other
+        between = float(first @ last)
+        u, v = np.linalg.lstsq(
+            np.array([[1.0, between], [between, 1.0]]), np.cos([a[-1], a[-2]]), rcond=None
+        )[0]
+        flat, up = u * first + v * last, cross(first, last)
+        room, size = 1.0 - float(flat @ flat), float(np.linalg.norm(up))
+        if room > most and size > CLOSURE_TOL:
+            most, best = room, np.array([*rays, flat + math.sqrt(max(room, 0.0)) * up / size])
+    angles = _fold_angles(best)
+    # a whole turn of one crease is another lift of the same shape
+    angles[0] -= 2 * math.pi * (fold_vertex(vertex, angles)[1][0] < 0)
+    return best, angles
+
+
+def _fold_angles(rim: np.ndarray) -> np.ndarray:
+    """Return the fold angles of a closed vertex, of unit vectors along its creases, [N]."""
+    after = cross(rim, np.roll(rim, -1, axis=0))
+    before = np.roll(after, 1, axis=0)
+    up = np.einsum("ki,ki->k", rim, cross(before, after))
+    return np.arctan2(up, np.einsum("ki,ki->k", before, after))
