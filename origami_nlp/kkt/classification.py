@@ -195,7 +195,7 @@ def _decide(state: State, accuracy: float) -> Classification:
             return _isolated(state, decisive[0], BY_SECOND_ORDER)
         dimension = dimension_nearby(state, contacts.base)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
-    if 0 < dimension < model.dof:
+    if 0 < dimension < state.kernel.shape[1]:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     return Classification(
         "minimum",
@@ -244,7 +244,7 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
         _kind(judged),
         words + (_of_branches(len(judged)) if len(judged) > 1 else ""),
         max(b.cone_dimension for b in judged),
-        joined_forces([forces_of(state, b) for b in judged]),
+        joined_forces(state, [forces_of(state, b) for b in judged]),
         tuple((state.problem.scale * judged[0].eigenvalues).tolist()),
         math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )

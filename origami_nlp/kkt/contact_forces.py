@@ -15,6 +15,8 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import BALANCED, INPUT_TOL, NONZERO
 from origami_nlp.problem import STOP, Contact
 
+SAME = 9
+"""Decimals in which slopes of one contact agree."""
 OMIT = {"omit": True}
 """Of a field that is written to files only where it is not its default."""
 
@@ -139,15 +141,30 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
     return tuple(out)
 
 
-def joined_forces(pieces: list[tuple[ContactForce, ...]]) -> tuple[ContactForce, ...]:
-    """Return the contacts of several pieces, each once, with the range of its multiplier on all of them."""
-    found: dict[Contact | None, list[ContactForce]] = {}
-    for contacts in pieces:
+def joined_forces(
+    state: State, pieces: list[tuple[ContactForce, ...]]
+) -> tuple[ContactForce, ...]:
+    """Return the contacts of several pieces, each once, with the range of its multiplier on all of them.
+
+    Contacts of the same slope along closed motions are one, told in two ways: that of a corner on a facet stands for
+    both.  Of the multiplier the least is told: pieces come in no order.
+    """
+    every = dict.fromkeys(c.contact for piece in pieces for c in piece if c.contact is not None)
+    along = state.on(tuple(every)).slopes @ state.kernel
+    slope = {
+        c: (np.round(row / state.problem.weight(c), SAME) + 0.0).tobytes()
+        for c, row in zip(every, along, strict=True)
+    }
+    found: dict[object, list[tuple[int, ContactForce]]] = {}
+    for k, contacts in enumerate(pieces):
         for c in contacts:
-            found.setdefault(c.contact, []).append(c)
+            one = c.contact is None or c.is_limit
+            found.setdefault(c.contact if one else slope[c.contact], []).append((k, c))  # type: ignore[index]
     out = []
     for same in found.values():
-        ends = [e for c in same for e in c.multiplier_range]
-        ends += [0.0] * (len(same) < len(pieces))
-        out.append(replace(same[0], multiplier_range=(min(ends), max(ends))))
+        ends = [e for _, c in same for e in c.multiplier_range]
+        ends += [0.0] * (len({k for k, _ in same}) < len(pieces))
+        first = min((c for _, c in same), key=lambda c: (len(c.corners) > 0, c.text))
+        least = min(c.multiplier for _, c in same)
+        out.append(replace(first, multiplier=least, multiplier_range=(min(ends), max(ends))))
     return tuple(out)

@@ -66,7 +66,7 @@ def draw_minima(
     if path is not None:
         check_path("path", path)
     chart = None if result.is_pattern else landscape(result.scene, size)
-    figure = compose(result.origami, result.minima, result.model.dof, chart)
+    figure = compose(result.origami, result.minima, chart)
     if path is not None:
         save_figure(figure, path)
     return figure

@@ -258,7 +258,9 @@ def _result(
         minima = _in_full_space(model.scene, minima, until)
     windings = [job.model.structure.winding for job in jobs]
     report = join_reports(windings, reports)
-    return MinimaResult(model.scene, tuple(minima), report, completeness, model=model)
+    return MinimaResult(
+        model.scene, tuple(minima), report, completeness, model=jobs[0].record.problem
+    )
 
 
 def _sort_out(
@@ -274,7 +276,7 @@ def _sort_out(
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
             solver = _confirmed(model, answer, record) if time.monotonic() <= until else None
-            minima.append(_minimum(model, answer, what, solver))
+            minima.append(_minimum(model, record, answer, what, solver))
         else:
             angles = tuple(phi.tolist())
             others.append(JudgedState(energy, angles, what.verdict, what.reason, hits=answer.hits))
@@ -283,7 +285,11 @@ def _sort_out(
 
 
 def _minimum(
-    model: Model, answer: FoundState, what: Classification, solver: Confirmation | None
+    model: Model,
+    record: Record,
+    answer: FoundState,
+    what: Classification,
+    solver: Confirmation | None,
 ) -> JudgedState:
     p = answer.polished
     phi = model.expand(p.x)
@@ -304,6 +310,7 @@ def _minimum(
         solver=solver,
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
+        dof=State(record.problem, p.x).kernel.shape[1],
         winding=model.structure.winding,
         softest_mode=() if what.mode is None else tuple(model.expand(what.mode).tolist()),
     )

@@ -18,7 +18,6 @@ from origami_nlp.minima.report_lines import MOST_ANGLES, full_space_lines, momen
 from origami_nlp.minima.stability import asked
 from origami_nlp.numerics import INPUT_TOL, NONZERO, SETTLED, residual_words
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import PatternProblem
 
 CELLS = 161
 """Cells along each coordinate of the map."""
@@ -124,16 +123,11 @@ def points_on(
 
 def images(model: Any, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Return the creases and facets (1-based) of a contact with all its images under the symmetry of a vertex."""
-    if isinstance(model, PatternProblem):
-        pieces = enumerate(model.crossings.facet.tolist(), start=1)
-        return contact.creases, tuple(k for k, f in pieces if f + 1 in contact.facets)
-    orbit = model.variable_of_crease
-    n = len(orbit)
-    wanted = {orbit[c - 1] for c in contact.creases}
-    creases = tuple(i + 1 for i in range(n) if orbit[i] in wanted)
-    pairs = {frozenset((orbit[f - 1], orbit[f % n])) for f in contact.facets}
-    facets = tuple(f + 1 for f in range(n) if frozenset((orbit[f], orbit[(f + 1) % n])) in pairs)
-    return creases, facets
+    facets = set(contact.facets)
+    for image in model.orbits.images if model.orbits else ():
+        facets |= {int(image.facets[f - 1]) + 1 for f in contact.facets}
+    pieces = enumerate(model.crossings.facet.tolist(), start=1)
+    return contact.creases, tuple(k for k, f in pieces if f + 1 in facets)
 
 
 def _contacts_and_lines(model: Any, m: JudgedState) -> tuple[tuple[Mark, ...], tuple[str, ...]]:

@@ -34,6 +34,7 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Model
 from origami_nlp.starts import (
     CORNER,
@@ -68,12 +69,13 @@ class Job:
         progress: Progress | None,
         until: float = math.inf,
         found: Found | None = None,
+        problem: PatternProblem | None = None,
     ) -> None:
         self.model, self.seed, self.options = model, seed, options
         self.fewest, self.most = starts
         self.progress, self.until = progress, until
         self._found, self._told = found, set[int]()
-        self.record = Record()
+        self.record = Record(problem or pose(model.scene))
         self.stopped_by = "rule"
         self.complete = ""
         self.strata: tuple[StrataCount, ...] = ()
@@ -108,7 +110,7 @@ class Job:
                 return
             if record.known(x) is None:
                 with record.surviving("a listed state"):
-                    record.answers.append(listed(model, x))
+                    record.answers.append(listed(record, model, x))
 
     def _stationary_at(self, x: np.ndarray) -> FoundState | None:
         """Return the stationary state next to a guess, judged: a minimum before others; None where there is none."""
@@ -121,7 +123,7 @@ class Job:
                 answer, new = self.record.file(self.model, state)
                 if new:
                     answer.listed = True
-                    judge(self.model, answer)
+                    judge(self.record, answer)
                 if best is None or answer.is_minimum:
                     best = answer
                 if answer.is_minimum:
@@ -246,7 +248,7 @@ class Job:
                 answer, new = self.record.file(self.model, state)
                 answer.listed = True
                 if new:
-                    judge(self.model, answer)
+                    judge(self.record, answer)
         whole = traced.complete and self.record.failed.total() == broken
         self.complete = traced.reason if whole and self.model.parameters.dead is None else ""
         return whole
@@ -269,7 +271,7 @@ class Job:
         fewest = max(self.fewest, 16 * self.options.hits)
         for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
             if new is not None:
-                judge(self.model, new)
+                judge(self.record, new)
             quiet = 0 if new is not None and new.is_minimum else quiet + 1
             self._tell()
             if self._late():

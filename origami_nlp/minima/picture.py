@@ -64,12 +64,11 @@ class _Panels:
 def compose(
     origami: Scene | Pattern,
     minima: tuple[JudgedState, ...],
-    dof: int,
     chart: Landscape | None,
 ) -> Figure:
     """Draw minima folded, and on the landscape of their scene.
 
-    dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
+    chart: None where there is no landscape to draw, as of a
     pattern.
     """
     shown = minima[:MOST_DRAWN]
@@ -81,7 +80,7 @@ def compose(
     states = StatesDrawn(
         origami,
         [
-            _state_title(k, m, m.dof if chart is None else dof, unit)
+            _state_title(k, m, unit)
             for k, m in enumerate(shown, start=1)
         ],
         [m.phi for m in shown],
@@ -157,9 +156,9 @@ def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[st
     return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
 
 
-def _state_title(number: int, minimum: JudgedState, dof: int, unit: float) -> str:
+def _state_title(number: int, minimum: JudgedState, unit: float) -> str:
     kind: str = minimum.kind
-    if minimum.local_dimension < dof:
+    if minimum.local_dimension < minimum.dof:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
             minimum.local_dimension, f", local dimension {minimum.local_dimension}"
         )

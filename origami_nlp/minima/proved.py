@@ -285,7 +285,7 @@ def _file(model: Model, record: Record, x: np.ndarray) -> tuple[FoundState | Non
     answer, new = record.file(model, state)
     if new:
         answer.listed = True
-        judge(model, answer)
+        judge(record, answer)
     return answer, new
 
 
@@ -356,7 +356,7 @@ def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[FoundSt
     """Return what an exact singular state is; one that is not on record is judged and filed."""
     answer = record.known(x)
     if answer is None:
-        answer = listed(model, x)
+        answer = listed(record, model, x)
         record.answers.append(answer)
         added += [answer] * answer.is_minimum
     assert answer.what is not None

@@ -23,6 +23,7 @@ from origami_nlp.kkt import (
     project,
 )
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact, Model, Problem
 from origami_nlp.starts import Listed
 
@@ -70,8 +71,10 @@ class Record:
     nowhere.  failed: those whose end is no state, or at which linear algebra broke down, by reason.
     by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
     statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
+    problem: what answers are judged by.
     """
 
+    problem: PatternProblem
     answers: list[FoundState] = field(default_factory=list)
     starts: int = 0
     feasible_starts: int = 0
@@ -201,11 +204,11 @@ def close_orbit(model: Model, record: Record, answer: FoundState) -> None:
         if image is None:
             image = FoundState(replace(answer.polished, x=x, rows=()), listed=True)
             record.answers.append(image)
-            judge(model, image)
+            judge(record, image)
         assert image.what is not None and answer.what is not None
         if image.what.verdict == "undecided":
             with record.surviving("an image under a symmetry of the scene"):
-                image.what = of_image(State(model, image.polished.x), answer.what)
+                image.what = of_image(State(record.problem, image.polished.x), answer.what)
         elif not image.is_minimum:
             why = f"an image under a symmetry of the scene is {image.what.verdict}"
             answer.what = Classification("undecided", None, why, 0)
@@ -220,25 +223,25 @@ def closes(model: Model, x: np.ndarray) -> bool:
     return float(np.linalg.norm(q[1:])) <= CLOSURE_TOL
 
 
-def judge(model: Model, answer: FoundState) -> None:
+def judge(record: Record, answer: FoundState) -> None:
     """Classify an answer: one that does not close is no admissible state, and where linear algebra breaks down nothing
     is decided.
     """
-    p = answer.polished
-    if not closes(model, p.x):
+    p, problem = answer.polished, record.problem
+    if np.abs(problem.closure.values(p.x)).max() > CLOSURE_TOL:
         answer.what = Classification("not admissible", None, "it does not close", 0)
         return
     try:
-        answer.what = classify(State(model, p.x), polished=p.converged)
+        answer.what = classify(State(problem, p.x), polished=p.converged)
     except BREAKDOWNS as error:
         why = f"linear algebra failed where it was judged: {error}"
         answer.what = Classification("undecided", None, why, 0)
 
 
-def listed(model: Model, x: np.ndarray) -> FoundState:
+def listed(record: Record, model: Model, x: np.ndarray) -> FoundState:
     """Return an exact state that was listed as an answer, judged."""
     answer = FoundState(exact_state(model, x), listed=True)
-    judge(model, answer)
+    judge(record, answer)
     return answer
 
 

@@ -62,7 +62,6 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
@@ -131,12 +130,7 @@ class MinimaResult(Report, Viewable):
                 object.__setattr__(self, "origami", stated)
             object.__setattr__(self, "relations", stated.relations)
         if self.model is None:
-            posed: Model | pattern_problem.PatternProblem = (
-                Model(stated)
-                if isinstance(stated, Scene)
-                else pattern_problem.PatternProblem(stated)
-            )
-            object.__setattr__(self, "model", posed)
+            object.__setattr__(self, "model", pattern_problem.pose(stated))
 
     # ------------------------------------------------------------ what is folded
 
@@ -205,25 +199,7 @@ class MinimaResult(Report, Viewable):
         State
             With its contacts, multipliers and curvature.
         """
-        model = self.model_of(minimum)
-        return State(model, model.reduce(np.array(minimum.fold_angles)))
-
-    def model_of(self, minimum: JudgedState) -> Any:
-        """Return the nonlinear program that a minimum is a state of: that of its winding.
-
-        Parameters
-        ----------
-        minimum
-            One of `minima`.
-
-        Returns
-        -------
-        Model or PatternProblem
-            `model` itself where states wind as often as that says.
-        """
-        if self.is_pattern or minimum.winding == self.model.structure.winding:
-            return self.model
-        return Model(replace(self.scene, winding=minimum.winding))
+        return State(self.model, self.model.reduce(np.array(minimum.fold_angles)))
 
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
@@ -366,7 +342,7 @@ class MinimaResult(Report, Viewable):
         if listed:
             some = [self.minima[k - 1] for k in listed]
             heads = ("contacts",) if self.is_pattern else ("closure", "KKT", "hits")
-            free = [m.dof if self.is_pattern else self.model.dof for m in some]
+            free = [m.dof for m in some]
             cells = [touching_cells(m) if self.is_pattern else residual_cells(m) for m in some]
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)

@@ -218,7 +218,7 @@ class Search:
         )
         answer, new = self.record.settle(self.model, end, self._held(s, k))
         if new:
-            judge(self.model, answer)
+            judge(self.record, answer)
             if answer.is_minimum:
                 close_orbit(self.model, self.record, answer)
                 self._found()

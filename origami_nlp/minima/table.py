@@ -35,7 +35,7 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
     """Return one scene's counts by kind, starts, failed solves, worst residuals and seconds."""
     kinds = [
         f"{m.kind.removeprefix('contact-')} on a 1-handle"
-        if m.local_dimension == 1 < r.model.dof
+        if m.local_dimension == 1 < m.dof
         else m.kind.removeprefix("contact-")
         for m in r.minima
     ]

@@ -26,6 +26,7 @@ from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
 from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import SearchOptions
@@ -45,7 +46,8 @@ def jobs_of(
 ) -> list[Job]:
     """Return the searches that a scene asks for, one for each winding; arguments as for `Job`."""
     each = scene.of_each_winding
-    jobs = [Job(Model(one), seed, options, starts, None, until, found) for one in each]
+    problem = pose(scene)
+    jobs = [Job(Model(one), seed, options, starts, None, until, found, problem) for one in each]
     if progress is not None:
         records = [job.record for job in jobs]
 

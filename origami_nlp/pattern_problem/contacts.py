@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -77,6 +77,8 @@ class PatternContacts(PatternEquations):
     origin
         Where the pattern's corners are counted from, [3]: of one that was moved to its middle, what to add to a place
         before it is reported.
+    told
+        What describes a contact in the words of one vertex; None for those of a sheet.
     """
 
     def __init__(
@@ -91,6 +93,7 @@ class PatternContacts(PatternEquations):
         if not limited:  # each further turn repeats the shape
             self.fold_limits = FoldLimits(*(2 * math.pi * np.outer((-1, 1), np.ones(self.size))))
         self.origin = np.zeros(3)
+        self.told: Callable[[Any, ContactPair, np.ndarray | None], str] | None = None
         self._touches: list[tuple[ContactPair, ContactPair]] = []
         self._numbers: dict[object, int] = {}
         self._images: list[int] = []
@@ -282,6 +285,8 @@ class PatternContacts(PatternEquations):
             where = f"at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
             return f"phi = {contact.where} {where}"
         touch = self.touch(contact)
+        if self.told is not None:
+            return self.told(self, touch, None)
         return contact_pair_words(touch, self._place(touch))
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
@@ -291,6 +296,8 @@ class PatternContacts(PatternEquations):
             return ContactWords("fold-limit", creases, (), self.name(contact))
         touch = self.touch(contact)
         a, b = (f + 1 for f in touch.facets)
+        if self.told is not None:
+            return ContactWords("facet-pair", (), (a, b), self.told(self, touch, x))
         corners = () if isinstance(touch, CoplanarContact) else tuple(c + 1 for c in touch.corners)
         side = int(touch.sign) if isinstance(touch, CoplanarContact) else 0
         text, place = self.name(contact), self._place(touch)

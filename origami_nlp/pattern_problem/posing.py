@@ -9,8 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSURE_TOL, cross
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, cross
 from origami_nlp.pattern import Pattern, Scene, Vertex, dead_loads, make_pattern
+from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.orbits import orbits_of
 from origami_nlp.pattern_problem.poses import rotations
 from origami_nlp.pattern_problem.problem import PatternProblem
@@ -19,18 +20,18 @@ SHARES = np.linspace(0.0, 0.95, 39)
 """Of half a turn, by which creases of a vertex that does not lie flat are tried to be folded in its reference state."""
 
 
-def pose(scene: Scene) -> PatternProblem:
-    """Pose a vertex: states that keep its symmetry, whichever way they wind.
+def pose(origami: Scene | Pattern) -> PatternProblem:
+    """Pose an origami as a nonlinear program: of a scene states that keep its symmetry, whichever way they wind.
 
     Parameters
     ----------
-    scene
-        The vertex with its springs, limits and loads.
+    origami
+        A vertex or a sheet with its springs, limits and loads.
 
     Returns
     -------
     PatternProblem
-        Its variables follow the order of creases.
+        Its variables are in the order of the creases of `Symmetry.rays`.
 
     Examples
     --------
@@ -40,7 +41,9 @@ def pose(scene: Scene) -> PatternProblem:
     >>> problem.size, problem.multiplicity.tolist(), problem.closure.count
     (4, [1, 2, 2, 1], 3)
     """
-    n, paper = scene.degree, one_vertex(scene)
+    if isinstance(origami, Pattern):
+        return PatternProblem(origami)
+    scene, n, paper = origami, origami.degree, one_vertex(origami)
     orbits = None
     if not scene.group.is_trivial:
         # crease i (0-based) runs to corner i + 1
@@ -49,7 +52,11 @@ def pose(scene: Scene) -> PatternProblem:
             for s, mirrored in scene.group.elements
         ]
         orbits = orbits_of(paper, each)
+        # in the order of the creases that the symmetry names first
+        firsts = [ray.crease for ray in scene.group.rays if ray.crease is not None]
+        orbits = replace(orbits, orbit=np.argsort(orbits.orbit[firsts])[orbits.orbit])
     problem = PatternProblem(paper, scene.contact == "full", orbits, scene.contact != "none")
+    problem.told = vertex_words
     k = problem.stiffness * problem.scale
     problem.scale = 2.0 ** round(math.log2(k.mean()))
     vars(problem).pop("springs")
@@ -64,6 +71,29 @@ def pose(scene: Scene) -> PatternProblem:
         dead=dead and dead.times(1 / problem.scale),
     )
     return problem
+
+
+def vertex_words(problem: PatternProblem, touch: ContactPair, x: np.ndarray | None) -> str:
+    """Describe what touches round one vertex, 1-based: two creases that lie on each other at x, or a crease on a facet.
+
+    Corner i (0-based) is the end of crease i.
+    """
+    a, b = touch.facets
+    if touch.type == "face-face":
+        return f"facets {min(a, b) + 1} and {max(a, b) + 1} on each other"
+    of, on, (p, q) = b, a, touch.corners[:2]
+    crease = p
+    if touch.type == "edge-edge":
+        r, s = touch.corners[2:]
+        of, on, crease = (a, b, p + q) if 0 in (p, q) else (b, a, r + s)
+    if x is not None:
+        at, ends = problem.placed(x), np.array(sorted(problem.features.rings[on] - {0}))
+        end = at.points(np.array([of]), np.array([crease]))
+        near = np.linalg.norm(at.points(np.full(len(ends), on), ends) - end, axis=1)
+        if near.min() <= CONTACT_TOL:
+            pair = sorted((crease, int(ends[near.argmin()])))
+            return f"creases {pair[0]} and {pair[1]} on each other"
+    return f"crease {crease} on facet {on + 1}"
 
 
 def one_vertex(scene: Scene) -> Pattern:

@@ -144,11 +144,12 @@ def test_labels_and_place_do_not_matter():
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
         assert again.softest == pytest.approx(state.softest, rel=1e-9)
         both = [
-            sorted((c.type, c.force, *c.multiplier_range) for c in s.contacts)
+            # two sides on each other are a corner on a facet too: which of both is named follows labels
+            sorted((c.is_limit, c.force, *c.multiplier_range) for c in s.contacts)
             for s in (state, again)
         ]
         for one, two in zip(*both, strict=True):
-            assert one[0] == two[0] and one[1:] == pytest.approx(two[1:], rel=1e-6)
+            assert one == pytest.approx(two, rel=1e-6)
 
 
 @pytest.mark.slow
