@@ -32,7 +32,7 @@ from origami_nlp.display import Report, Section, Table, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
-from origami_nlp.problem import Contact, Model
+from origami_nlp.problem import Contact
 
 FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
 """Events that are followed over two parameters, besides those at the flat state."""
@@ -347,7 +347,7 @@ def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[Bifurcation
     near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
     family = family_of(family_of(plane.scene, other).scene_of(point.t[1 - axis]), near)
     web = BifurcationDiagram(family.line, *near.ends)
-    web.add(Model(family.scene(point.t[axis])).reduce(np.array(point.fold_angles)), s)
+    web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
     return web, other.s_of(point.t[1 - axis])
 
 

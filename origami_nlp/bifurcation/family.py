@@ -31,8 +31,8 @@ from origami_nlp.pattern import (
     law_course,
     with_symmetry_of,
 )
-from origami_nlp.pattern_problem import state_frame, states_to_fold
-from origami_nlp.problem import LawChange, Model, Parameters
+from origami_nlp.pattern_problem import PatternProblem, pose, state_frame, states_to_fold
+from origami_nlp.problem import LawChange, Parameters
 
 SAMPLES = 17
 """Scenes of a family that are posed before it is followed, to see whether it is smooth."""
@@ -98,8 +98,11 @@ class Family:
         where = np.linspace(low, high, self.samples)
         scenes = [self.sampled(parameter.t_of(float(s))) for s in where]
         names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
-        models = [Model(scene) for scene in scenes]
-        posed = same_problem(models, parameter.name, names, moving=self.course is not None)
+        models = [pose(scene) for scene in scenes]
+        moving = self.course is not None
+        posed = same_problem(
+            list(zip(scenes, models, strict=True)), parameter.name, names, moving=moving
+        )
         self._check(posed, where)
         line = self.with_moving(line_between(posed[0], posed[-1], high - low), low)
         first, last = (np.array(scenes[k].vertex.sector_angles) for k in (0, -1))
@@ -148,7 +151,7 @@ class Family:
 
     def problem(self, made: Scene) -> Any:
         """Pose one of its scenes."""
-        return Model(made)
+        return pose(made)
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
         """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""
@@ -172,33 +175,31 @@ class Family:
 
 
 def same_problem(
-    models: list[Model], name: str, names: list[str], *, moving: bool = False
-) -> list[Model]:
-    """Return models with the structure and scale of the one that has most contacts.
+    made: list[tuple[Scene, PatternProblem]], name: str, names: list[str], *, moving: bool = False
+) -> list[PatternProblem]:
+    """Return the problems of scenes with the scale and the numbers of contacts of the first.
 
     Raises
     ------
     OptionError
-        If some have another symmetry, or contacts that this one has not, or, unless they move, hinge laws; name: of the
-        parameter, names: of the scenes.
+        If some have another symmetry or contact, or, unless they move, hinge laws; name: of the parameter, names: of
+        the scenes.
     """
-    whole = max(models, key=lambda m: len(m.structure.gaps))
-    gaps = set(whole.structure.gaps)
-    for model, where in zip(models, names, strict=True):
-        group = model.scene.group.name
-        if group != whole.scene.group.name or not set(model.structure.gaps) <= gaps:
+    first, whole = made[0]
+    for (scene, problem), where in zip(made, names, strict=True):
+        if (scene.group.name, scene.contact) != (first.group.name, first.contact):
             raise OptionError(
-                f"{where}: symmetry {group} or the facets that may touch are not those of other scenes over {name}: "
-                "state the symmetry, or follow a shorter range"
+                f"{where}: symmetry {scene.group.name} and contact {scene.contact!r} are not those of other scenes "
+                f"over {name}: state the symmetry, or follow a shorter range"
             )
-        if not moving and _laws_of(model) != _laws_of(whole):
+        if not moving and _laws_of(problem) != _laws_of(whole):
             raise OptionError(f"{where}: hinge laws are others than elsewhere over {name}")
-    return [_posed_as(whole, model) for model in models]
+    return [_posed_as(whole, scene, problem) for scene, problem in made]
 
 
-def _laws_of(model: Model) -> tuple[HingeLaw | None, ...]:
+def _laws_of(problem: PatternProblem) -> tuple[HingeLaw | None, ...]:
     """Return the laws of the variables, but for their factors and shifts."""
-    laws = model.parameters.laws
+    laws = problem.parameters.laws
     return () if laws is None else laws.laws
 
 
@@ -213,18 +214,18 @@ def linear_numbers(p: Parameters) -> np.ndarray:
     return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
 
 
-def _posed_as(whole: Model, model: Model) -> Model:
-    """Return a model with the structure and the scale of another, and preload as a load.
+def _posed_as(whole: PatternProblem, scene: Scene, problem: PatternProblem) -> PatternProblem:
+    """Return a problem with the scale of another, and preload as a load.
 
     A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
     """
-    p = model.parameters
-    if model.scene.preload:
-        rest = model.reduce(np.array(model.scene.rest_angles))
-        load = model.reduce(np.array(model.scene.preload)) * model.multiplicity / model.scale
+    p = problem.parameters
+    if scene.preload:
+        rest = problem.reduce(np.array(scene.rest_angles))
+        load = problem.reduce(np.array(scene.preload)) * problem.multiplicity / problem.scale
         p = replace(p, rest=rest, load=load)
-    parameters = p.scaled(model.scale / whole.scale)
-    return whole.varied(parameters, np.array(model.scene.vertex.sector_angles))
+    parameters = p.scaled(problem.scale / whole.scale)
+    return whole.varied(parameters, np.array(scene.vertex.sector_angles))
 
 
 def family_of(scene: Scene, parameter: ParameterRange) -> Family:

@@ -13,7 +13,8 @@ from origami_nlp.continuation import ParameterLine
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import LAW_NUMBER, DeadLoads, Scene
-from origami_nlp.problem import Model, Parameters
+from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.problem import Parameters
 
 GRID = 7
 """Scenes along each parameter that are posed before anything is followed."""
@@ -65,12 +66,13 @@ class Plane:
         return a, b
 
     @cached_property
-    def _posed(self) -> tuple[Model, np.ndarray, np.ndarray]:
-        """Model with every contact, the numbers of the lower corner, and their change with s, [2, .]."""
+    def _posed(self) -> tuple[PatternProblem, np.ndarray, np.ndarray]:
+        """A problem, the numbers of the lower corner, and their change with s, [2, .]."""
         shares = np.linspace(0.0, 1.0, GRID)
-        flat = [self._model(self.corner + self.size * (a, b)) for a in shares for b in shares]
-        alike = same_problem(flat, self.parameters[0].name, [m.scene.label for m in flat])
-        posed = np.array([_numbers(m) for m in alike]).reshape(GRID, GRID, -1)
+        scenes = [self._scene(self.corner + self.size * (a, b)) for a in shares for b in shares]
+        made = [(scene, pose(scene)) for scene in scenes]
+        alike = same_problem(made, self.parameters[0].name, [scene.label for scene in scenes])
+        posed = np.array([linear_numbers(m.parameters) for m in alike]).reshape(GRID, GRID, -1)
         first = (posed[-1, 0] - posed[0, 0]) / self.size[0]
         second = (posed[0, -1] - posed[0, 0]) / self.size[1]
         i, j = (self.size[k] * shares for k in (0, 1))
@@ -80,12 +82,11 @@ class Plane:
             raise OptionError(
                 f"the scenes over {self.parameters[0].name} and {self.parameters[1].name} do not change smoothly"
             )
-        whole = max(flat, key=lambda m: len(m.structure.gaps))
-        return whole, posed[0, 0], np.array([first, second])
+        return alike[0], posed[0, 0], np.array([first, second])
 
-    def _model(self, point: np.ndarray) -> Model:
+    def _scene(self, point: np.ndarray) -> Scene:
         t, u = self.values(point)
-        return Model(self.family(u).scene(t))
+        return self.family(u).scene(t)
 
     def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
         """Return the problems along a direction [2] from a point [2] of the plane of s."""
@@ -93,11 +94,11 @@ class Plane:
         m = whole.parameters
         none = np.zeros(0) if m.dead is None else m.dead.vector
         lengths = [len(v) for v in (m.sectors, m.stiffness, m.rest, m.load, none)]
-        cut = np.cumsum(lengths)
+        cut = np.cumsum(lengths)[:-1]
         # logarithms of stiffness among them: log-linear along every line
         at = origin + (point - self.corner) @ slopes
-        sectors, log_k, rest, load, dead, angles = np.split(at, cut)
-        d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ slopes, cut)
+        sectors, log_k, rest, load, dead = np.split(at, cut)
+        d_sectors, d_k, d_rest, d_load, d_dead = np.split(direction @ slopes, cut)
         k, laws, d_laws = np.exp(log_k), m.laws, m.laws
         if m.laws is not None:  # in the places of their springs, see `linear_numbers`
             has = m.laws.weight != 0
@@ -109,8 +110,8 @@ class Plane:
             whole,
             Parameters(sectors, k, rest, load, _forces(m.dead, dead), laws),
             Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead), d_laws),
-            angles if change.any() or (angles != whole.scene.vertex.sector_angles).any() else None,
-            change,
+            sectors if d_sectors.any() or (sectors != m.sectors).any() else None,
+            d_sectors,
             weight,
         )
 
@@ -121,8 +122,3 @@ def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:
         return None
     table = vector.reshape(-1, 5)
     return replace(like, points=table[:, :2], forces=table[:, 2:])
-
-
-def _numbers(model: Model) -> np.ndarray:
-    """Return what is linear over the plane: of the problem, and sectors of the vertex."""
-    return np.append(linear_numbers(model.parameters), model.scene.vertex.sector_angles)

@@ -12,9 +12,10 @@ of this system it is known to rounding.
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.numerics import DUPLICATE_TOL, EPS, STATIONARY
+from origami_nlp.numerics import DUPLICATE_TOL, EPS, RANK, STATIONARY, dense
 
 STEPS = 8
 """Of Newton: it converges quadratically, or is beside another kind of point."""
@@ -31,17 +32,21 @@ def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
     system has no rank either: then nothing is gained.
     """
     system = frame.system
-    if system.problem.redundant:
+    if system.problem.sparse:
         return frame
     n, root = len(system.imbalance), curve.root
-    z = np.concatenate([frame.x, system.multipliers])
-    q = np.linalg.svd(system.matrix.T)[2][-1]
+    # constraints projected on their row space here: rows that depend on each other all along say nothing
+    u, values, _ = np.linalg.svd(dense(system.jacobian))
+    rows = u[:, : int((values > RANK).sum())]
+    left, right_of = (block_diag(np.eye(n), rows, *more) for more in ((), (1.0,)))
+    z = np.concatenate([frame.x, rows.T @ system.multipliers])
+    q = np.linalg.svd((left.T @ system.matrix @ right_of).T)[2][-1]
     p, b, many = q, 0.0, len(q)
     scale = np.concatenate([root[:-1], np.ones(many - n), root[-1:]])  # of (x, multipliers, s)
 
     def seen(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        at = curve.system(z[: n + 1], z[n + 1 :])
-        return np.concatenate([at.imbalance, at.values]), at.matrix
+        at = curve.system(z[: n + 1], rows @ z[n + 1 :])
+        return left.T @ np.concatenate([at.imbalance, at.values]), left.T @ at.matrix @ right_of
 
     def moved(z: np.ndarray, step: np.ndarray) -> np.ndarray:
         """Add a step over (y, multipliers, w s)."""
@@ -68,7 +73,7 @@ def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
             break
     else:
         return frame
-    found = curve.system(z[: n + 1])
+    found = curve.system(z[: n + 1], rows @ z[n + 1 :])
     near = float(np.linalg.norm(root * (z[: n + 1] - frame.x))) <= FAR
     known = abs(b) <= STATIONARY and found.residual <= STATIONARY
     return Equilibrium(z[: n + 1], frame.tangent, found) if near and known else frame

@@ -18,8 +18,8 @@ from origami_nlp.continuation.events import (
 )
 from origami_nlp.continuation.one_sided_branches import (
     PULLS,
-    closes,
     is_equilibrium,
+    margin,
     opening_rates,
     pushes,
     touches,
@@ -61,7 +61,7 @@ def first_contact_event(
     slides = _first_sliding(curve, a, beyond)
     if slides is not None and not slides.frame.seen.refused:
         return slides.frame, slides
-    if not beyond.seen.refused and closes(beyond) and touches(beyond):
+    if not beyond.seen.refused and touches(beyond):
         if leaving is None:
             return a, LocatedEvent(
                 "refused", a, None, np.nan, False, "no event was found in a step"
@@ -97,17 +97,17 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
     facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
     found: list[LocatedEvent] = []
-    for contact in (c for c in b.hold.contacts if _margin(b, c) <= 0.0):
+    for contact in (c for c in b.hold.contacts if margin(b, c) <= 0.0):
 
         def reported(f: Equilibrium, contact: Contact = contact) -> float:
-            return _margin(f, contact)
+            return margin(f, contact)
 
         near = a if reported(a) <= 0.0 else root_between(curve, a, b, reported)
         if near is None or abs(reported(near)) > STATIONARY:
             continue
 
         def border(f: Equilibrium, contact: Contact = contact) -> float:
-            return _margin(f, contact) + INSIDE
+            return margin(f, contact) + INSIDE
 
         why = "to a border: beyond, no single gap keeps the facets apart"
         event = LocatedEvent("slides", near, contact, reported(near), False, why)
@@ -119,12 +119,6 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
                 break
         found.append(event)
     return min(found, key=lambda e: step_length(a, e.frame, curve.root), default=None)
-
-
-def _margin(frame: Equilibrium, contact: Contact) -> float:
-    """Return by how much features meet inside each other beyond `INSIDE`; inf where closed contacts say it."""
-    margin = None if contact.is_limit else frame.problem.margin(contact, frame.state)
-    return np.inf if margin is None else margin - INSIDE
 
 
 def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
@@ -181,7 +175,7 @@ def _closing(
         if k == SOON:
             ahead = _guesses(curve, a, good, bad)
     back = curve.beside(a, max(0.0, low - LATE * (high - low))) or good
-    passed = b.problem.beyond(b.state) if b.problem.redundant else ()
+    passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, LocatedEvent]] = []
     for contact in _candidates(curve, good, bad, back):
@@ -190,7 +184,7 @@ def _closing(
         reach = step_length(a, b, curve.root) if contact in passed else NEAR_SINGULAR_TOL
         if frame is None or np.linalg.norm(curve.root * (frame.x - good.x)) > reach:
             continue
-        if _margin(frame, contact) <= 0.0:
+        if margin(frame, contact) <= 0.0:
             continue
         h = step_length(a, frame, curve.root)
         # a state is refused where another contact was passed before this one closed: it is not the first
@@ -255,11 +249,9 @@ def _candidates(
 ) -> list[Contact]:
     """Return the contacts that may have closed: nearly closed before, seen from a little further back, or passed."""
     p = good.problem
-    if p.redundant:
-        rows = list(p.about_to_close(good.state, NEARLY))
-    else:
-        near = State(p, good.state, NEAR_SINGULAR_TOL).contacts
-        rows = [*near.base, *(c for branch in near.branches for option in branch for c in option)]
+    rows = list(p.about_to_close(good.state, NEARLY))
+    near = State(p, good.state, NEAR_SINGULAR_TOL).contacts
+    rows += [*near.base, *(c for branch in near.branches for option in branch for c in option)]
     rows += back.problem.about_to_close(back.state, NEAR_SINGULAR_TOL)
     rows += bad.problem.beyond(bad.state, CONTACT_TOL)
     rows = [c for c in dict.fromkeys(rows) if c not in good.hold.contacts]

@@ -44,8 +44,7 @@ from origami_nlp.continuation.one_sided_branches import (
     one_sided_branches_at,
     turned,
 )
-from origami_nlp.continuation.redundant import system_at
-from origami_nlp.continuation.system import Tally
+from origami_nlp.continuation.system import BorderedSystem, Tally
 from origami_nlp.continuation.tracer import (
     ALIGNED,
     CLOSED_CURVE,
@@ -339,9 +338,11 @@ class BifurcationDiagram:
             stop.append(LocatedEvent(AGAIN, b, None, 0.0, True))
             return b
 
-        ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
-        if self.line.problem.redundant:
-            ends.append(End(before_pole, EVENT, lambda a, b: stop[-1].frame))
+        ends = [
+            End(before_flat, EVENT, meet_flat),
+            End(before, EVENT, meet),
+            End(before_pole, EVENT, lambda a, b: stop[-1].frame),
+        ]
         if self.lazy:
             ends.append(End(before_stable, EVENT, meet_stable))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
@@ -411,7 +412,7 @@ class BifurcationDiagram:
     def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
         first, point = frames[0], self.nodes[start].point
         if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
-            system = system_at(self.line, point, first.hold)
+            system = BorderedSystem(self.line, point, first.hold)
             frames = [Equilibrium(point, first.tangent, system), *frames]
         self.arcs.append(BranchSegment(tuple(frames), start, end, signed))
 

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.continuation.line import ParameterLine
-from origami_nlp.continuation.redundant import system_at
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
@@ -79,7 +78,7 @@ class Equilibrium:
     @property
     def forces(self) -> np.ndarray:
         """Multipliers of the contacts held, scaled energy, positive where they push, [r]."""
-        return self.system.multipliers[len(self.hold.closure) :]
+        return self.system.multipliers[self.problem.equation_count :]
 
     @property
     def eigenvalues(self) -> np.ndarray:
@@ -109,14 +108,13 @@ Move = Callable[[np.ndarray, BorderedSystem], np.ndarray | None]
 class EquilibriumCurve:
     """Equilibria over a line of parameters with contacts held; see `tracer.CurveProblem`.
 
-    short: see `BorderedSystem.step`.  known: the last point that Newton reached, with its system.  given: the last
+    known: the last point that Newton reached, with its system.  given: the last
     frame. corrector: steps of Newton at most.
     """
 
     line: ParameterLine
     hold: Hold
     tally: Tally
-    short: bool = False
     known: list[tuple[np.ndarray, BorderedSystem]] = field(default_factory=list)
     given: list[Equilibrium] = field(default_factory=list)
     corrector: int = NEWTON
@@ -129,11 +127,11 @@ class EquilibriumCurve:
     def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> BorderedSystem:
         """Evaluate the KKT system at (x, s)."""
         self.tally.evaluations += 1
-        return system_at(self.line, point, self.hold, multipliers)
+        return BorderedSystem(self.line, point, self.hold, multipliers)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
-        return self._newton(point, lambda at, system: system.step(*row(at, system), self.short))
+        return self._newton(point, lambda at, system: system.step(*row(at, system)))
 
     def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, BorderedSystem] | None:
         carried: np.ndarray | None = None
@@ -161,15 +159,12 @@ class EquilibriumCurve:
 
     @cached_property
     def _longest(self) -> float:
-        """Newton's longest step; of a pattern as a root mean square over creases."""
-        p = self.line.problem
-        return LONGEST * (np.sqrt(p.size) if p.redundant else 1.0)
+        """Newton's longest step, as a root mean square over creases."""
+        return LONGEST * float(np.sqrt(self.line.problem.size))
 
     @property
     def _least(self) -> float:
         """Closure and openings at which Newton has arrived; off closure a gap is one along a walk, its slope too."""
-        if not self.line.problem.redundant:
-            return np.inf
         return CLOSURE_TOL if all(c.is_limit for c in self.hold.contacts) else ROUNDED
 
     def _inside(
@@ -177,7 +172,7 @@ class EquilibriumCurve:
     ) -> tuple[np.ndarray, BorderedSystem]:
         """Put fold angles that are beyond their limits by rounding back onto them: contacts may keep a crease there."""
         p, x = system.problem, point[:-1]
-        beyond = -p.fold_limits.room(x) if p.redundant else np.zeros(1)
+        beyond = -p.fold_limits.room(x)
         if not 0.0 < beyond.max(initial=0.0) <= OUTSIDE:
             return point, system
         point = np.append(p.fold_limits.clip(x), point[-1])

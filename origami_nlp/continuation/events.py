@@ -89,7 +89,7 @@ def root_between(
         frame = known.get(float(h[0]))
         if float(h[0]) not in known:
             frame = known[float(h[0])] = curve.beside(a, float(h[0]), last[0])
-            last[0] = a if curve.short else frame or last[0]
+            last[0] = frame or last[0]
         v = np.nan if frame is None else value(frame)
         return np.array([0.0 if abs(v) <= rounding else v])
 
@@ -267,7 +267,7 @@ def _eigenvalue_passes(
         return float(f.eigenvalues[k])
 
     # next to a branch point the bordered matrix is all but singular
-    frame = root_between(replace(curve, short=True), a, b, eigenvalue)
+    frame = root_between(curve, a, b, eigenvalue)
     if frame is not None and is_zero(eigenvalue, frame, a, b):
         there = refined(curve, _between(frame, a, b))
         return found_at("branching", there, eigenvalue(there))

@@ -20,7 +20,6 @@ from numpy.polynomial import chebyshev
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import ParameterLine
-from origami_nlp.continuation.redundant import system_at
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
 from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots, dense
 
@@ -80,15 +79,10 @@ def flat_passage(
     return point, float(value(np.array([s]))[0]), float(np.abs(curve.system(point).values).max())
 
 
-def free_hold(line: ParameterLine) -> Hold:
-    """Return what is held where no contact is: closure alone."""
-    return Hold((), tuple(range(line.problem.equation_count)))
-
-
 def flat_event(line: ParameterLine, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.problem.size)
-    system = system_at(line, np.append(still, s), free_hold(line))
+    system = BorderedSystem(line, np.append(still, s), Hold())
     frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
     return frame, _balance(system, [])
 
@@ -112,7 +106,7 @@ def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float
     flat, first = np.zeros(line.problem.size), list[np.ndarray]()
 
     def tip(s: float) -> tuple[float, np.ndarray] | None:
-        return _tip(system_at(line, np.append(flat, s), free_hold(line)), first)
+        return _tip(BorderedSystem(line, np.append(flat, s), Hold()), first)
 
     if tip(low) is None or not line.problem.lifts_to_one(flat):
         return []
@@ -191,7 +185,7 @@ def beside_flat(
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
     """
     root = line.problem.root
-    curve = EquilibriumCurve(line, free_hold(line), tally)
+    curve = EquilibriumCurve(line, Hold(), tally)
     out: list[Equilibrium | None] = []
     # closed states x and -x come in pairs there, equilibria do not: each side is found by itself
     for sign in (1.0, -1.0):
@@ -241,18 +235,23 @@ def _forms(
     c = dense(system.jacobian)
     u, values, vt = np.linalg.svd(c)
     rank = int((values > RANK).sum())
-    if len(c) - rank != 1 or np.abs(system.values).max() > CLOSURE_TOL:
+    if len(c) == rank or np.abs(system.values).max() > CLOSURE_TOL:
         return None
-    w, z = u[:, -1], vt[rank:].T
+    lost, z = u[:, rank:], vt[rank:].T
+    p, contacts = system.problem, system.hold.contacts
+    inside = z / p.root[:, None]
+    # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
+    every = np.array(
+        [inside.T @ p.lagrangian_hessian(system.x, -w, contacts, 0.0) @ inside for w in lost.T]
+    )
+    # rows that depend on each other all along the set say nothing to second order either
+    mix, sizes, _ = np.linalg.svd(every.reshape(len(every), -1))
+    if int((sizes > RANK).sum()) != 1:
+        return None
+    w, q = lost @ mix[:, 0], np.tensordot(mix[:, 0], every, 1)
     first[:] = first or [w]
     # a singular vector is known but for its sign, which Q and so g' Q^-1 g take along
-    w = w * np.copysign(1.0, w @ first[0])
-    p, hold, m = system.problem, system.hold, len(system.hold.closure)
-    weights = np.zeros(p.equation_count + len(hold.contacts))
-    weights[list(hold.closure)], weights[p.equation_count :] = w[:m], w[m:]
-    # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
-    hessian = p.lagrangian_hessian(system.x, -weights, hold.contacts, 0.0)
-    q = z.T @ (hessian / np.outer(p.root, p.root)) @ z
+    q = q * np.copysign(1.0, w @ first[0])
     size = np.abs(np.linalg.eigvalsh(q))
     if not len(size) or size.min() <= RANK * size.max():
         return None

@@ -8,6 +8,7 @@ multipliers are not unique every corner of their set has its W.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import cast
@@ -74,7 +75,7 @@ def find_one_sided_branches(
                 _add(out, half)
     if not out and verdict:
         for piece in state.pieces[:1]:
-            everything = Hold(*_independent(state, piece))
+            everything = Hold(_independent(state, piece))
             for half in _frozen(line, point, everything, verdict, tally):
                 _add(out, half)
     return out
@@ -92,30 +93,15 @@ def _add(out: list[OneSidedBranch], new: OneSidedBranch) -> None:
     out.append(new)
 
 
-def _independent(
-    state: State, rows: tuple[Contact, ...]
-) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
-    """Return contacts and rows of closure that are independent and span all of them; contacts first."""
-    held = state.on(rows)
-    # Gram and Schmidt: contacts come first, so that a dependent row is dropped from closure, which holds without it
-    basis = np.zeros((0, len(state.x)))
-    chosen: list[int] = []
-    m = len(state.jacobian)
-    for k in (*range(m, m + len(rows)), *range(m)):
-        row = held.jacobian[k]
+def _independent(state: State, rows: tuple[Contact, ...]) -> tuple[Contact, ...]:
+    """Return contacts that are independent along what closure leaves free."""
+    basis, chosen = np.zeros((0, state.kernel.shape[1])), []
+    for contact, row in zip(rows, state.on(rows).slopes @ state.kernel, strict=True):
         left = row - basis.T @ (basis @ row)
         if np.linalg.norm(left) > RANK * max(1.0, float(np.linalg.norm(row))):
             basis = np.vstack([basis, left / np.linalg.norm(left)])
-            chosen.append(k)
-    contacts = tuple(rows[k - m] for k in chosen if k >= m)
-    return contacts, tuple(sorted(k for k in chosen if k < m))
-
-
-def _closure(state: State) -> tuple[int, ...]:
-    """Return rows of closure that are independent: all of them at a regular state."""
-    if state.problem.redundant or state.regular:
-        return tuple(range(len(state.jacobian)))
-    return _independent(state, ())[1]
+            chosen.append(contact)
+    return tuple(chosen)
 
 
 def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
@@ -123,7 +109,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     if state.problem.sparse:
         yield from _large_holds(state, piece)
         return
-    held, closure, p = state.on(piece), _closure(state), state.problem
+    held, m = state.on(piece), len(state.jacobian)
     found = held.multiplier_set
     size = 1.0 + float(np.abs(state.gradient).max())
     if found.residual > BALANCED * size:
@@ -132,35 +118,34 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
     optional = [k for k in range(len(piece)) if k not in must]
     # no more contacts than degrees of freedom: more would depend on each other
-    most = state.kernel.shape[1] if p.redundant else len(state.x) - len(closure)
+    most = state.kernel.shape[1]
     sets = (
         (*must, *some)
         for count in range(min(len(optional), most - len(must)), -1, -1)
         for some in itertools.combinations(optional, count)
     )
     for chosen in itertools.islice(sets, MOST_SETS):
-        jacobian = np.vstack([state.jacobian[list(closure)], held.slopes[list(chosen)]])
-        # rows of a pattern's closure depend on each other: what counts is what they leave free
-        rows = held.slopes[list(chosen)] @ state.kernel if p.redundant else jacobian
+        jacobian = np.vstack([state.jacobian, held.slopes[list(chosen)]])
+        # rows of closure depend on each other: what counts is what they leave free
+        rows = held.slopes[list(chosen)] @ state.kernel
         if np.linalg.svd(rows, compute_uv=False).min(initial=1.0) <= RANK:
             continue
         nu = np.linalg.lstsq(jacobian.T, state.gradient, rcond=DEPENDENT)[0]
         left = np.abs(state.gradient - jacobian.T @ nu).max()
-        if left <= BALANCED * size and (nu[len(closure) :] >= -BALANCED * size).all():
-            yield Hold(tuple(piece[k] for k in chosen), closure)
+        if left <= BALANCED * size and (nu[m:] >= -BALANCED * size).all():
+            yield Hold(tuple(piece[k] for k in chosen))
 
 
 def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     """Yield sets of fold limits of a large problem that can carry what the springs ask for: all, and those loaded."""
     p = cast(Sparse, state.problem)
-    closure = tuple(range(p.equation_count))
     size = 1.0 + float(np.abs(p.torque(state.x)).max())
     chosen = piece
     for _ in range(2):
         _, moments, left = p.multipliers(state.x, [c.index for c in chosen])
         balanced = float(np.abs(left).max(initial=0.0)) <= BALANCED * size
         if balanced and (moments >= -BALANCED * size).all():
-            yield Hold(chosen, closure)
+            yield Hold(chosen)
         chosen = tuple(c for c, m in zip(chosen, moments, strict=True) if m > BALANCED * size)
 
 
@@ -175,11 +160,12 @@ def _along(
         return
     others = tuple(c for c in piece if c not in hold.contacts)
     slopes, moved = opening_rates(curve, point, others)
-    weak = system.multipliers[len(hold.closure) :] <= BALANCED * system.size
+    first = line.problem.equation_count
+    weak = system.multipliers[first:] <= BALANCED * system.size
     for sign in (1.0, -1.0):
         along, force = (sign * v for v in found)
         opening = slopes @ along[:-1] + moved * along[-1]
-        force = force[len(hold.closure) :][weak]
+        force = force[first:][weak]
         # complementarity along the curve: of a weak contact the multiplier may not fall where it is held, nor the
         # opening
         # where it is not
@@ -188,8 +174,7 @@ def _along(
         frame = Equilibrium(point, along, system)
         # a weak multiplier that stays zero to first order says nothing
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
-        if line.problem.redundant:  # a tangent near by spares a factorisation or two a step
-            curve.given[:] = [frame]
+        curve.given[:] = [frame]  # a tangent near by spares a factorisation or two a step
         half = goes_on(curve, OneSidedBranch(frame, signed), others)
         if half is not None:
             yield half
@@ -273,7 +258,7 @@ def _overlapping(
     at_limit = tuple(c for c in others if _opening(frame, c) < FOLLOWED)
     hold = frame.hold
     for more in dict.fromkeys((at_limit, *((c,) for c in at_limit))):
-        if not more or len(hold.contacts) + len(more) + len(hold.closure) > len(frame.state):
+        if not more or len(more) > frame.system.free:
             continue
         other = replace(
             curve, hold=replace(hold, contacts=(*hold.contacts, *more)), known=[], given=[]
@@ -301,7 +286,7 @@ def balances(frame: Equilibrium) -> bool:
 
 def is_equilibrium(frame: Equilibrium) -> bool:
     """Return whether a point is admissible and all its contacts touch and push."""
-    good = pushes(frame) and not frame.seen.refused and closes(frame)
+    good = pushes(frame) and not frame.seen.refused
     return good and touches(frame)
 
 
@@ -312,23 +297,19 @@ def pushes(frame: Equilibrium) -> bool:
 
 def touches(frame: Equilibrium) -> bool:
     """Return whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
-    p, x = frame.problem, frame.state
-    margins = {c: p.margin(c, x) for c in frame.hold.contacts if not c.is_limit}
-    if any(m is not None and m <= INSIDE for m in margins.values()):
-        return False
-    held = {c for c, m in margins.items() if m is None}
-    if not held:
-        return True
-    found = frame.seen.contacts
-    rows = (c for branch in found.branches for option in branch for c in option)
-    return held <= {*found.base, *rows, *(c for c, _ in found.implied)}
+    return not any(margin(frame, c) <= 0.0 for c in frame.hold.contacts)
 
 
-def closes(frame: Equilibrium) -> bool:
-    """Return whether closure holds in the rows that are not kept."""
-    if len(frame.hold.closure) == frame.problem.equation_count:
-        return True
-    return bool(np.abs(frame.problem.closure(frame.state)[0]).max() <= INDEPENDENT)
+def margin(frame: Equilibrium, contact: Contact) -> float:
+    """Return by how much features meet inside each other beyond `INSIDE`; inf where they meet at a border and touch."""
+    if contact.is_limit:
+        return math.inf
+    inside = frame.problem.margin(contact, frame.state) - INSIDE
+    if inside <= 0.0:
+        found = frame.seen.contacts
+        if contact in {*found.base, *(c for b in found.branches for option in b for c in option)}:
+            return math.inf
+    return inside
 
 
 def judged(frame: Equilibrium) -> str:

@@ -8,6 +8,7 @@ passages of paper through a line (or a point of a polygon) do not interleave.
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -70,6 +71,12 @@ class Orders:
         self.values: Values = [-1] * len(self._of)
         self._answers: list[Values] = []
         self._impossible: set[tuple[int, int]] = set()
+
+    def copied(self) -> Orders:
+        """Return the same unknowns, whose values may be set apart from these."""
+        other = copy.copy(self)
+        other.values, other._answers, other._impossible = list(self.values), [], set()
+        return other
 
     def settle(self) -> int:
         """Fill in what all rules force; the rule that cannot be obeyed, or -1."""

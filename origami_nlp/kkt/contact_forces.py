@@ -141,9 +141,7 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
     return tuple(out)
 
 
-def joined_forces(
-    state: State, pieces: list[tuple[ContactForce, ...]]
-) -> tuple[ContactForce, ...]:
+def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple[ContactForce, ...]:
     """Return the contacts of several pieces, each once, with the range of its multiplier on all of them.
 
     Contacts of the same slope along closed motions are one, told in two ways: that of a corner on a facet stands for

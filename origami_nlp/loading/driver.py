@@ -20,7 +20,8 @@ from origami_nlp.kkt import Classification, State, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import SETTLED, first_largest
 from origami_nlp.pattern import Scene, dead_loads, most_torque
-from origami_nlp.problem import Model, Parameters
+from origami_nlp.pattern_problem import pose
+from origami_nlp.problem import Parameters
 
 STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 """Of vertices: such that curves look smooth, by how far they turn; where they hardly do longer steps meet the same."""
@@ -189,17 +190,18 @@ class VertexDriver:
         return None if self.scene.group.is_trivial else self._line(full_scene(self.scene))
 
     def _line(self, scene: Scene) -> ParameterLine:
-        model = Model(scene)
-        p = model.parameters
+        problem = pose(scene)
+        p = problem.parameters
         if self.crease is not None:
-            loaded = model.variable_of_crease[np.array(self.creases) - 1]
-            return load_line(model, np.bincount(loaded, minlength=model.size) / model.scale)
+            load = np.zeros(scene.degree)
+            load[np.array(self.creases) - 1] = 1.0
+            return load_line(problem, problem.gathered(load) / problem.scale)
         assert p.dead is not None
         # over t only the forces change: the points stay
         still = replace(p.dead, points=np.zeros_like(p.dead.points))
         zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
         change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)
-        return ParameterLine(model, replace(p, dead=p.dead.times(0.0)), change)
+        return ParameterLine(problem, replace(p, dead=p.dead.times(0.0)), change)
 
     def scene_at(self, t: float) -> Scene:
         """Return the scene under the load t; its energy may differ from the path's by a constant."""
@@ -231,7 +233,7 @@ class VertexDriver:
         start, driver = minima[state - 1], self
         if len(self.scene.windings) > 1:
             driver = replace(self, scene=replace(self.scene, winding=start.winding))
-        return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
+        return driver, state, pose(driver.scene).reduce(np.array(start.fold_angles))
 
     def _minima(self, t: float, search: LoadSearch) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
@@ -263,7 +265,7 @@ class VertexDriver:
 
     def beside(self, t: float) -> float:
         """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
-        return SIDE * (Model(self.scene).scale if self.crease else abs(t))
+        return SIDE * (pose(self.scene).scale if self.crease else abs(t))
 
     def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
@@ -271,7 +273,7 @@ class VertexDriver:
 
     def led_to(self, t: float, states: Sequence[np.ndarray]) -> list[np.ndarray] | None:
         """Return the minima at t, once each, to which states [N] descend; None where one comes to none."""
-        model, found = Model(self.scene_at(t)), list[np.ndarray]()
+        model, found = pose(self.scene_at(t)), list[np.ndarray]()
         for phi in states:
             try:
                 end = follow(model, model.reduce(phi), curved=True)

@@ -25,8 +25,7 @@ from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yield_path import follow_yielding
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
-from origami_nlp.pattern_problem import Work
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import Work, pose
 
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
 _OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
@@ -133,7 +132,7 @@ def load_path(
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
     if yield_torque is not None:
-        whole = Model(driver.scene).expand(x) if isinstance(driver, VertexDriver) else x
+        whole = pose(driver.scene).expand(x) if isinstance(driver, VertexDriver) else x
         alone = driver.keeping(IDENTITY) if isinstance(driver, VertexDriver) else driver
         return follow_yielding(
             alone, whole, number, ends, yield_torque, unload, options, search.until

@@ -17,7 +17,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
@@ -131,7 +131,7 @@ def judge_in_full_space(
     others
         Fold angles of the scene's symmetric minima, in order, to name where a descent lands.
     """
-    model = Model(full_scene(scene))
+    model = pose(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
     state = State(model, x)
     eigenvalues, breaking = hessian_spectra(state, scene)

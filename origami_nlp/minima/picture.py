@@ -79,10 +79,7 @@ def compose(
     unit = energy_unit(origami)
     states = StatesDrawn(
         origami,
-        [
-            _state_title(k, m, unit)
-            for k, m in enumerate(shown, start=1)
-        ],
+        [_state_title(k, m, unit) for k, m in enumerate(shown, start=1)],
         [m.phi for m in shown],
         [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
         colours=[WARNING if verdict(origami, m) == "unstable" else "black" for m in shown],

@@ -243,6 +243,13 @@ class DeadLoads:
                 total = total - 2 * np.sin(0.5 * (y[..., c] - x[..., c])) * quat.dot(step, force)
         return total
 
+    def drift(self, sectors: np.ndarray, x: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return how the gradient changes with a change of `vector`, [N]: it is linear in points, and in forces."""
+        table = change[: len(self.vector)].reshape(-1, 5)
+        points = DeadLoads(self.held, self.facets, table[:, :2], self.forces)
+        forces = DeadLoads(self.held, self.facets, self.points, table[:, 2:])
+        return points.gradient(sectors, x) + forces.gradient(sectors, x)
+
     def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the gradient of the energy, [..., N]: -f . (a x p), a the axis of a crease between."""
         out = np.zeros_like(x)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy as shallow
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +55,15 @@ class PatternCrossings:
         self.pieces = np.array([[*p, *[p[0]] * (most - len(p))] for p in pieces], int)
         self.inner = np.array([[*c, *[True] * (most - len(c))] for c in inner], bool)
         self.size = float(np.ptp(own.corners, axis=0).max())
+
+    def moved(self, pattern: Pattern) -> PatternCrossings:
+        """Return the test of a pattern of the same facets, measured in another reference state."""
+        other = shallow(self)
+        for name in ("joined", "hinges", "listed"):
+            vars(other).pop(name, None)
+        other.pattern, other.poses = pattern, self.poses.moved(pattern)
+        other.size = float(np.ptp(pattern.corners, axis=0).max())
+        return other
 
     @cached_property
     def joined(self) -> np.ndarray:

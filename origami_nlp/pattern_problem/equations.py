@@ -117,6 +117,10 @@ class PatternEquations:
         """Return the fold angles [..., N] of variables [..., n]."""
         return np.asarray(x) if self.orbits is None else self.orbits.expand(np.asarray(x))
 
+    def gathered(self, rows: np.ndarray) -> np.ndarray:
+        """Return derivatives by variables [..., n] of those by fold angles [..., N]."""
+        return rows if self.orbits is None else self.orbits.gather(rows)
+
     def reduce(self, fold_angles: np.ndarray) -> np.ndarray:
         """Return the variables [..., n] of fold angles [..., N] that keep the symmetry."""
         if self.orbits is None:

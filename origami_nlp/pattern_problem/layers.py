@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from origami_nlp.pattern_problem.equations import PatternEquations
 from origami_nlp.pattern_problem.stacks import Stack, Unclear
 
 ALONG = "intersect along a crease"
+Posed: TypeAlias = tuple[Orders, list[tuple[int, ...]]]
+"""Of pairs of a stack, whether the first piece is above, and the pieces that each rule is about."""
 MOST_PAIRS = 10_000
 """Overlapping pairs of pieces that are ordered: a millisecond each."""
 
@@ -81,7 +83,7 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
         return _too_many(pattern, problem.expand(phi), many)
     stated = pattern.orders if _is_stated(pattern, problem.expand(phi)) else ()
     try:
-        found = _ordered(stack, stated)
+        found = _ordered(problem, phi, stack, stated)
         if pattern.cell and found.verdict == "crosses" and not found.reason.endswith(ALONG):
             # orders that do not repeat are not looked for
             why = "layer order not decided: none that repeats with the cell was found"
@@ -153,17 +155,17 @@ def pose_layers(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Ord
     Unclear
         If two pieces are too close to each other.
     """
-    posed = pose_stack(stack)
+    posed = _posed(problem, phi, stack)
     if not isinstance(posed, Layers) and _is_stated(problem.pattern, problem.expand(phi)):
         bare = list(posed[0].values)
         if conflict(stack, posed[0], problem.pattern.orders)[0]:
             posed[0].values = bare
-    return posed if isinstance(posed, Layers) else posed[0]
+    return posed if isinstance(posed, Layers) else posed[0].copied()
 
 
 def pose_stack(
     stack: Stack, unassigned: Container[int] = (), most: float = MOST_NODES
-) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
+) -> Posed | Layers:
     """Pose the orders of a stack, and the pieces that each rule is about.
 
     Parameters
@@ -209,9 +211,33 @@ def pose_stack(
     return orders, about
 
 
-def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
+def _posed(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Posed | Layers:
+    """Pose the orders of a state once for all who ask."""
+
+    def made() -> tuple[Posed | Layers | None, list[int]]:
+        try:
+            posed = pose_stack(stack)
+        except Unclear:
+            return None, []
+        return posed, [] if isinstance(posed, Layers) else list(posed[0].values)
+
+    posed, forced = problem.kept("orders", phi, made)
+    if posed is None:
+        raise Unclear
+    if not isinstance(posed, Layers):
+        posed[0].values = list(forced)
+    known: Posed | Layers = posed
+    return known
+
+
+def _ordered(
+    problem: PatternEquations,
+    phi: np.ndarray,
+    stack: Stack,
+    stated: Sequence[tuple[int, int, int]],
+) -> Layers:
     """Find an order, the one that is stated where it is."""
-    posed, many = pose_stack(stack), len(stack.facets)
+    posed, many = _posed(problem, phi, stack), len(stack.facets)
     if isinstance(posed, Layers):
         return posed
     orders, about = posed

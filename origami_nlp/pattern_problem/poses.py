@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -73,6 +74,14 @@ class Poses:
         self._senses = np.array([s for _, s in across_all])
         self._senses_between: dict[tuple[int, int], np.ndarray] = {}
         self._last: tuple[bytes, tuple[np.ndarray, np.ndarray]] | None = None
+
+    def moved(self, pattern: Pattern) -> Poses:
+        """Return poses of a pattern of the same facets, measured in another reference state; of one without a cell."""
+        other = copy.copy(self)
+        for name in ("centres", "walks", "_gaps"):
+            vars(other).pop(name, None)
+        other.pattern, other._last = pattern, None
+        return other
 
     @cached_property
     def centres(self) -> np.ndarray:

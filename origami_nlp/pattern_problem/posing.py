@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -56,7 +57,7 @@ def pose(origami: Scene | Pattern) -> PatternProblem:
         firsts = [ray.crease for ray in scene.group.rays if ray.crease is not None]
         orbits = replace(orbits, orbit=np.argsort(orbits.orbit[firsts])[orbits.orbit])
     problem = PatternProblem(paper, scene.contact == "full", orbits, scene.contact != "none")
-    problem.told = vertex_words
+    problem.told, problem.shape = vertex_words, partial(_shape_of, scene.vertex.flat)
     k = problem.stiffness * problem.scale
     problem.scale = 2.0 ** round(math.log2(k.mean()))
     vars(problem).pop("springs")
@@ -99,11 +100,11 @@ def vertex_words(problem: PatternProblem, touch: ContactPair, x: np.ndarray | No
 def one_vertex(scene: Scene) -> Pattern:
     """Return the paper of a scene, its crease i between corners 0 and i (1-based)."""
     n, vertex = scene.degree, scene.vertex
-    rim, angles = _rim(vertex)
+    corners, angles = _shape_of(vertex.flat, np.array(vertex.sector_angles))
     creases = [(0, i + 1) for i in range(n)]
     polygons = [(0, i + 1, (i + 1) % n + 1) for i in range(n)]
     made = make_pattern(
-        np.vstack([np.zeros(3), rim]),
+        corners,
         polygons,
         fold_angles=dict(zip(creases, angles.tolist(), strict=True)),
         stiffness=dict(zip(creases, scene.stiffness, strict=True)),
@@ -114,12 +115,18 @@ def one_vertex(scene: Scene) -> Pattern:
     return replace(made, limits=limits, laws=scene.laws)
 
 
-def _rim(vertex: Vertex) -> tuple[np.ndarray, np.ndarray]:
-    """Return unit vectors along the creases of a closed state [N, 3], and its fold angles [N]."""
-    n, a = vertex.degree, np.array(vertex.sector_angles)
-    if vertex.flat:
-        at = np.array(vertex.azimuths)
-        return np.column_stack([np.cos(at), np.sin(at), np.zeros(n)]), np.zeros(n)
+def _shape_of(flat: bool, sectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the vertex and unit vectors along the creases of a closed state [N + 1, 3], and its fold angles [N]."""
+    if not flat:
+        rim, angles = _closed(sectors)
+        return np.vstack([np.zeros(3), rim]), angles
+    at = np.cumsum(sectors) - sectors
+    rim = np.column_stack([np.cos(at), np.sin(at), np.zeros(len(at))])
+    return np.vstack([np.zeros(3), rim]), np.zeros(len(at))
+
+
+def _closed(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    n = len(a)
     # all creases but the last two are folded alike, or to and fro; the last facets close a spherical triangle
     most, best = -CLOSURE_TOL, np.zeros((n, 3))
     to_and_fro = (-1.0) ** np.arange(n)
@@ -143,7 +150,9 @@ def _rim(vertex: Vertex) -> tuple[np.ndarray, np.ndarray]:
             most, best = room, np.array([*rays, flat + math.sqrt(max(room, 0.0)) * up / size])
     angles = _fold_angles(best)
     # a whole turn of one crease is another lift of the same shape
-    angles[0] -= 2 * math.pi * (fold_vertex(vertex, angles)[1][0] < 0)
+    angles[0] -= (
+        2 * math.pi * (fold_vertex(Vertex(tuple(a.tolist()), flat=False), angles)[1][0] < 0)
+    )
     return best, angles
 
 

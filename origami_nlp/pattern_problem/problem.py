@@ -6,7 +6,7 @@ The energy and the closure of `PatternEquations`, the contacts of `PatternContac
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -17,6 +17,7 @@ import scipy as sp
 from origami_nlp.io import pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.closure import Closure
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.contacts import PatternContacts
 from origami_nlp.pattern_problem.layers import Layers, order_layers
@@ -24,6 +25,13 @@ from origami_nlp.pattern_problem.meeting_features import touches_at
 from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.work import Work, Worked
 from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, openings
+
+SHIFT = 1e-3
+"""Step [rad] of differences by sector angles: their error is its fourth power."""
+
+
+def _no_shape(sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    raise NotImplementedError("sector angles of a sheet are not varied")
 
 
 class PatternProblem(PatternContacts, Energies):
@@ -44,6 +52,8 @@ class PatternProblem(PatternContacts, Energies):
     ----------
     contact
         As given.
+    shape
+        Of one vertex: corners and fold angles of a reference state with given sector angles.
 
     Examples
     --------
@@ -66,7 +76,8 @@ class PatternProblem(PatternContacts, Energies):
     ) -> None:
         super().__init__(pattern, contact, orbits, limited)
         self._load = np.zeros(self.size)
-        self._dead: Worked | None = None
+        self._dead: Any = None
+        self.shape: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] = _no_shape
 
     @cached_property
     def parameters(self) -> Parameters:
@@ -121,8 +132,7 @@ class PatternProblem(PatternContacts, Energies):
     def scaled_energy(self, phi: np.ndarray) -> float:
         """Energy, load included, over `scale`; with a constant, so that it is positive."""
         # the load is kept over `scale`, the springs of the pattern that complete its square are not
-        dead = self._dead
-        room = 0.0 if dead is None else dead.work.room(self.scale * dead.t) / self.scale
+        room = 0.0 if self._dead is None else self._dead.room(self.scale)
         return float(self.parameters.energy(phi)) + room
 
     def constraints(
@@ -312,9 +322,15 @@ class PatternProblem(PatternContacts, Energies):
     def varied(
         self, parameters: Parameters, sector_angles: np.ndarray | None = None
     ) -> PatternProblem:
-        """Return the same problem with other springs and loads, over the same `scale`."""
-        if sector_angles is not None:
-            raise NotImplementedError("sector angles of a pattern are not varied")
+        """Return the same problem with other springs and loads, over the same `scale`.
+
+        Parameters
+        ----------
+        parameters
+            Of its variables.
+        sector_angles
+            Round the vertex of a scene [N] [rad], where they change.
+        """
         other, p = self._other(), self.parameters
         same = p.laws is parameters.laws or (
             p.laws is not None
@@ -327,16 +343,27 @@ class PatternProblem(PatternContacts, Energies):
             and np.array_equal(p.rest, parameters.rest)
             and np.array_equal(p.stiffness, parameters.stiffness)
         ):
-            stiffness = parameters.stiffness * self.scale
-            other.pattern = replace(
-                self.pattern,
-                stiffness=stiffness,
-                rest=parameters.rest,
-                laws=() if parameters.laws is None else parameters.laws.made(self.scale),
-            )
-            vars(other).pop("springs", None)
-        other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
+            if self.orbits is None:
+                other.pattern = replace(
+                    self.pattern,
+                    stiffness=parameters.stiffness * self.scale,
+                    rest=parameters.rest,
+                    laws=() if parameters.laws is None else parameters.laws.made(self.scale),
+                )
+            other.springs = replace(parameters, load=np.zeros(self.size), dead=None)
+        if sector_angles is not None:
+            other._move(*self.shape(sector_angles))
+            other.springs = replace(other.springs, sectors=sector_angles)
+        other._load, other._dead = parameters.load, parameters.dead
         return other
+
+    def _move(self, corners: np.ndarray, reference: np.ndarray) -> None:
+        """Measure the same facets in another reference state."""
+        self.pattern = replace(self.pattern, corners=corners, reference=reference)
+        self.closure = Closure(self.pattern, self.orbits)
+        self.crossings = self.crossings.moved(self.pattern)
+        self._last, self._decomposed = None, {}
+        vars(self).pop("features", None)
 
     def drift(
         self,
@@ -345,14 +372,37 @@ class PatternProblem(PatternContacts, Energies):
         contacts: Sequence[Contact],
         change: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Differentiate the KKT system along a change of `parameters.vector`: of springs and load alone."""
-        stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
-        p = self.parameters
-        # d(k (phi - phi0) - load); closure and gaps do not depend on springs and loads
+        """Differentiate the KKT system along a change of `parameters.vector`.
+
+        Closure and gaps depend on sector angles alone: there differences of fourth order are taken.
+        """
+        p, first = self.parameters, len(self.parameters.sectors)
+        stiffness, rest, load = change[first : first + 3 * self.size].reshape(3, -1)
         torque = stiffness * (x - p.rest) - p.stiffness * rest
         if p.laws is not None:
             torque = p.laws.linear(torque) + p.laws.drift(x, change[-2 * self.size :])
-        torque = torque - load
-        if self._dead is not None:
-            torque = torque - change[3 * self.size] * self._dead.work.gradient(x)
-        return torque, np.zeros(len(multipliers))
+        torque, moved = torque - load, np.zeros(len(multipliers))
+        if p.dead is not None:
+            torque = torque + p.dead.drift(p.sectors, x, change[first + 3 * self.size :])
+        if change[:first].any():
+            by_shape = self._shape_drift(x, multipliers, contacts, change[:first])
+            torque, moved = torque + by_shape[: self.size], by_shape[self.size :]
+        return torque, moved
+
+    def _shape_drift(
+        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact], d: np.ndarray
+    ) -> np.ndarray:
+        p, m = self.parameters, self.equation_count
+        h = SHIFT / float(np.abs(d).max())
+
+        def system(share: float) -> np.ndarray:
+            sectors = p.sectors + share * h * d
+            local = self.varied(replace(p, sectors=sectors), sectors).rows(x)
+            values, slopes = local.openings(contacts)
+            torque = local.closure_jacobian.T @ multipliers[:m] + slopes.T @ multipliers[m:]
+            # forces on facets move with them
+            pull = 0.0 if p.dead is None else local.gradient
+            return np.concatenate([pull - torque, local.closure, values])
+
+        ahead, behind = ([system(sign * k) for k in (1, 2)] for sign in (1.0, -1.0))
+        return np.asarray((8 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12 * h))

@@ -412,6 +412,14 @@ class Worked:
         """Return the energy at y less that at x, [...]."""
         return -self.t * (self.work.conjugate(y) - self.work.conjugate(x))
 
+    def drift(self, sectors: np.ndarray, x: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return how the gradient changes with a change of `vector`, [n]."""
+        return -change[0] * self.work.gradient(x)
+
+    def room(self, scale: float) -> float:
+        """Return what completes squares under the load, over the scale of the problem."""
+        return self.work.room(scale * self.t) / scale
+
     def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the gradient of the energy at a state [n], same shape."""
         return -self.t * self.work.gradient(x)
