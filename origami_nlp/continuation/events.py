@@ -190,18 +190,20 @@ def multipliers_pass_infinity(
     curve on the other side is not where the state must go.
     """
     # nu = eta w / h + ... beside a state where closure loses rank: it changes sign with h
-    if float(a.system.multipliers @ b.system.multipliers) >= 0:
+    first, beyond = (f.system.shortest_multipliers for f in (a, b))
+    if float(first @ beyond) >= 0:
         return None
     low, high, last, grown = 0.0, step_length(a, b, curve.root), a, np.inf
     for _ in range(BISECTIONS):
         here = curve.beside(a, 0.5 * (low + high))
-        if here is not None:
-            grown = float(np.abs(here.system.multipliers).max())
-        if here is None or float(a.system.multipliers @ here.system.multipliers) <= 0:
+        there = None if here is None else here.system.shortest_multipliers
+        if there is not None:
+            grown = float(np.abs(there).max())
+        if here is None or there is None or float(first @ there) <= 0:
             high = 0.5 * (low + high)
         else:
             low, last = 0.5 * (low + high), here
-    if grown <= max(float(np.abs(f.system.multipliers).max()) for f in (a, b)):
+    if grown <= max(float(np.abs(nu).max()) for nu in (first, beyond)):
         return None  # they pass zero
     flat = float(np.abs(last.state).max()) < NEARLY
     where = "the flat state" if flat else "creases are aligned"

@@ -121,6 +121,11 @@ class BorderedSystem:
         """What `kkt.classify` says of it."""
         return classify(self.seen)
 
+    @cached_property
+    def shortest_multipliers(self) -> np.ndarray:
+        """Multipliers of smallest norm: those that Newton carries along say nothing of dependent rows, [m + r]."""
+        return Normal(self.jacobian).multipliers(self.imbalance + self.jacobian.T @ self.multipliers)
+
     @property
     def residual(self) -> float:
         """Largest entry of the KKT system, torques relative to the largest."""

@@ -16,11 +16,11 @@ from typing import TypeAlias
 
 import numpy as np
 
+from origami_nlp.kkt.choices import Choices
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbourhood import sample_neighbourhood
 from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, newton, polish
 from origami_nlp.kkt.projection import project
-from origami_nlp.kkt.splitting import Choices
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     CARRIES,

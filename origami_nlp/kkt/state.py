@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.kkt.choices import Choices
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
 from origami_nlp.kkt.tangent_cone import TangentCone, tangent_cone
 from origami_nlp.numerics import (
@@ -173,9 +174,19 @@ class State:
         return tuple(c for c in rows if c.at - c.side * self.x[c.index] <= self.tolerance)
 
     @cached_property
+    def choices(self) -> Choices:
+        """Choices between closed contacts, to first order."""
+        return Choices(self)
+
+    @cached_property
     def pieces(self) -> list[tuple[Contact, ...]]:
-        """Smooth pieces of the feasible set that meet here, as contacts; where too many, only those of all of them."""
-        return self.contacts.combinations() or [self.contacts.base]
+        """Smooth pieces of the feasible set that meet here, as contacts; where too many, only those of all of them.
+
+        Of contacts that say the same to first order one is named.
+        """
+        exact = self.contacts.complete
+        found = self.contacts.combinations() if exact else self.choices.pieces()
+        return found or [self.contacts.base]
 
     @cached_property
     def refused(self) -> str:

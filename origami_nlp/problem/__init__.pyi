@@ -41,6 +41,7 @@ from .strata import (
     vertices as vertices,
 )
 from .touching import (
+    MOST_LISTED as MOST_LISTED,
     ClosedContacts as ClosedContacts,
     ContactWords as ContactWords,
     closed_anyway as closed_anyway,
