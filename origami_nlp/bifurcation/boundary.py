@@ -18,7 +18,7 @@ from origami_nlp.bifurcation.event_curve import (
     Tracer,
     follow_event,
 )
-from origami_nlp.bifurcation.family import family_of, with_generic_symmetry
+from origami_nlp.bifurcation.family import with_generic_symmetry
 from origami_nlp.bifurcation.find import follow_family
 from origami_nlp.bifurcation.parameter_range import (
     ParameterRange,
@@ -345,7 +345,7 @@ def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[Bifurcation
     low = max(s - AROUND * plane.size[axis], float(plane.corner[axis]))
     high = min(s + AROUND * plane.size[axis], float(end))
     near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
-    family = family_of(family_of(plane.scene, other).scene_of(point.t[1 - axis]), near)
+    family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
     web = BifurcationDiagram(family.line, *near.ends)
     web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
     return web, other.s_of(point.t[1 - axis])

@@ -61,12 +61,15 @@ class Family:
         How many scenes are posed before it is followed, to see whether it is smooth.
     course
         The hinge law that t is a number of, if it is.
+    like
+        A problem whose scale and numbers of contacts those of the family take.
     """
 
     parameter: ParameterRange
     scene_of: Callable[[float], Scene] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
     course: LawCourse | None = field(default=None, repr=False)
+    like: PatternProblem | None = field(default=None, repr=False)
 
     def scene(self, t: float) -> Scene:
         """Return the scene at t, named after it."""
@@ -100,6 +103,8 @@ class Family:
         names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
         models = [pose(scene) for scene in scenes]
         moving = self.course is not None
+        if self.like is not None:
+            models[0].numbered_as(self.like)
         posed = same_problem(
             list(zip(scenes, models, strict=True)), parameter.name, names, moving=moving
         )

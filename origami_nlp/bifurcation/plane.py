@@ -46,7 +46,13 @@ class Plane:
     def family(self, value: float, axis: int = 0) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
         along, other = self.parameters[axis], self.parameters[1 - axis]
-        return family_of(family_of(self.scene, other).scene_of(value), along)
+        made = family_of(family_of(self.scene, other).scene_of(value), along)
+        return replace(made, like=self._like)
+
+    @cached_property
+    def _like(self) -> PatternProblem:
+        """Whose scale and numbers of contacts all problems of the plane take."""
+        return pose(self.scene)
 
     @cached_property
     def corner(self) -> np.ndarray:
@@ -71,6 +77,7 @@ class Plane:
         shares = np.linspace(0.0, 1.0, GRID)
         scenes = [self._scene(self.corner + self.size * (a, b)) for a in shares for b in shares]
         made = [(scene, pose(scene)) for scene in scenes]
+        made[0][1].numbered_as(self._like)
         alike = same_problem(made, self.parameters[0].name, [scene.label for scene in scenes])
         posed = np.array([linear_numbers(m.parameters) for m in alike]).reshape(GRID, GRID, -1)
         first = (posed[-1, 0] - posed[0, 0]) / self.size[0]

@@ -124,7 +124,9 @@ class BorderedSystem:
     @cached_property
     def shortest_multipliers(self) -> np.ndarray:
         """Multipliers of smallest norm: those that Newton carries along say nothing of dependent rows, [m + r]."""
-        return Normal(self.jacobian).multipliers(self.imbalance + self.jacobian.T @ self.multipliers)
+        return Normal(self.jacobian).multipliers(
+            self.imbalance + self.jacobian.T @ self.multipliers
+        )
 
     @property
     def residual(self) -> float:

@@ -51,6 +51,10 @@ MOST_KEPT = 3
 """States of which what was computed is kept: that of a step, and those which a line search tries."""
 
 
+MOST_STACKS = 64
+"""States whose pieces on each other, and rules of order, are kept."""
+
+
 class PatternEquations:
     """Energy and closure of a pattern, and linear systems of them.
 
@@ -86,6 +90,7 @@ class PatternEquations:
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._seen: dict[str, dict[bytes, Any]] = {}
+        self._stacks: dict[bytes, Stack] = {}
         # of closure alone: shared with the same pattern under other loads
         self._decomposed: dict[bytes, NullSpaces] = {}
 
@@ -152,8 +157,18 @@ class PatternEquations:
 
     def stack(self, x: np.ndarray) -> Stack:
         """Return the pieces that lie on each other at a state, with the rules of their order."""
-        stack: Stack = self.kept("stack", x, lambda: Stack(self.crossings, x, self.check_time))
+        stack: Stack = self.kept("stack", x, lambda: self._stacked(x))
         return stack
+
+    def _stacked(self, x: np.ndarray) -> Stack:
+        # which way creases are folded flat changes nothing of where paper lies
+        key = (np.round(self.crossings.placed(x) / self.crossings.size, 12) + 0.0).tobytes()
+        known = self._stacks.pop(key, None)
+        found = Stack(self.crossings, x, self.check_time) if known is None else known.at(x)
+        if len(self._stacks) >= MOST_STACKS:
+            del self._stacks[next(iter(self._stacks))]
+        self._stacks[key] = found
+        return found
 
     @cached_property
     def features(self) -> Features:

@@ -10,7 +10,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
-from origami_nlp.folding import MOST_NODES, Orders, Rules, check_admissible
+from origami_nlp.folding import MOST_NODES, Orders, check_admissible
 from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, NOISE
 from origami_nlp.pattern import Loop, Pattern, Vertex
 from origami_nlp.pattern_problem.equations import PatternEquations
@@ -189,14 +189,10 @@ def pose_stack(
         If two pieces are too close to each other.
     """
     many = len(stack.facets)
-    rules, about = [], []
-    for rule, pieces in stack.rules():
-        rules.append(rule)
-        about.append(pieces)
-        if not rule[0]:
-            why = f"{_facets(stack, pieces)} {ALONG}"
-            return Layers("crosses", why, many)
-    orders = Orders(Rules(len(stack.pairs), rules), most)
+    rules, about = stack.ruled
+    if rules.rules and not rules.rules[-1][0]:
+        return Layers("crosses", f"{_facets(stack, about[-1])} {ALONG}", many)
+    orders = Orders(rules, most)
     for unknown, value, crease in stack.known():
         if crease in unassigned:
             continue

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from origami_nlp.pattern import HingeLaw, Pattern
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.problem import FoldLimits
 
+KEY = itemgetter(0)
 DIGITS = 9
 """Of places on facets, by which images of a contact are told apart."""
 
@@ -41,6 +44,24 @@ class Image:
     polygons: np.ndarray
     sign: int
     turns: int
+
+    def facets_of(self, i: int, j: int) -> tuple[int, int]:
+        """Return the images of two facets."""
+        return self._facets[i], self._facets[j]
+
+    def corners_of(self, four: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the images of corners; -1 stands for none."""
+        return tuple(c if c < 0 else self._corners[c] for c in four)
+
+    @cached_property
+    def _facets(self) -> list[int]:
+        facets: list[int] = self.facets.tolist()
+        return facets
+
+    @cached_property
+    def _corners(self) -> list[int]:
+        corners: list[int] = self.corners.tolist()
+        return corners
 
     @classmethod
     def of(cls, pattern: Pattern, corners: Sequence[int], sign: int) -> Image:
@@ -114,57 +135,75 @@ class Orbits:
         return tuple(laws[c] for c in np.unique(self.orbit, return_index=True)[1].tolist())
 
     @cached_property
-    def _triangles(self) -> tuple[list[tuple[int, int, int]], np.ndarray]:
-        """Of each facet three of its corners, and its normal in the reference state, [F, 3]."""
+    def _triangles(self) -> list[tuple[int, int, int]]:
+        """Of each facet three of its corners, which stand for its plane."""
         p, found = self.pattern, dict[int, tuple[int, int, int]]()
-        normal = np.zeros((p.facets, 3))
         for ring, facet in zip(p.polygons, p.facet_of.tolist(), strict=True):
-            normal[facet] += area_vectors(p.corners[list(ring)])
             found.setdefault(facet, (ring[0], ring[1], ring[2]))
-        return [found[f] for f in range(p.facets)], normal
+        return [found[f] for f in range(p.facets)]
 
-    def _image(self, touch: ContactPair, by: Image | None) -> ContactPair:
-        """Return the image of a contact, written in the one way of those that say the same."""
-        x, (triangles, normals) = self.pattern.corners, self._triangles
-        sign, (i, j) = touch.sign, touch.facets
-        four = list(touch.corners)
-        if by is not None:
-            sign, i, j = sign * by.turns, int(by.facets[i]), int(by.facets[j])
-            four = [c if c < 0 else int(by.corners[c]) for c in four]
+    @cached_property
+    def _signs(self) -> dict[tuple[int, ...], float]:
+        """Of triangles of corners whether they run as that of their facet; filled in as they are asked for."""
+        return {}
+
+    def _sign(self, facet: int, corners: tuple[int, ...]) -> float:
+        known = self._signs.get((facet, *corners))
+        if known is None:
+            x = self.pattern.corners
+            one, other = area_vectors(x[[list(corners), list(self._triangles[facet])]])
+            known = self._signs[facet, *corners] = float(np.sign(one @ other))
+        return known
+
+    @cached_property
+    def _moves(self) -> dict[tuple[int, int], tuple[np.ndarray, np.ndarray]]:
+        """Of images, by their place in `images`, and facets: the map of points of the facet to those of its image."""
+        found, x = {}, self.pattern.corners
+        for k, by in enumerate(self.images):
+            for facet, corners in enumerate(self._triangles):
+                (a, u, v), (b, p, q) = (
+                    (y[0], *(y[1:] - y[0]))
+                    for y in (x[list(corners)], x[by.corners[list(corners)]])
+                )
+                turn = np.stack([p, q], axis=1) @ np.linalg.pinv(np.stack([u, v], axis=1))
+                found[k, facet] = turn, b - turn @ a
+        return found
+
+    def _image(self, touch: ContactPair, k: int) -> tuple[tuple[Any, ...], ContactPair]:
+        """Return the image k of a contact, -1 for itself, in the one way of those that say the same, and its key."""
+        sign, (i, j), four = touch.sign, touch.facets, touch.corners
+        if k >= 0:
+            by = self.images[k]
+            sign, (i, j) = sign * by.turns, by.facets_of(i, j)
+            four = by.corners_of(four)
         if touch.type == "edge-edge":
-            (p, q), (r, s) = sorted(four[:2]), sorted(four[2:])
+            p, q, r, s = four
             # each exchange of two ends turns the common normal
-            sign *= (-1.0) ** ((p != four[0]) + (r != four[2]))
-            one, other = sorted([(i, p, q), (j, r, s)])
-            (i, p, q), (j, r, s) = one, other
-            return ContactPair("edge-edge", (i, j), (p, q, r, s), sign)
-        a, b, c = x[four[1:]]
-        sign *= float(np.sign(np.cross(b - a, c - a) @ normals[i]))
-        corners = (four[0], *triangles[i])
-        return replace(touch, facets=(i, j), corners=corners, sign=sign, **self._place(touch, by))
-
-    def _place(self, touch: ContactPair, by: Image | None) -> dict[str, tuple[float, ...]]:
-        """Return where points on a facet go, of contacts that have some."""
-        if touch.type != "face-face":
-            return {}
-        found = {name: np.array(getattr(touch, name)) for name in ("place", "middle")}
-        if by is not None:
-            of, x = list(self._triangles[0][touch.facets[1]]), self.pattern.corners
-            back = np.linalg.pinv(np.column_stack([x[of[1]] - x[of[0]], x[of[2]] - x[of[0]]]))
-            to = x[by.corners[of]]
-            for name, point in found.items():
-                s, t = back @ (point - x[of[0]])
-                found[name] = to[0] + s * (to[1] - to[0]) + t * (to[2] - to[0])
-        return {name: tuple(point.tolist()) for name, point in found.items()}
+            if p > q:
+                p, q, sign = q, p, -sign
+            if r > s:
+                r, s, sign = s, r, -sign
+            if (j, r, s) < (i, p, q):
+                i, p, q, j, r, s = j, r, s, i, p, q
+            made = ContactPair("edge-edge", (i, j), (p, q, r, s), sign)
+            return (made.facets, made.corners, sign), made
+        sign *= self._sign(i, four[1:])
+        corners = (four[0], *self._triangles[i])
+        if touch.type == "vertex-face":
+            made = ContactPair("vertex-face", (i, j), corners, sign)
+            return (made.facets, made.corners, sign), made
+        points = {name: np.array(getattr(touch, name)) for name in ("place", "middle")}
+        if k >= 0:
+            turn, shift = self._moves[k, touch.facets[1]]
+            points = {name: turn @ point + shift for name, point in points.items()}
+        places = {name: tuple(point.tolist()) for name, point in points.items()}
+        made = replace(touch, facets=(i, j), corners=corners, sign=sign, **places)
+        at = (points["place"].round(DIGITS) + 0.0).tolist()
+        return (made.facets, made.corners, *at, sign), made
 
     def images_of(self, touch: ContactPair) -> dict[tuple[object, ...], ContactPair]:
         """Return a contact and its images by what tells them apart, the one that stands for all first."""
-        found: dict[tuple[object, ...], ContactPair] = {}
-        for by in (None, *self.images):
-            image = self._image(touch, by)
-            at = np.round(getattr(image, "place", ()), DIGITS) + 0.0
-            found.setdefault((image.facets, image.corners, *at.tolist(), image.sign), image)
-        return dict(sorted(found.items()))
+        return dict(sorted((self._image(touch, k) for k in range(-1, len(self.images))), key=KEY))
 
 
 def orbits_of(pattern: Pattern, symmetries: Sequence[tuple[Sequence[int], int]]) -> Orbits:

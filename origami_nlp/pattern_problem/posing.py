@@ -80,7 +80,8 @@ def vertex_words(problem: PatternProblem, touch: ContactPair, x: np.ndarray | No
     Corner i (0-based) is the end of crease i.
     """
     a, b = touch.facets
-    if touch.type == "face-face":
+    inner = touch.type == "vertex-face" or 0 in touch.corners
+    if touch.type == "face-face" or not inner:
         return f"facets {min(a, b) + 1} and {max(a, b) + 1} on each other"
     of, on, (p, q) = b, a, touch.corners[:2]
     crease = p

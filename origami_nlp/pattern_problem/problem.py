@@ -282,10 +282,12 @@ class PatternProblem(PatternContacts, Energies):
         PatternProblem
             This one.
         """
+        self.springs = self.springs.scaled(self.scale / other.scale)
+        self._load = self._load * (self.scale / other.scale)
         self.scale, self._end = other.scale, other._end
         self._touches, self._numbers = other._touches, other._numbers
-        for kept in ("springs", "parameters"):
-            vars(self).pop(kept, None)
+        self._images, self._contacts = other._images, other._contacts
+        vars(self).pop("parameters", None)
         return self
 
     def _other(self) -> PatternProblem:
@@ -362,7 +364,7 @@ class PatternProblem(PatternContacts, Energies):
         self.pattern = replace(self.pattern, corners=corners, reference=reference)
         self.closure = Closure(self.pattern, self.orbits)
         self.crossings = self.crossings.moved(self.pattern)
-        self._last, self._decomposed = None, {}
+        self._last, self._decomposed, self._stacks = None, {}, {}
         vars(self).pop("features", None)
 
     def drift(

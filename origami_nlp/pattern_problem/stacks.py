@@ -16,6 +16,7 @@ each other is one of paper exactly if the rules have an answer.
 
 from __future__ import annotations
 
+import copy
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -25,7 +26,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved, tied
+from origami_nlp.folding import TRANSITIVE, Rule, Rules, not_interleaved, tied
 from origami_nlp.numerics import (
     ANSWERED,
     DEEP,
@@ -114,6 +115,23 @@ class Stack:
         self.unknown: dict[Pair, int] = {}
         for k, (i, j) in enumerate(self.pairs.tolist()):
             self.unknown |= dict.fromkeys(crossings.copied_pairs(i, j), k)
+
+    def at(self, phi: np.ndarray) -> Stack:
+        """Return the same pieces on each other, in a state with other fold angles."""
+        other = copy.copy(self)
+        other.phi = self.crossings.poses.copied(phi)
+        return other
+
+    @cached_property
+    def ruled(self) -> tuple[Rules, list[tuple[int, ...]]]:
+        """All rules, and the pieces that each is about; one without unknowns is the last."""
+        rules, about = [], []
+        for rule, pieces in self.rules():
+            rules.append(rule)
+            about.append(pieces)
+            if not rule[0]:
+                break
+        return Rules(len(self.pairs), rules), about
 
     @property
     def facets(self) -> list[Pair]:
