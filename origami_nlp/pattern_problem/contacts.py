@@ -193,11 +193,8 @@ class PatternContacts(PatternEquations):
         within = CLOSURE_TOL if tolerance <= CONTACT_TOL else tolerance
 
         def closed(pair: int, above: bool) -> list[Contact]:
-            every = faces.touches(pair, above)
-            # of points that lie on the other facet only those count that touch: facets may be level at a side, and open
-            # beyond
             near = CLOSURE_TOL * self.crossings.size
-            return [self.contact_of(t) for t in every if t.gap(place) <= near]
+            return [self.contact_of(t) for t in faces.closed(pair, above, near)]
 
         meeting = [self.contact_of(t) for t in touches_at(self, x, at_limit, within)]
         known = [c for each, above in faces.known for c in closed(each, above)]

@@ -118,7 +118,6 @@ class Faces:
     def __init__(self, problem: PatternEquations, phi: np.ndarray) -> None:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._problem, self._phi = problem, phi
-        self._told: dict[int, list[ContactPair]] = {}
         self._stack, self._orders = problem.stack(phi), Orders(Rules(0, ()))
         if not len(self._stack.pairs):
             return
@@ -208,9 +207,22 @@ class Faces:
             One at each corner of the overlap: a corner inside the other facet, two sides that cross inside each other,
             and else `CoplanarContact`.
         """
-        if pair not in self._told:
-            self._told[pair] = self._above(pair)
-        return tuple(t if above else replace(t, sign=-t.sign) for t in self._told[pair])
+        told = self._stack.told
+        if (pair, above) not in told:
+            found = tuple(self._above(pair))
+            told[pair, True], told[pair, False] = (
+                found,
+                tuple(replace(t, sign=-t.sign) for t in found),
+            )
+        return told[pair, above]
+
+    def closed(self, pair: int, above: bool, within: float) -> tuple[ContactPair, ...]:
+        """Return those of `touches` whose gap is no more than a length: level facets may be open beyond a side."""
+        shut = self._stack.shut
+        if (pair, above, within) not in shut:
+            every = self.touches(pair, above)
+            shut[pair, above, within] = tuple(t for t in every if t.gap(self._at) <= within)
+        return shut[pair, above, within]
 
     def _above(self, pair: int) -> list[ContactPair]:
         """Return the gaps of a pair whose first piece is above."""

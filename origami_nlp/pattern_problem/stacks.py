@@ -22,7 +22,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -112,6 +112,9 @@ class Stack:
         self._copies = len(crossings.cell.copies) if crossings.cell else 1
         self._own = len(self.x) // self._copies
         self.pairs = self._overlapping()
+        # what touches where pairs lie on each other, as `Faces` finds it: of the place of pieces alone
+        self.told: dict[tuple[int, bool], tuple[Any, ...]] = {}
+        self.shut: dict[tuple[int, bool, float], tuple[Any, ...]] = {}
         self.unknown: dict[Pair, int] = {}
         for k, (i, j) in enumerate(self.pairs.tolist()):
             self.unknown |= dict.fromkeys(crossings.copied_pairs(i, j), k)
