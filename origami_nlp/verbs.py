@@ -217,14 +217,12 @@ def classify(
     ('minimum', 2, 'edge-edge')
     """
     from origami_nlp import kkt
-    from origami_nlp.pattern import Scene, as_origami
-    from origami_nlp.pattern_problem import PatternProblem
-    from origami_nlp.problem import Model
+    from origami_nlp.pattern import as_origami
+    from origami_nlp.pattern_problem import pose
 
     if isinstance(origami, kkt.State):
         return kkt.classify(origami, polished=polished)
-    stated = as_origami(origami)
-    problem: Any = Model(stated) if isinstance(stated, Scene) else PatternProblem(stated)
+    problem = pose(as_origami(origami))
     many = len(problem.expand(np.zeros(problem.size)))
     angles = check_angles("fold_angles", fold_angles, many, one=True)
     state = kkt.State(problem, problem.reduce(angles))

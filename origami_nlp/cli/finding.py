@@ -107,8 +107,7 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, and write down what is proved."""
-    from origami_nlp.problem import Model
-    from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
+    from origami_nlp.proof import certificate_of_scene, write_certificate
 
     found = result.completeness
     if found is None or not found.boxes:
@@ -117,9 +116,7 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     if result.is_pattern:
         _write_pattern_certificate(result, found.boxes, file)
         return
-    models = [Model(one) for one in result.scene.of_each_winding]
-    proofs = [prove(model, options=ProofOptions(boxes=found.boxes)) for model in models]
-    write_certificate(certificate_of(result.scene, *proofs), file)
+    write_certificate(certificate_of_scene(result.scene, found.boxes), file)
 
 
 def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> None:

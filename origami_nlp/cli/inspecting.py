@@ -35,11 +35,11 @@ def inspect(out: Output, scene: Source) -> None:
 
 def _vertex(scene: Source, out: Output) -> None:
     from origami_nlp.pattern import format_scene
-    from origami_nlp.problem import Model
+    from origami_nlp.pattern_problem import pose
 
     out.refuse("one vertex is written as a scene: end the name in .toml", "json", "fold", "figure")
     stated = scene.read()
-    model = str(Model(stated))
+    model = str(pose(stated))
     out.say(_springs(stated))
     for law in dict.fromkeys(filter(None, stated.laws)):
         out.say(f"law {law}")

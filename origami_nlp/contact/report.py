@@ -21,7 +21,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, State, classify
 from origami_nlp.minima import CELLS, MinimaResult, full_scene
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 HEADS = (
     "#",
@@ -322,7 +322,7 @@ def find_contacts(
         softness = min(stiffness, default=math.inf) / total
         breaking: tuple[float, ...] = ()
         if one and not result.scene.group.is_trivial:
-            whole = State(Model(full_scene(result.scene)), np.array(minimum.fold_angles))
+            whole = State(pose(full_scene(result.scene)), np.array(minimum.fold_angles))
             breaking = breaking_stiffnesses(whole, result.scene)
         states.append(
             PinnedState(number, minimum, what.contacts, stiffness, breaking, softness, margin)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.arguments import check_type, shown
-from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary, with_energy
+from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary
 from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
 from origami_nlp.display import Content, Poser, Report
 from origami_nlp.errors import OptionError
@@ -30,14 +30,15 @@ from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, points_on
 from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Contact, Model
+from origami_nlp.pattern_problem import PatternProblem
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
 STIFFNESS = 5e-2
 """Largest |d2U/ds2| / (sum k) of a metastable segment."""
-SAMPLES = 12
-"""Random states tried on each contact when boundaries without a stable state are looked for."""
+SAMPLES, NEAR = 60, 0.5
+"""Random states from which boundaries without a stable state are looked for, of contacts that a step so long [rad]
+closes."""
 FROM_AFAR = 30
 """Newton steps that take them there."""
 
@@ -206,8 +207,7 @@ def find_segments(
             states.append(numbers)
 
     for number, minimum in enumerate(result.minima, start=1):
-        own = result.model_of(minimum)
-        state = State(own, own.reduce(np.array(minimum.fold_angles)))
+        state = result.state_of(minimum)
         pinned = any(contact.multiplier_range[1] > 0 for contact in minimum.contacts)
         for held in _held(state, one_at_a_time=not pinned):
             known = _on_known(held, curves)
@@ -221,9 +221,9 @@ def find_segments(
     if every_boundary:
         for line in _chart_lines(result.scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
-            if _on_known(State(model, middle).on(line.rows), curves) is not None:
-                continue
-            keep(with_energy(model, line))
+            for held in _held(State(model, middle, NEAR_CONTACT), one_at_a_time=True):
+                if _on_known(held, curves) is None:
+                    keep(follow_boundary(held, stop_at_release=False))
         for held in _boundary_states(model, np.random.default_rng(seed)):
             if _on_known(held, curves) is not None:
                 continue
@@ -260,8 +260,8 @@ def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
             continue
         # the same boundary may be described by other contacts: they stay closed along it
         # three points to either side
-        near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
-        values, _ = model.local(near).openings(held.contacts)
+        near = (at[max(k - 3, 0)], at[min(k + 3, len(at) - 1)])
+        values = [model.local(y).openings(held.contacts)[0] for y in near]
         if np.abs(values).max() <= NEAR_CONTACT:
             return number
     return None
@@ -274,14 +274,13 @@ def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
     return trace_boundary(scene).lines
 
 
-def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum]:
-    """Yield admissible states with one contact held closed, spread at random over every contact."""
+def _boundary_states(model: PatternProblem, rng: np.random.Generator) -> Iterator[Stratum]:
+    """Yield admissible states with one contact held closed, that were near it or drawn at random."""
     if not model.has_limits or model.dof != 2:
         return
-    gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
-    for row in (*model.limits, *gaps):
-        for _ in range(SAMPLES):
-            x = rng.uniform(model.fold_limits.low, model.fold_limits.high)
+    drawn = [rng.uniform(model.fold_limits.low, model.fold_limits.high) for _ in range(SAMPLES)]
+    for x in (model.project(y)[0] for y in drawn):
+        for row in (*model.limits, *model.about_to_close(x, NEAR)):
             exact = correct(State(model, x).on((row,)), FROM_AFAR)
             if exact is None or exact.refused:
                 continue

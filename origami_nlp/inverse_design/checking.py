@@ -15,7 +15,7 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 
 def check(
@@ -131,7 +131,7 @@ def _barriers(
             )
             for b in targets.barriers
         )
-    model = Model(scene)
+    model = pose(scene)
     out = []
     for b in targets.barriers:
         # one way serves both directions: its top is the same

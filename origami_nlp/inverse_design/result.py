@@ -15,7 +15,7 @@ from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Pattern, Scene, symmetries
 
 MOST_ANGLES = 24
 """Fold angles that are printed of a minimum that was not asked for."""
@@ -177,17 +177,16 @@ class Design(Report):
         """
         if self.minima is None or self.minima.is_pattern:
             return ("",) * len(self.extra_minima)
-        model = self.minima.model
+        moves = symmetries(self.minima.scene)
         known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
         out = []
         for i, (_, _, angles) in enumerate(self.extra_minima, start=1):
             phi = np.array(angles)
-            x = model.reduce(phi)
             same = (
                 name
                 for name, other in known
-                for order, sign in model.own_symmetries[1:]
-                if np.abs(sign * model.reduce(other)[order] - x).max() <= DUPLICATE_TOL
+                for move in moves
+                if np.abs(move.back(other) - phi).max() <= DUPLICATE_TOL
             )
             out.append(next(same, ""))
             known.append((f"minimum {i}", phi))

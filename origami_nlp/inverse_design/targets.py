@@ -16,8 +16,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
 from origami_nlp.pattern import Contact, Limits, Pattern, Scene, Vertex
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import PatternProblem, pose
 
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
@@ -271,13 +270,13 @@ class Targets:
     def model(self) -> Any:
         """The problem with the symmetry, of equal springs."""
         if isinstance(self.origami, Vertex):
-            return Model(self.blank)
+            return pose(self.blank)
         return self.posed(self.origami.with_springs(1.0, 0.0))
 
     def posed(self, made: Scene | Pattern) -> Any:
         """Return the problem of the same vertex or pattern with some springs."""
         return (
-            Model(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
+            pose(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
         )
 
     def made(
@@ -298,7 +297,7 @@ class Targets:
         """The problem in which the states must stand: without the symmetry where that is asked for."""
         if not self.full_space or not self.symmetric:
             return self.model
-        return Model(replace(self.blank, symmetry="none", mirror=None))
+        return pose(replace(self.blank, symmetry="none", mirror=None))
 
     @cached_property
     def kinds(self) -> np.ndarray:

@@ -27,7 +27,7 @@ from origami_nlp.numerics import (
     SETTLED,
     ConeRows,
 )
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import PatternProblem
 
 CANDIDATES = 15
 """Places between two wells at which the pass may be prescribed."""
@@ -59,7 +59,7 @@ class TransitionPath:
         return np.asarray(np.linalg.norm(self.tangents, axis=1) > 0.5)
 
 
-def curve_of(model: Model, x: np.ndarray) -> BoundaryCurve | None:
+def curve_of(model: PatternProblem, x: np.ndarray) -> BoundaryCurve | None:
     """Return the curve of closed states through x [n], up to contacts or a singular state; None where it has none."""
     held = State(model, x).on(())
     first = evaluate(held)
@@ -68,7 +68,7 @@ def curve_of(model: Model, x: np.ndarray) -> BoundaryCurve | None:
     return follow_boundary(held, stop_at_release=False)
 
 
-def paths_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[TransitionPath]:
+def paths_between(model: PatternProblem, a: np.ndarray, b: np.ndarray) -> list[TransitionPath]:
     """Return the ways from a to b on the curves of a model with one degree of freedom; two on a loop.
 
     Parameters
@@ -144,7 +144,7 @@ def outward(curve: BoundaryCurve | None, x: np.ndarray) -> list[np.ndarray]:
     return out
 
 
-def _way(model: Model, states: np.ndarray) -> TransitionPath:
+def _way(model: PatternProblem, states: np.ndarray) -> TransitionPath:
     """Give a way its tangents."""
     tangents, bends = np.zeros_like(states), np.zeros_like(states)
     for k, x in enumerate(states):
@@ -157,7 +157,7 @@ def _way(model: Model, states: np.ndarray) -> TransitionPath:
     return TransitionPath(states, tangents, bends)
 
 
-def height(model: Model, way: TransitionPath) -> tuple[float, np.ndarray]:
+def height(model: PatternProblem, way: TransitionPath) -> tuple[float, np.ndarray]:
     """Return the highest energy on a way [J], and the state [n] where it is, found by Newton along the curve.
 
     Parameters
@@ -267,7 +267,7 @@ class Passes:
                     heights.append(rises[0])
         return tuple(out), heights
 
-    def see(self, model: Model) -> bool:
+    def see(self, model: PatternProblem) -> bool:
         """Note the tops of ways between samples that are too high in a scene; False where all are low enough."""
         new = False
         for pair, asks in self.asks.items():

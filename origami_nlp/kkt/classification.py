@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from origami_nlp.kkt.neighbourhood import (
 )
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, SETTLED, STATIONARY, UNPOLISHED
+from origami_nlp.numerics import CLOSURE_TOL, LEVEL, SETTLED, STATIONARY, UNPOLISHED
 from origami_nlp.problem import Problem
 
 AT_REST = CLOSURE_TOL**2
@@ -108,14 +107,9 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     """
     if not polished:
         state = State(state.problem, state.x, UNPOLISHED)
-    symmetric = polished and len(state.problem.own_symmetries) > 1
-    if symmetric and (known := _of_an_image(state)) is not None:
-        return known
     what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
-    if symmetric:
-        _keep(state, what)
     return what
 
 
@@ -248,33 +242,6 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
         tuple((state.problem.scale * judged[0].eigenvalues).tolist()),
         math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )
-
-
-_JUDGED: WeakKeyDictionary[Problem, dict[tuple[float, ...], Classification]] = WeakKeyDictionary()
-"""What was said of states that are no minima, by image and tolerance."""
-
-
-def _image(state: State) -> tuple[float, ...]:
-    """Return the first of the images that the problem's own symmetries make of a state, and its tolerance."""
-    x, p = state.x, state.problem
-    images = [
-        np.round(sign * x[order] / DUPLICATE_TOL).tolist() for order, sign in p.own_symmetries
-    ]
-    return (*min(images), state.tolerance)
-
-
-def _of_an_image(state: State) -> Classification | None:
-    return _JUDGED.get(state.problem, {}).get(_image(state))
-
-
-def _keep(state: State, what: Classification) -> None:
-    """Keep what was said of a state that is no minimum: it is as true of its images, under their names."""
-    if what.verdict != "minimum":
-        names = "crease" in what.reason or "facet" in what.reason
-        reason = f"an image under a symmetry of the scene: {what.reason}" if names else what.reason
-        _JUDGED.setdefault(state.problem, {})[_image(state)] = replace(
-            what, reason=reason, descent=None, lower=None
-        )
 
 
 def of_image(state: State, what: Classification) -> Classification:

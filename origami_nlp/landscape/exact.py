@@ -260,10 +260,10 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
     """Find the metastable stretches of every boundary line, with the thresholds of `find_segments`."""
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
-    out = []
+    out, model = [], Model(result.scene)
     for number, line in enumerate(boundary.lines):
         # the line is geometry; energy, slope and stiffness along it are the scene's
-        curve = with_energy(result.model, line)
+        curve = with_energy(model, line)
         if len(curve.s) < 3:
             continue
         for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):

@@ -29,6 +29,7 @@ from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import ENDPOINT_TOL, null_space
 from origami_nlp.paper.candidates import INDEPENDENT, PRINTED, Candidate
 from origami_nlp.pattern import Vertex, format_angle
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 
 ON_MINIMUM = 2.0
@@ -149,7 +150,7 @@ def audit_candidates(
     for key in sorted(panels):
         members = panels[key]
         result = find_minima(members[0].scene, seed=seed, escape=False)
-        step = grid_step(result.model, members)
+        step = grid_step(Model(result.scene), members)
         audited: list[Audited] = []
         seen: list[tuple[np.ndarray, int]] = []
         for c in _admissible_first(result.scene.vertex, members):
@@ -283,7 +284,7 @@ def _audit_one(
 
 def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) -> Audited:
     """Follow an admissible state downhill and say what it is in its panel."""
-    model = result.model
+    model = pose(result.scene)
     exact = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
     start = np.clip(project(model, x, ())[0], -model.bound, model.bound)
     try:

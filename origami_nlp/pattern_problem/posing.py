@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -58,6 +59,7 @@ def pose(origami: Scene | Pattern) -> PatternProblem:
         orbits = replace(orbits, orbit=np.argsort(orbits.orbit[firsts])[orbits.orbit])
     problem = PatternProblem(paper, scene.contact == "full", orbits, scene.contact != "none")
     problem.told, problem.shape = vertex_words, partial(_shape_of, scene.vertex.flat)
+    problem.besides = tuple(_besides(scene))
     k = problem.stiffness * problem.scale
     problem.scale = 2.0 ** round(math.log2(k.mean()))
     vars(problem).pop("springs")
@@ -72,6 +74,16 @@ def pose(origami: Scene | Pattern) -> PatternProblem:
         dead=dead and dead.times(1 / problem.scale),
     )
     return problem
+
+
+def _besides(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Go through what of a scene is not modelled, and why."""
+    if scene.adjusted:
+        why = f"averaged over {scene.group.name}: symmetry_tolerance = {scene.symmetry_tolerance:g}"
+        yield f"asymmetry of the data, up to {scene.adjusted:.1e}", why
+    if scene.panels:
+        why = "panels that share no crease, and corners at the vertex, are tested as paper"
+        yield f"thickness of panels ({scene.panels[0]:g} mm) but for stops", why
 
 
 def vertex_words(problem: PatternProblem, touch: ContactPair, x: np.ndarray | None) -> str:

@@ -20,12 +20,15 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.closure import Closure
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.contacts import PatternContacts
+from origami_nlp.pattern_problem.equations import MOST_DENSE
 from origami_nlp.pattern_problem.layers import Layers, order_layers
 from origami_nlp.pattern_problem.meeting_features import touches_at
 from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.work import Work, Worked
 from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, openings
 
+MOST_NAMED = 40
+"""Variables whose creases are listed."""
 SHIFT = 1e-3
 """Step [rad] of differences by sector angles: their error is its fourth power."""
 
@@ -52,6 +55,8 @@ class PatternProblem(PatternContacts, Energies):
     ----------
     contact
         As given.
+    besides
+        What of the origami as stated is not modelled, and why.
     shape
         Of one vertex: corners and fold angles of a reference state with given sector angles.
 
@@ -77,6 +82,7 @@ class PatternProblem(PatternContacts, Energies):
         super().__init__(pattern, contact, orbits, limited)
         self._load = np.zeros(self.size)
         self._dead: Any = None
+        self.besides: tuple[tuple[str, str], ...] = ()
         self.shape: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] = _no_shape
 
     @cached_property
@@ -95,9 +101,15 @@ class PatternProblem(PatternContacts, Energies):
         """Number of closure equations m; they depend on each other as a rule."""
         return self.closure.count
 
-    @property
+    @cached_property
     def dof(self) -> int:
-        """Degrees of freedom at least: creases less equations."""
+        """Degrees of freedom at a regular state: variables less the rank of closure there; of large sheets at least."""
+        if self.size <= MOST_DENSE:
+            # any state in general position, and one beside it where that does not close
+            for start in (np.sin(1.0 + np.arange(self.size)), np.cos(2.0 * np.arange(self.size))):
+                x, residual = self.project(start)
+                if residual <= CLOSURE_TOL:
+                    return self.size - self.rank(x)
         return max(self.size - self.closure.count, 0)
 
     @cached_property
@@ -108,13 +120,40 @@ class PatternProblem(PatternContacts, Energies):
         zero = np.zeros(self.size)
         return None if self.residual(zero) > CLOSURE_TOL else self.crossings.poses.corners(zero)
 
-    def _to_plain(self) -> dict[str, Any]:
-        return pick(self, "variables=size", "equalities=equation_count")
-
     @property
-    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
-        """The identity: images of states are looked for by the search."""
-        return ((np.arange(self.size), 1),)
+    def left_out(self) -> tuple[tuple[str, str], ...]:
+        """What is not modelled, and why."""
+        left = list(self.besides)
+        if self.orbits is not None:
+            tied = len(self.orbits.orbit) - self.size
+            left.append((f"{tied} fold angles", "the symmetry ties them to the others"))
+        if self.contact:
+            left.append(("pairs of facets at a crease", "fold limits keep them apart"))
+        else:
+            left.append(("crossing of facets", "the contact asked for leaves it out"))
+        if not self.has_limits:
+            left.append(("fold limits", "the contact asked for leaves them out"))
+            left.append(("fold angles beyond 2 pi", "each further turn repeats the shape"))
+        return tuple(left)
+
+    def __str__(self) -> str:
+        n, loops = self.size, len(self.pattern.vertices) + len(self.pattern.holes)
+        tied = ["+".join(map(str, self.creases_of(v))) for v in range(n)]
+        names = f" of creases {', '.join(tied)}" if n <= MOST_NAMED else ""
+        limits = f"{2 * n} fold limits" if self.has_limits else "none"
+        facets = "; facets that do not cross, by the gaps of what is near" * self.contact
+        lines = [
+            f"  variables     {n}: fold angles{names}",
+            f"  equalities    {self.equation_count}: closure round {loops} vertices and holes, of rank {n - self.dof}",
+            f"  inequalities  {limits}{facets}",
+            "  left out",
+            *(f"                  {what}: {why}" for what, why in self.left_out),
+        ]
+        return "\n".join([f"Problem of {self.pattern.title}", *lines])
+
+    def _to_plain(self) -> dict[str, Any]:
+        left = [{"what": what, "why": why} for what, why in self.left_out]
+        return pick(self, "variables=size", "equalities=equation_count", left_out=left)
 
     def torque(self, phi: np.ndarray) -> np.ndarray:
         """Gradient of the energy, load included, over `scale`, [n]."""

@@ -18,7 +18,10 @@ from .certificate import (
 from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
-from .document import certificate_of as certificate_of
+from .document import (
+    certificate_of as certificate_of,
+    certificate_of_scene as certificate_of_scene,
+)
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .flat_sheets import SheetMinimum as SheetMinimum, SheetProof as SheetProof
 from .mesh_certificate import (

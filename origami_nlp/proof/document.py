@@ -7,8 +7,30 @@ from typing import cast
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Scene
+from origami_nlp.problem import Model
 from origami_nlp.proof import certificate as c
+from origami_nlp.proof.options import ProofOptions
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
+from origami_nlp.proof.touches import prove
+
+
+def certificate_of_scene(scene: Scene, boxes: int) -> c.Certificate:
+    """Prove the list of a scene, of each winding, and return the proof in the form that is written to a file.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    boxes
+        That a proof may take.
+
+    Returns
+    -------
+    Certificate
+        Of all windings.
+    """
+    models = [Model(one) for one in scene.of_each_winding]
+    return certificate_of(scene, *(prove(m, options=ProofOptions(boxes=boxes)) for m in models))
 
 
 def certificate_of(scene: Scene, proof: Proof, *others: Proof) -> c.Certificate:
