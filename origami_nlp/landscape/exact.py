@@ -28,6 +28,7 @@ from origami_nlp.chart import (
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
 from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
 from origami_nlp.minima import MinimaResult
+from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers
