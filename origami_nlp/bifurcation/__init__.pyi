@@ -8,6 +8,7 @@ from .branches import branches_of as branches_of, chains_of as chains_of, joined
 from .family import (
     Family as Family,
     family_of as family_of,
+    pattern_family as pattern_family,
     with_generic_symmetry as with_generic_symmetry,
 )
 from .figure import (
@@ -29,7 +30,6 @@ from .parameter_range import (
     ParameterRange as ParameterRange,
     parse_parameter_range as parse_parameter_range,
 )
-from .patterns import PatternLine as PatternLine, pattern_family as pattern_family
 from .plane import Plane as Plane
 from .records import (
     EVENT_WORDS as EVENT_WORDS,

@@ -1,4 +1,4 @@
-"""A family of scenes over one parameter, and the line of its problems.
+"""A family of origami over one parameter, and the line of its problems.
 
 What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see
 `parameter_range`.
@@ -6,6 +6,7 @@ What a crease gets, its images under the symmetry that is kept get too (`with_ge
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,7 +16,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bifurcation.parameter_range import PLACE, ParameterRange, kind_of, meant_by
-from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
+from origami_nlp.continuation import (
+    STEPS,
+    ContinuationOptions,
+    GeometryLine,
+    Line,
+    ParameterLine,
+    line_between,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
@@ -26,14 +34,20 @@ from origami_nlp.pattern import (
     LawCourse,
     Scene,
     Vertex,
+    as_pattern,
     check_law_place,
+    examples,
     law_at,
     law_course,
+    with_places,
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import PatternProblem, pose, state_frame, states_to_fold
+from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import LawChange, Parameters
 
+CREASES, WEIGHT = 6, 0.3
+"""Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 SAMPLES = 17
 """Scenes of a family that are posed before it is followed, to see whether it is smooth."""
 FAMILIES = {
@@ -48,82 +62,87 @@ FAMILIES = {
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Scenes over one parameter t.
+    """Origami over one parameter t.
 
     Attributes
     ----------
     parameter
         The parameter and its range.
     scene_of
-        Makes the scene at t; sector angles, rest angles, preload, forces and logarithms of stiffness must be linear in
-        t (in ln t where `ParameterRange.log`).
+        Makes the scene, or the pattern, at t; sector angles, rest angles, preload, forces and logarithms of stiffness
+        must be linear in t (in ln t where `ParameterRange.log`).
     samples
-        How many scenes are posed before it is followed, to see whether it is smooth.
+        How many are posed before it is followed, to see whether it is smooth.
     course
         The hinge law that t is a number of, if it is.
     like
         A problem whose scale and numbers of contacts those of the family take.
+    example
+        The example by name where t is an option of it; "" elsewhere.
     """
 
     parameter: ParameterRange
-    scene_of: Callable[[float], Scene] = field(repr=False)
+    scene_of: Callable[[float], Any] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
     course: LawCourse | None = field(default=None, repr=False)
     like: PatternProblem | None = field(default=None, repr=False)
+    example: str = ""
 
-    def scene(self, t: float) -> Scene:
+    def scene(self, t: float) -> Any:
         """Return the scene at t, named after it."""
         made = self.scene_of(t)
         label = f"{label}, " if (label := getattr(made, "label", made.name)) else ""
         return replace(made, name=f"{label}{self.parameter.name} = {t:.10g}")
 
     @cached_property
-    def sampled(self) -> Callable[[float], Scene]:
+    def sampled(self) -> Callable[[float], Any]:
         """`scene_of`, each scene made once: those that are posed here, and without their symmetry."""
         return lru_cache(maxsize=SAMPLES)(self.scene_of)
 
     @property
-    def one_vertex(self) -> bool:
-        """Whether all scenes along `line` are of one vertex."""
-        return self.line.sector_angles is None
+    def still(self) -> bool:
+        """Whether the paper stays as it is along `line`."""
+        return isinstance(self.line, ParameterLine)
 
     @cached_property
-    def line(self) -> ParameterLine:
+    def _posed(self) -> list[PatternProblem]:
+        """Problems of equally many values, with the scale of the first."""
+        low, high = self.parameter.ends
+        values = [self.parameter.t_of(float(s)) for s in np.linspace(low, high, self.samples)]
+        made = [(stated, pose(stated)) for stated in map(self.sampled, values)]
+        if self.like is not None:
+            made[0][1].numbered_as(self.like)
+        names = [f"{self.parameter.name} = {t:.6g}" for t in values]
+        return same_problem(made, self.parameter.name, names, moving=self.course is not None)
+
+    @cached_property
+    def line(self) -> Line:
         """The problems along it.
 
         Raises
         ------
         OptionError
-            If scenes along it are not posed alike, or their numbers jump.
+            If they are not posed alike, or their numbers jump.
         """
-        parameter = self.parameter
-        low, high = parameter.ends
-        where = np.linspace(low, high, self.samples)
-        scenes = [self.sampled(parameter.t_of(float(s))) for s in where]
-        names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
-        models = [pose(scene) for scene in scenes]
-        moving = self.course is not None
-        if self.like is not None:
-            models[0].numbered_as(self.like)
-        posed = same_problem(
-            list(zip(scenes, models, strict=True)), parameter.name, names, moving=moving
-        )
-        self._check(posed, where)
-        line = self.with_moving(line_between(posed[0], posed[-1], high - low), low)
-        first, last = (np.array(scenes[k].vertex.sector_angles) for k in (0, -1))
-        if (first != last).any():
-            change = (last - first) / (high - low)
-            line = replace(line, sector_angles=first - low * change, sector_change=change)
-        return line
-
-    def with_moving(self, line: ParameterLine, low: float) -> ParameterLine:
-        """Return a line from the lower end with s = t, or ln t, and the laws that it moves through."""
-        line = line.from_here(-low)
+        low, high = self.parameter.ends
+        posed = self._posed
+        whole, size = posed[0], math.sqrt(max(posed[0].size / CREASES, 1.0))
+        first, last = (p.parameters.sectors for p in (posed[0], posed[-1]))
+        corners = whole.pattern.corners
+        moved = any(not np.array_equal(p.pattern.corners, corners) for p in posed)
+        if moved and not len(first):
+            return GeometryLine(whole, self._problem_at, high - low, WEIGHT * size)
+        self._check()
+        line = line_between(whole, posed[-1], high - low, WEIGHT * size).from_here(-low)
         laws = line.direction.laws
-        if self.course is None or laws is None:
-            return line
-        laws = replace(laws, moving=LawChange(self.course, 0.0))
-        return replace(line, direction=replace(line.direction, laws=laws))
+        if self.course is not None and laws is not None:
+            laws = replace(laws, moving=LawChange(self.course, 0.0))
+            line = replace(line, direction=replace(line.direction, laws=laws))
+        return sector_line(line, first, (last - first) / (high - low), low, high - low)
+
+    def _problem_at(self, s: float) -> PatternProblem:
+        stated = self.scene_of(self.parameter.t_of(s))
+        return pose(stated).numbered_as(self._posed[0])
 
     def winding(self, s: float) -> float:
         """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
@@ -136,27 +155,28 @@ class Family:
     @property
     def symmetric(self) -> bool:
         """Whether its states keep a symmetry."""
-        return not self.scene(self.parameter.low).group.is_trivial
+        return self._posed[0].orbits is not None
 
     @property
     def preloaded(self) -> bool:
         """Whether energies of its scenes count what it took to wind springs."""
-        return bool(self.line.start.load.any() or self.line.direction.load.any())
+        return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))
 
     @property
     def steps(self) -> ContinuationOptions:
-        """Of the tracer."""
-        return STEPS
+        """Of the tracer: lengths are root mean squares over creases."""
+        size = math.sqrt(max(self._posed[0].size / CREASES, 1.0))
+        return replace(STEPS, first=size * STEPS.first, longest=size * STEPS.longest)
 
     def search(
-        self, made: list[Scene], seconds: float | None, **options: Any
+        self, made: list[Any], seconds: float | None, **options: Any
     ) -> Sequence[MinimaResult]:
-        """Search for the minima of some of its scenes, together, in so many seconds."""
-        return find_minima_of_each(made, seconds=seconds, **options)
-
-    def problem(self, made: Scene) -> Any:
-        """Pose one of its scenes."""
-        return pose(made)
+        """Search for the minima of some of its scenes or patterns in so many seconds together."""
+        if isinstance(made[0], Scene):
+            return find_minima_of_each(made, seconds=seconds, **options)
+        share = None if seconds is None else seconds / len(made)
+        options = {"escape": False, "seconds": share, **options, "prove": False}
+        return [find_states(one, **options) for one in made]
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
         """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""
@@ -165,13 +185,14 @@ class Family:
         ]
         return states_to_fold(self.scene(self.parameter.low), frames)
 
-    def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
+    def _check(self) -> None:
         """Raise an error where the numbers of scenes are not linear in s."""
         # equal steps of s: numbers that are linear change by the same from scene to scene
-        change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
+        change = np.diff([linear_numbers(m.parameters) for m in self._posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
         if apart.max() > RESOLVED:
-            k = int(apart.argmax())
+            k, (low, high) = int(apart.argmax()), self.parameter.ends
+            where = np.linspace(low, high, self.samples)
             a, b = (self.parameter.t_of(float(where[k + i])) for i in (0, 1))
             raise OptionError(
                 f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
@@ -179,33 +200,92 @@ class Family:
             )
 
 
+def sector_line(
+    line: ParameterLine, first: np.ndarray, change: np.ndarray, start: float, length: float
+) -> Line:
+    """Return a line along which the sector angles of one vertex change too.
+
+    Parameters
+    ----------
+    line
+        Of springs and loads.
+    first
+        Sector angles at `start` [N] [rad].
+    change
+        Of sector angles with s, [N].
+    start, length
+        Where the line begins, and its length.
+
+    Returns
+    -------
+    ParameterLine or GeometryLine
+        The line itself where no sector changes.
+    """
+    if not change.any():
+        return line
+
+    def at(s: float) -> Any:
+        problem: Any = line.at(s)
+        return problem.shaped(first + (s - start) * change)
+
+    return GeometryLine(line.problem, at, length, line.weight)
+
+
 def same_problem(
-    made: list[tuple[Scene, PatternProblem]], name: str, names: list[str], *, moving: bool = False
+    made: list[tuple[Any, PatternProblem]], name: str, names: list[str], *, moving: bool = False
 ) -> list[PatternProblem]:
-    """Return the problems of scenes with the scale and the numbers of contacts of the first.
+    """Return problems with the scale and the numbers of contacts of the first.
 
     Raises
     ------
     OptionError
-        If some have another symmetry or contact, or, unless they move, hinge laws; name: of the parameter, names: of
-        the scenes.
+        If some have other facets, another symmetry or contact, or, unless they move, hinge laws; name: of the
+        parameter, names: of the scenes.
     """
-    first, whole = made[0]
-    for (scene, problem), where in zip(made, names, strict=True):
-        if (scene.group.name, scene.contact) != (first.group.name, first.contact):
+    _, whole = made[0]
+    for (_, problem), where in zip(made, names, strict=True):
+        if not _is_like(problem, whole):
             raise OptionError(
-                f"{where}: symmetry {scene.group.name} and contact {scene.contact!r} are not those of other scenes "
-                f"over {name}: state the symmetry, or follow a shorter range"
+                f"{where}: facets, creases, symmetry or contact are not those at the other end of {name}: state the "
+                "symmetry, or follow a shorter range"
             )
         if not moving and _laws_of(problem) != _laws_of(whole):
             raise OptionError(f"{where}: hinge laws are others than elsewhere over {name}")
-    return [_posed_as(whole, scene, problem) for scene, problem in made]
+    return [_posed_as(whole, stated, problem) for stated, problem in made]
+
+
+def _is_like(problem: PatternProblem, other: PatternProblem) -> bool:
+    """Return whether two problems have the same facets, creases, symmetry and contact."""
+    p, q = problem, other
+    if (p.pattern.polygons, p.contact, p.has_limits) != (
+        q.pattern.polygons,
+        q.contact,
+        q.has_limits,
+    ):
+        return False
+    orbits = [None if x.orbits is None else x.orbits.orbit.tolist() for x in (p, q)]
+    return np.array_equal(p.pattern.ends, q.pattern.ends) and orbits[0] == orbits[1]
 
 
 def _laws_of(problem: PatternProblem) -> tuple[HingeLaw | None, ...]:
     """Return the laws of the variables, but for their factors and shifts."""
     laws = problem.parameters.laws
     return () if laws is None else laws.laws
+
+
+def _posed_as(whole: PatternProblem, stated: Any, problem: PatternProblem) -> PatternProblem:
+    """Return a problem with the scale of another, and preload as a load.
+
+    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
+    """
+    preload = getattr(stated, "preload", ())
+    if len(preload):
+        p = problem.parameters
+        load = problem.gathered(np.array(preload)) / problem.scale
+        problem = problem.varied(
+            replace(p, rest=problem.reduce(np.array(stated.rest_angles)), load=load)
+        )
+    return problem if problem is whole else problem.numbered_as(whole)
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:
@@ -217,20 +297,6 @@ def linear_numbers(p: Parameters) -> np.ndarray:
         none = p.laws.weight == 0
         k, rest = np.where(none, k, p.laws.weight + none), np.where(none, rest, p.laws.shift)
     return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
-
-
-def _posed_as(whole: PatternProblem, scene: Scene, problem: PatternProblem) -> PatternProblem:
-    """Return a problem with the scale of another, and preload as a load.
-
-    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
-    """
-    p = problem.parameters
-    if scene.preload:
-        rest = problem.reduce(np.array(scene.rest_angles))
-        load = problem.reduce(np.array(scene.preload)) * problem.multiplicity / problem.scale
-        p = replace(p, rest=rest, load=load)
-    parameters = p.scaled(problem.scale / whole.scale)
-    return whole.varied(parameters, np.array(scene.vertex.sector_angles))
 
 
 def family_of(scene: Scene, parameter: ParameterRange) -> Family:
@@ -410,3 +476,59 @@ def _with_sector(
         out[others] -= len(images) * (t - out[entry]) / len(others)
     out[images] = t
     return tuple(out.tolist())
+
+
+def pattern_family(stated: Any, parameter: ParameterRange) -> Family:
+    """Return the patterns that differ from one in a parameter.
+
+    Parameters
+    ----------
+    stated
+        As `as_pattern` takes it; of an example by name, its options can be followed over.
+    parameter
+        The parameter and its range.
+
+    Returns
+    -------
+    Family
+        The patterns.
+
+    Raises
+    ------
+    OptionError
+        If the pattern has no such parameter.
+    """
+    names = [name.strip() for name in parameter.name.split("+")]
+    example = stated.partition(":")[0] if isinstance(stated, str) else ""
+    options = (
+        inspect.signature(examples.BY_NAME[example]).parameters
+        if example in examples.BY_NAME
+        else {}
+    )
+    if all(name in options for name in names):
+        return Family(
+            parameter,
+            lambda t: examples.pattern(stated, **dict.fromkeys(names, t)),
+            example=stated,
+        )
+    problem = as_pattern(stated, "origami")
+    problem.check_alone("following states over a parameter")
+    if parameter.name == "ratio":
+        check_law_place(problem.laws, "ratio")
+        k = stiffness_over_ratio(problem.stiffness, problem.rest)
+        return Family(parameter, lambda t: problem.with_springs(k(t)))
+    if LAW_NUMBER.fullmatch(parameter.name):
+        course = law_course(problem.laws, parameter.name, parameter.low, parameter.high)
+        return Family(
+            parameter,
+            lambda t: problem.with_laws(course.moved(problem.laws, t)),
+            course=course,
+        )
+    try:
+        with_places(problem, dict.fromkeys(names, parameter.low))
+    except OptionError as error:
+        more = f"; of {example}: {', '.join(options)}" if options else ""
+        raise OptionError(
+            f"parameter = {error}, or ratio{more}{meant_by(parameter.name, options)}"
+        ) from None
+    return Family(parameter, lambda t: with_places(problem, dict.fromkeys(names, t)))

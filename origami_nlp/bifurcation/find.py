@@ -22,10 +22,15 @@ from origami_nlp.arguments import (
     refuse,
 )
 from origami_nlp.bifurcation.branches import branches_of, chains_of, widest_gap
-from origami_nlp.bifurcation.family import SAMPLES, Family, family_of, with_generic_symmetry
+from origami_nlp.bifurcation.family import (
+    SAMPLES,
+    Family,
+    family_of,
+    pattern_family,
+    with_generic_symmetry,
+)
 from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.bifurcation.parameter_range import ParameterRange, parse_parameter_range
-from origami_nlp.bifurcation.patterns import PatternFamily, pattern_family
 from origami_nlp.bifurcation.records import Cost, PathBranch, SearchCheck
 from origami_nlp.bifurcation.result import Atlas
 from origami_nlp.continuation import (
@@ -180,8 +185,7 @@ def follow_family(
     check_type("options", STEPS if options is None else options, ContinuationOptions)
     given = {"max_starts": max_starts, "starts": starts}
     search = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
-    if not isinstance(family, PatternFamily):
-        search["prove"] = prove
+    search["prove"] = prove
     survey = _Survey(family, through_folds, full, morse, search, options, until, progress)
     survey.web.add_flat()
     ends = [family.parameter.low, family.parameter.high]
@@ -237,7 +241,7 @@ class _Survey:
     def _full_line(self) -> ParameterLine | None:
         if not self._full:
             return None
-        few = 2 if self.family.one_vertex else SAMPLES
+        few = 2 if self.family.still else SAMPLES
         return Family(self.parameter, lambda t: full_scene(self.family.sampled(t)), few).line
 
     def across(self, frame: Equilibrium) -> float:

@@ -12,7 +12,6 @@ import numpy as np
 
 from origami_nlp.bifurcation.family import Family
 from origami_nlp.bifurcation.parameter_range import ParameterRange
-from origami_nlp.bifurcation.patterns import PatternFamily, PatternLine
 from origami_nlp.bifurcation.records import PathBranch, PathEvent, PathPoint
 from origami_nlp.display import (
     Body,
@@ -123,12 +122,10 @@ class _Posers:
     def __init__(self, family: Family) -> None:
         made, low = family.scene_of, family.parameter.low
         # along springs and loads no vertex moves
-        still = isinstance(family, PatternFamily) and not isinstance(family.line, PatternLine)
-        self._at = lru_cache(maxsize=None)(lambda t: Poser(made(low if still else t)))
+        self._at = lru_cache(maxsize=None)(lambda t: Poser(made(low if family.still else t)))
         first: Any = made(low)
         self.body = self._at(low).body
-        name = first.name if isinstance(family, PatternFamily) else first.label
-        self.name = name or ("pattern" if isinstance(family, PatternFamily) else repr(first.vertex))
+        self.name = first.title
 
     def folded(self, t: float, phi: Sequence[float], energy: float) -> FoldedBody:
         return self._at(t).folded(phi, energy)

@@ -7,9 +7,15 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.bifurcation.family import Family, family_of, linear_numbers, same_problem
+from origami_nlp.bifurcation.family import (
+    Family,
+    family_of,
+    linear_numbers,
+    same_problem,
+    sector_line,
+)
 from origami_nlp.bifurcation.parameter_range import ParameterRange
-from origami_nlp.continuation import ParameterLine
+from origami_nlp.continuation import Line, ParameterLine
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import LAW_NUMBER, DeadLoads, Scene
@@ -95,7 +101,7 @@ class Plane:
         t, u = self.values(point)
         return self.family(u).scene(t)
 
-    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
+    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
         """Return the problems along a direction [2] from a point [2] of the plane of s."""
         whole, origin, slopes = self._posed
         m = whole.parameters
@@ -113,14 +119,15 @@ class Plane:
             d_laws = replace(m.laws, weight=has * d_k, shift=has * d_rest)
             k, rest = np.where(has, m.stiffness, k), np.where(has, m.rest, rest)
             d_k, d_rest = np.where(has, 0.0, d_k), np.where(has, 0.0, d_rest)
-        return ParameterLine(
+        if (sectors != m.sectors).any():
+            whole = whole.shaped(sectors)
+        line = ParameterLine(
             whole,
             Parameters(sectors, k, rest, load, _forces(m.dead, dead), laws),
             Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead), d_laws),
-            sectors if d_sectors.any() or (sectors != m.sectors).any() else None,
-            d_sectors,
             weight,
         )
+        return sector_line(line, sectors, d_sectors, 0.0, 1.0)
 
 
 def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:

@@ -9,10 +9,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from origami_nlp.bifurcation.family import Family, family_of
+from origami_nlp.bifurcation.family import Family, family_of, pattern_family
 from origami_nlp.bifurcation.judging import states_at
 from origami_nlp.bifurcation.parameter_range import ParameterRange
-from origami_nlp.bifurcation.patterns import pattern_family
 from origami_nlp.bifurcation.records import (
     Cost,
     Interval,

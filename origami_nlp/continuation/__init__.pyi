@@ -25,6 +25,8 @@ from .equilibrium import (
 )
 from .flat import flat_event as flat_event, flat_roots as flat_roots
 from .line import (
+    GeometryLine as GeometryLine,
+    Line as Line,
     ParameterLine as ParameterLine,
     line_between as line_between,
     load_line as load_line,

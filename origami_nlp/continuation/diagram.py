@@ -34,7 +34,7 @@ from origami_nlp.continuation.events import (
     multipliers_pass_infinity,
 )
 from origami_nlp.continuation.flat import AT_FLAT, beside_flat, flat_roots, passes
-from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.one_sided_branches import (
     OneSidedBranch,
     balances,
@@ -96,7 +96,7 @@ class BifurcationDiagram:
 
     def __init__(
         self,
-        line: ParameterLine,
+        line: Line,
         low: float,
         high: float,
         *,

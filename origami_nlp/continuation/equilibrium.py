@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
@@ -112,7 +112,7 @@ class EquilibriumCurve:
     frame. corrector: steps of Newton at most.
     """
 
-    line: ParameterLine
+    line: Line
     hold: Hold
     tally: Tally
     known: list[tuple[np.ndarray, BorderedSystem]] = field(default_factory=list)
@@ -288,7 +288,7 @@ class EquilibriumCurve:
             p = system.problem
             value, slope = p.local(point[:-1]).openings((contact,))
             none = np.zeros(p.equation_count + 1)
-            moved = p.drift(point[:-1], none, (contact,), self.line.slope(float(point[-1])))[1][-1]
+            moved = self.line.drift(p, float(point[-1]), point[:-1], none, (contact,))[1][-1]
             # opening(x, s) + slope . dx + d(opening)/ds ds = 0, as the row that fixes the point on the curve
             return np.append(slope[0] / p.root, moved / self.line.weight), -float(value[0])
 

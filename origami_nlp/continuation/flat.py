@@ -19,7 +19,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
 from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots, dense
 
@@ -79,7 +79,7 @@ def flat_passage(
     return point, float(value(np.array([s]))[0]), float(np.abs(curve.system(point).values).max())
 
 
-def flat_event(line: ParameterLine, s: float) -> tuple[Equilibrium, float]:
+def flat_event(line: Line, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.problem.size)
     system = BorderedSystem(line, np.append(still, s), Hold())
@@ -87,7 +87,7 @@ def flat_event(line: ParameterLine, s: float) -> tuple[Equilibrium, float]:
     return frame, _balance(system, [])
 
 
-def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float, np.ndarray]]:
+def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndarray]]:
     """Find where curves of equilibria pass the flat state, whatever curves are known.
 
     Parameters
@@ -178,7 +178,7 @@ def crossing(
 
 
 def beside_flat(
-    line: ParameterLine, s: float, direction: np.ndarray, tally: Tally
+    line: Line, s: float, direction: np.ndarray, tally: Tally
 ) -> tuple[Equilibrium | None, Equilibrium | None]:
     """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
 

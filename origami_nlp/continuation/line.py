@@ -1,19 +1,21 @@
 """A line of parameters: which problem belongs to each value of one number s.
 
-Sector angles, rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear,
-so that a ratio of stiffnesses r is followed in s = ln r; a law may move with a number that it is stated with.
-Several lines can be added: two parameters, or several creases at once.
+Rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear, so that a ratio
+of stiffnesses r is followed in s = ln r; a law may move with a number that it is stated with.  What moves paper changes
+closure itself: there every value has equations of its own.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from origami_nlp.problem import Parameters, Problem
+from origami_nlp.problem import Contact, Parameters, Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +30,6 @@ class ParameterLine:
         Parameters at s = 0.
     direction
         Their change with s; for stiffness that of its logarithm.  Forces in space that it does not state stay.
-    sector_angles, sector_change
-        Of the whole vertex at s = 0 and their change with s, shape [N]; None where they do not change.
     weight
         Length of a step ds beside one of the states [rad], for the length of steps alone.
     """
@@ -37,8 +37,6 @@ class ParameterLine:
     problem: Problem
     start: Parameters
     direction: Parameters
-    sector_angles: np.ndarray | None = None
-    sector_change: np.ndarray | None = None
     weight: float = 0.3
 
     def at(self, s: float) -> Problem:
@@ -53,11 +51,23 @@ class ParameterLine:
             a.dead if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
             a.laws if a.laws is None or d.laws is None else a.laws.along(d.laws, s),
         )
-        sectors = None
-        if self.sector_angles is not None and self.sector_change is not None:
-            sectors = self.sector_angles + s * self.sector_change
-        other: Problem = self.problem.varied(parameters, sectors)
+        other: Problem = self.problem.varied(parameters)
         return other
+
+    def drift(
+        self,
+        p: Problem,
+        s: float,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the KKT system by s at a state [n] of the problem p at s: torque [n], constraints [m + r]."""
+        torque, moved = p.drift(x, multipliers, contacts, self.slope(s))
+        change, laws = self.direction.laws, p.parameters.laws
+        if change is not None and change.moving is not None and laws is not None:
+            torque = torque + change.moving.rate(laws, s, x)
+        return torque, moved
 
     def slope(self, s: float) -> np.ndarray:
         """Return the derivative of `Parameters.vector` by s."""
@@ -80,28 +90,72 @@ class ParameterLine:
 
     def from_here(self, s: float) -> ParameterLine:
         """Return the same line with s = 0 where it is s now."""
-        here = self.at(s)
-        sectors = None
-        if self.sector_angles is not None and self.sector_change is not None:
-            sectors = self.sector_angles + s * self.sector_change
-        d = self.direction
+        here, d = self.at(s), self.direction
         if d.laws is not None:
             d = replace(d, laws=d.laws.from_here(s))
-        return replace(self, start=here.parameters, direction=d, sector_angles=sectors)
+        return replace(self, start=here.parameters, direction=d)
 
-    def moved_torque(self, p: Problem, s: float, x: np.ndarray) -> np.ndarray | float:
-        """Return how torques of the problem p at s change at a state [n] by laws that move: `slope` has the rest."""
-        change, laws = self.direction.laws, p.parameters.laws
-        if change is None or change.moving is None or laws is None:
-            return 0.0
-        return change.moving.rate(laws, s, x)
+
+SHARE = 1e-3
+"""Of the range: the step of the difference that follows closure along it; its error is the fourth power."""
+KEPT = 64
+"""Problems of a line that are kept: a point, what it is differentiated by, and the points before."""
+
+
+@dataclass(frozen=True, eq=False)
+class GeometryLine:
+    """Problems of one structure whose paper moves with s: what `ParameterLine` is for springs.
+
+    Attributes
+    ----------
+    problem
+        Whose scale and numbers of contacts all of them share.
+    problem_of
+        The problem at s.
+    length
+        Of the range of s.
+    weight
+        Length of a step ds beside one of the states [rad], for the length of steps alone.
+    """
+
+    problem: Problem
+    problem_of: Callable[[float], Any] = field(repr=False)
+    length: float
+    weight: float = 0.3
+
+    @cached_property
+    def at(self) -> Callable[[float], Any]:
+        """Return the problem at s; the last ones are kept."""
+        return lru_cache(maxsize=KEPT)(self.problem_of)
+
+    def drift(
+        self,
+        p: Problem,
+        s: float,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the KKT system by s at a state [n], by differences of fourth order."""
+        h = SHARE * self.length
+
+        def system(s: float) -> np.ndarray:
+            local = self.at(s).rows(x)
+            values, slopes = local.openings(contacts)
+            m = len(local.closure)
+            torque = local.gradient - local.closure_jacobian.T @ multipliers[:m]
+            return np.concatenate([torque - slopes.T @ multipliers[m:], local.closure, values])
+
+        ahead, behind = ([system(s + sign * k * h) for k in (1, 2)] for sign in (1.0, -1.0))
+        rate = (8 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12 * h)
+        return rate[: len(x)], rate[len(x) :]
+
+
+Line: TypeAlias = ParameterLine | GeometryLine
 
 
 def line_between(a: Problem, b: Problem, length: float, weight: float = 0.3) -> ParameterLine:
-    """Return the line from problem a at s = 0 to b at s = `length`, both of one structure and scale.
-
-    Sector angles of the whole vertex are for the caller to add (`dataclasses.replace`) where they differ.
-    """
+    """Return the line from problem a at s = 0 to b at s = `length`, both of one structure and scale."""
     p, q = a.parameters, b.parameters
     direction = Parameters(
         (q.sectors - p.sectors) / length,

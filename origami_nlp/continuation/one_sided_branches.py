@@ -16,7 +16,7 @@ from typing import cast
 import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import Hold, Tally
 from origami_nlp.continuation.tracer import ALIGNED, advance
 from origami_nlp.kkt import State
@@ -59,7 +59,7 @@ class OneSidedBranch:
 
 
 def find_one_sided_branches(
-    line: ParameterLine, point: np.ndarray, tally: Tally, verdict: str = ""
+    line: Line, point: np.ndarray, tally: Tally, verdict: str = ""
 ) -> list[OneSidedBranch]:
     """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
 
@@ -150,7 +150,7 @@ def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
 
 
 def _along(
-    line: ParameterLine, point: np.ndarray, hold: Hold, piece: tuple[Contact, ...], tally: Tally
+    line: Line, point: np.ndarray, hold: Hold, piece: tuple[Contact, ...], tally: Tally
 ) -> Iterator[OneSidedBranch]:
     """Yield the directions in which the states that hold these contacts are equilibria."""
     curve = EquilibriumCurve(line, hold, tally)
@@ -184,15 +184,16 @@ def opening_rates(
     curve: EquilibriumCurve, point: np.ndarray, contacts: tuple[Contact, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how openings change with the state, [r, n] in the metric, and with w s, [r]."""
-    p = curve.line.at(float(point[-1]))
+    s = float(point[-1])
+    p = curve.line.at(s)
     slopes = p.local(point[:-1]).openings(contacts)[1] / p.root
     none = np.zeros(p.equation_count + len(contacts))
-    moved = p.drift(point[:-1], none, contacts, curve.line.slope(float(point[-1])))[1]
+    moved = curve.line.drift(p, s, point[:-1], none, contacts)[1]
     return slopes, moved[p.equation_count :] / curve.line.weight
 
 
 def _frozen(
-    line: ParameterLine, point: np.ndarray, hold: Hold, verdict: str, tally: Tally
+    line: Line, point: np.ndarray, hold: Hold, verdict: str, tally: Tally
 ) -> Iterator[OneSidedBranch]:
     """Yield the directions in which a state that nothing moves keeps its verdict."""
     curve = EquilibriumCurve(line, hold, tally)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import scipy as sp
 
-from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.line import Line
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import EPS, SETTLED, Factor, Normal, dense, null_space
 from origami_nlp.problem import Contact
@@ -71,7 +71,7 @@ class BorderedSystem:
 
     def __init__(
         self,
-        line: ParameterLine,
+        line: Line,
         point: np.ndarray,
         hold: Hold,
         multipliers: np.ndarray | None = None,
@@ -96,8 +96,7 @@ class BorderedSystem:
         self.multipliers = multipliers
         h = p.curvature(x, multipliers, hold.contacts)
         self.hessian = self._in_metric(self._in_metric(h).T)
-        torque, moved = p.drift(x, multipliers, hold.contacts, line.slope(s))
-        torque = torque + line.moved_torque(p, s, x)
+        torque, moved = line.drift(p, s, x, multipliers, hold.contacts)
         self.drift = torque / root / line.weight
         self.moved = moved / line.weight
         self.imbalance = gradient - self.jacobian.T @ multipliers

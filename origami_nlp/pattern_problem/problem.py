@@ -29,8 +29,6 @@ from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, open
 
 MOST_NAMED = 40
 """Variables whose creases are listed."""
-SHIFT = 1e-3
-"""Step [rad] of differences by sector angles: their error is its fourth power."""
 
 
 def _no_shape(sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -360,18 +358,8 @@ class PatternProblem(PatternContacts, Energies):
         other._load = np.asarray(load, float)
         return other
 
-    def varied(
-        self, parameters: Parameters, sector_angles: np.ndarray | None = None
-    ) -> PatternProblem:
-        """Return the same problem with other springs and loads, over the same `scale`.
-
-        Parameters
-        ----------
-        parameters
-            Of its variables.
-        sector_angles
-            Round the vertex of a scene [N] [rad], where they change.
-        """
+    def varied(self, parameters: Parameters) -> PatternProblem:
+        """Return the same problem with other springs and loads, over the same `scale`."""
         other, p = self._other(), self.parameters
         same = p.laws is parameters.laws or (
             p.laws is not None
@@ -392,19 +380,20 @@ class PatternProblem(PatternContacts, Energies):
                     laws=() if parameters.laws is None else parameters.laws.made(self.scale),
                 )
             other.springs = replace(parameters, load=np.zeros(self.size), dead=None)
-        if sector_angles is not None:
-            other._move(*self.shape(sector_angles))
-            other.springs = replace(other.springs, sectors=sector_angles)
         other._load, other._dead = parameters.load, parameters.dead
         return other
 
-    def _move(self, corners: np.ndarray, reference: np.ndarray) -> None:
-        """Measure the same facets in another reference state."""
-        self.pattern = replace(self.pattern, corners=corners, reference=reference)
-        self.closure = Closure(self.pattern, self.orbits)
-        self.crossings = self.crossings.moved(self.pattern)
-        self._last, self._decomposed, self._stacks = None, {}, {}
-        vars(self).pop("features", None)
+    def shaped(self, sector_angles: np.ndarray) -> PatternProblem:
+        """Return the same problem of one vertex with other sector angles [N] [rad]."""
+        other = self._other()
+        corners, reference = self.shape(sector_angles)
+        other.pattern = replace(self.pattern, corners=corners, reference=reference)
+        other.closure = Closure(other.pattern, self.orbits)
+        other.crossings = self.crossings.moved(other.pattern)
+        other._last, other._decomposed, other._stacks = None, {}, {}
+        vars(other).pop("features", None)
+        other.springs = replace(self.springs, sectors=sector_angles)
+        return other
 
     def drift(
         self,
@@ -413,37 +402,13 @@ class PatternProblem(PatternContacts, Energies):
         contacts: Sequence[Contact],
         change: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Differentiate the KKT system along a change of `parameters.vector`.
-
-        Closure and gaps depend on sector angles alone: there differences of fourth order are taken.
-        """
+        """Differentiate the KKT system along a change of `parameters.vector`: of springs and loads alone."""
         p, first = self.parameters, len(self.parameters.sectors)
         stiffness, rest, load = change[first : first + 3 * self.size].reshape(3, -1)
         torque = stiffness * (x - p.rest) - p.stiffness * rest
         if p.laws is not None:
             torque = p.laws.linear(torque) + p.laws.drift(x, change[-2 * self.size :])
-        torque, moved = torque - load, np.zeros(len(multipliers))
+        torque = torque - load
         if p.dead is not None:
             torque = torque + p.dead.drift(p.sectors, x, change[first + 3 * self.size :])
-        if change[:first].any():
-            by_shape = self._shape_drift(x, multipliers, contacts, change[:first])
-            torque, moved = torque + by_shape[: self.size], by_shape[self.size :]
-        return torque, moved
-
-    def _shape_drift(
-        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact], d: np.ndarray
-    ) -> np.ndarray:
-        p, m = self.parameters, self.equation_count
-        h = SHIFT / float(np.abs(d).max())
-
-        def system(share: float) -> np.ndarray:
-            sectors = p.sectors + share * h * d
-            local = self.varied(replace(p, sectors=sectors), sectors).rows(x)
-            values, slopes = local.openings(contacts)
-            torque = local.closure_jacobian.T @ multipliers[:m] + slopes.T @ multipliers[m:]
-            # forces on facets move with them
-            pull = 0.0 if p.dead is None else local.gradient
-            return np.concatenate([pull - torque, local.closure, values])
-
-        ahead, behind = ([system(sign * k) for k in (1, 2)] for sign in (1.0, -1.0))
-        return np.asarray((8 * (ahead[0] - behind[0]) - (ahead[1] - behind[1])) / (12 * h))
+        return torque, np.zeros(len(multipliers))
