@@ -239,7 +239,9 @@ def goes_on(
         frame = held or frame
         split = len(frame.seen.pieces) > 1
         if split and not balances(frame):
-            continue
+            if h == TRIALS[0]:
+                continue
+            return None  # nearer, what is lower is lost in rounding
         if half.signed or judged(frame) == judged(half.frame):
             return OneSidedBranch(held or half.frame, half.signed or held is not None, split)
     return None
