@@ -28,6 +28,9 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import ClosedContacts, Contact, Local, Problem
 
+FEW = 3
+"""Dependent rows of closure up to which second order is asked for row by row."""
+
 
 class State:
     """A closed state x [n] of a problem.  What is asked twice is computed once.
@@ -143,7 +146,7 @@ class State:
         lost = self._lost
         z = self.kernel / p.root[:, None]
         forms: Iterable[np.ndarray]
-        if p.redundant and len(lost):  # of which there are many
+        if p.redundant and len(lost) > FEW:
             forms = np.einsum("lm,mtu->ltu", lost, p.closure.second(self.x, z))
         else:
             forms = (z.T @ p.lagrangian_hessian(self.x, -w, (), 0.0) @ z for w in lost)

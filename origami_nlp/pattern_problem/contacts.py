@@ -22,6 +22,7 @@ from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, CONTACT_TOL, INSIDE, LOA
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.borders import choices, without_passing
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry, gaps_and_rows
+from origami_nlp.pattern_problem.crossings import MOST_LISTED
 from origami_nlp.pattern_problem.equations import MOST_DENSE, PatternEquations
 from origami_nlp.pattern_problem.faces import CoplanarContact, Faces
 from origami_nlp.pattern_problem.meeting_features import contact_pair_words, needed_rows, touches_at
@@ -180,13 +181,24 @@ class PatternContacts(PatternEquations):
         """Whether facets are looked at where they touch."""
         return self.contact and self.size <= MOST_DENSE
 
+    def apart(self, x: np.ndarray) -> bool:
+        """Return whether no facets are near each other but at creases: then nothing touches or crosses."""
+        found: bool = self.kept("apart", x, lambda: self._apart(x))
+        return found
+
+    def _apart(self, x: np.ndarray) -> bool:
+        c = self.crossings
+        if c.cell is not None or len(c.pieces) > MOST_LISTED:
+            return False
+        return not c.near(x, 2 * INSIDE * c.size).any()
+
     def closed(
         self, x: np.ndarray, tolerance: float = CONTACT_TOL, local: Local | None = None
     ) -> ClosedContacts:
         """Find the contacts of a state that are closed, and the choices that keep facets apart."""
         near = (self.fold_limits.room(x) <= tolerance) & self.has_limits
         at_limit, limits = np.flatnonzero(near), self.fold_limits.contacts(x, near)
-        if not self.touching:
+        if not self.touching or (tolerance <= CONTACT_TOL and self.apart(x)):
             return ClosedContacts(limits, (), ())
         faces, place = self.faces(x), self.placed(x)
         # states that are exact close gaps to rounding; of others it is asked what is closed next to them

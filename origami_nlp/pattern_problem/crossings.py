@@ -111,6 +111,39 @@ class PatternCrossings:
         meet = np.zeros((len(self.pieces), 1, 3))
         return self.candidates(meet)
 
+    @cached_property
+    def _own(self) -> tuple[np.ndarray, np.ndarray]:
+        """Which corners of pairs of `listed` are not shared or repeated, [2, K, q], and which pairs share one, [K]."""
+        one, other = self.pieces[self.listed.T]
+        same = one[:, :, None] == other[:, None]
+        repeated = np.zeros(self.pieces.shape, bool)
+        repeated[:, 1:] = self.pieces[:, 1:] == self.pieces[:, :1]
+        a, b = repeated[self.listed.T]
+        own = np.stack([~same.any(axis=2) & ~a, ~same.any(axis=1) & ~b])
+        return own, same.any(axis=(1, 2))
+
+    def near(self, phi: np.ndarray, reach: float) -> np.ndarray:
+        """Return which of `listed` may be nearer to each other than a length, but for corners that they share, of bool.
+
+        Others lie on one side of a plane of two, or meet the line of both planes apart from each other.
+        """
+        x, (own, shares) = self.placed(phi), self._own
+        normal = unit_normals(x)
+        a, b = self.listed.T
+        steep, touching = [], np.zeros(len(a), bool)
+        for (i, j), mine in zip(((a, b), (b, a)), own, strict=True):
+            h = np.einsum("kqi,ki->kq", x[i] - x[j][:, :1], normal[j])
+            low = np.where(mine, h, np.inf).min(axis=1)
+            high = np.where(mine, h, -np.inf).max(axis=1)
+            steep.append((low < reach) & (high > -reach))
+            touching |= np.where(mine, np.abs(h), np.inf).min(axis=1) < reach
+        both = np.flatnonzero(steep[0] & steep[1])
+        out = np.zeros(len(a), bool)
+        if len(both):
+            common = _common_chord(x[a[both]], x[b[both]])
+            out[both] = touching[both] | (common > np.where(shares[both], 0.5, -1.0) * reach)
+        return out
+
     def counts(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Return which pairs of pieces are asked for: of pairs that are lattice vectors apart one, of bool [K]."""
         if self.cell is None:
@@ -405,6 +438,17 @@ def _intersected(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
     meets = depth > 0
     along = 0.5 * np.add(low, high, out=np.zeros_like(low), where=meets)
     return depth, along, line, normal_a, normal_b
+
+
+def _common_chord(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return how long the piece of the line of both planes is that polygons have in common, [K]; negative: a gap."""
+    normal_a, normal_b = unit_normals(a), unit_normals(b)
+    line = cross(normal_a, normal_b)
+    line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), NONZERO)
+    _, low_a, high_a = _chord(a, normal_b, b[:, :1], line)
+    _, low_b, high_b = _chord(b, normal_a, a[:, :1], line)
+    shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
+    return np.asarray(np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift))
 
 
 def _chord(

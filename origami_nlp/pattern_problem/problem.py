@@ -269,12 +269,12 @@ class PatternProblem(PatternContacts, Energies):
             return "closes with q = -1 round a vertex: not a sheet of paper"
         if over := self.beyond(x, tolerance):
             return f"beyond the fold limit {self.name(over[0])}"
+        if not self.contact or self.apart(x):
+            return ""
         crossed = self.crossed(x)
         if crossed:
             many = f"{len(crossed)} pairs of facets" if len(crossed) > 1 else "two facets"
             return f"{many} intersect"
-        if not self.contact:
-            return ""
         return "" if self._layers(x).verdict == "ordered" else self._layers(x).reason
 
     def _layers(self, x: np.ndarray) -> Layers:
@@ -283,7 +283,7 @@ class PatternProblem(PatternContacts, Energies):
 
     def doubt(self, x: np.ndarray) -> str:
         """Return why it is not known whether a closed state is admissible; "" where it is."""
-        if not self.contact or self.crossed(x):
+        if not self.contact or self.apart(x) or self.crossed(x):
             return ""
         if self.pattern.cell and (why := self.crossings.unseen(x)):
             return why
