@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import hashlib
 import os
@@ -13,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +42,9 @@ def compiled(
     key = name, *map(os.environ.get, (SWITCH, "CC", "XDG_CACHE_HOME", "HOME"))
     if key not in _LOADED:  # which is asked some thousand times a second
         stated = os.environ.get("CC") or _compiler()
-        home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+        home = os.environ.get("XDG_CACHE_HOME") or ""
+        # a relative one is none (XDG base directories)
+        home = home if os.path.isabs(home) else os.path.expanduser("~/.cache")
         if os.environ.get(SWITCH) == "0" or not stated:
             return None
         try:
@@ -96,7 +100,10 @@ def _compiler() -> str | None:
         asked = subprocess.run(["xcode-select", "-p"], check=False, capture_output=True)
         if asked.returncode:
             return None
-    return next(filter(shutil.which, ("cc", "gcc", "clang")), None)
+    known = next(filter(shutil.which, ("cc", "gcc", "clang")), None)
+    if known is None and find_spec("ziglang") is not None:  # of the extra `compiler`
+        return f"{shlex.quote(sys.executable)} -m ziglang cc"
+    return known
 
 
 def _library(
@@ -106,9 +113,13 @@ def _library(
     command = [*shlex.split(compiler), *FLAGS]
     key = repr((command, text, sys.platform, platform.machine())).encode()
     made = cache / f"{name}-{hashlib.sha256(key).hexdigest()[:16]}.so"
-    if not made.exists():
+    if not _is_trusted(made):
         says()
         cache.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not _is_ours(cache):  # somebody else may put files there: a folder that dies with the process
+            cache = Path(tempfile.mkdtemp(prefix="origami_nlp-"))
+            atexit.register(shutil.rmtree, cache, ignore_errors=True)
+            made = cache / made.name
         # beside, then moved: another process sees all of it or nothing
         with tempfile.TemporaryDirectory(dir=cache) as folder:
             out = Path(folder) / "made.so"
@@ -116,5 +127,27 @@ def _library(
             subprocess.run(
                 command, input=text.encode(), check=True, capture_output=True, timeout=60
             )
+            _sum_of(made).write_text(hashlib.sha256(out.read_bytes()).hexdigest(), "ascii")
             os.replace(out, made)
     return ctypes.CDLL(str(made))
+
+
+def _sum_of(made: Path) -> Path:
+    """Return the file with the checksum of a library."""
+    return made.with_suffix(".sha256")
+
+
+def _is_ours(path: Path) -> bool:
+    """Return whether a file or folder is the user's, and nobody else may write to it."""
+    known = path.stat()
+    return not hasattr(os, "getuid") or (known.st_uid == os.getuid() and not known.st_mode & 0o022)
+
+
+def _is_trusted(made: Path) -> bool:
+    """Return whether a library is there, whole, and was put there by the user: what is loaded is run."""
+    try:
+        if not (_is_ours(made.parent) and _is_ours(made)):
+            return False
+        return hashlib.sha256(made.read_bytes()).hexdigest() == _sum_of(made).read_text("ascii")
+    except OSError:
+        return False
