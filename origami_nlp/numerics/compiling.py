@@ -128,6 +128,7 @@ def _library(
                 command, input=text.encode(), check=True, capture_output=True, timeout=60
             )
             _sum_of(made).write_text(hashlib.sha256(out.read_bytes()).hexdigest(), "ascii")
+            os.chmod(out, 0o700)
             os.replace(out, made)
     return ctypes.CDLL(str(made))
 
