@@ -58,6 +58,7 @@ from .problem import PatternProblem as PatternProblem
 from .scouts import Scouts as Scouts
 from .screws import Screws as Screws, find_screws as find_screws
 from .stacks import Stack as Stack, Unclear as Unclear
+from .symbols import Symbols as Symbols
 from .tube import (
     FoldedTube as FoldedTube,
     Tube as Tube,

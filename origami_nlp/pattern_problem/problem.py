@@ -9,7 +9,7 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy as sp
@@ -26,6 +26,9 @@ from origami_nlp.pattern_problem.meeting_features import touches_at
 from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.pattern_problem.work import Work, Worked
 from origami_nlp.problem import Contact, Energies, LoopClosure, Parameters, openings
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern_problem.symbols import Symbols
 
 MOST_NAMED = 40
 """Variables whose creases are listed."""
@@ -234,6 +237,12 @@ class PatternProblem(PatternContacts, Energies):
         # a walk may cross copies of one crease, or several that follow one variable
         np.add.at(h, np.ix_(creases, creases), touch.bends(place) / self.crossings.size)
         return h
+
+    def symbols(self) -> Symbols:
+        """Return energy, closure and gaps as CasADi symbols, with springs and corners as parameters."""
+        from origami_nlp.pattern_problem.symbols import Symbols
+
+        return Symbols(self)
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
         """Return closure to second order at a state [n], of each vertex and hole by itself."""
