@@ -101,7 +101,8 @@ class Symbols:
         Parameters
         ----------
         y0
-            A state [n]: closure is projected on its row space there, so that rows are independent.
+            A state [n]: closure is projected on its row space at the closed state beside it (off closure dependent rows
+            have another rank), so that rows are independent.
         contacts
             Gaps that stay open.
 
@@ -110,7 +111,8 @@ class Symbols:
         Nlp
             Its parameters are `values`; fold limits are bounds for the caller to set.
         """
-        u, sizes, _ = np.linalg.svd(dense(self.problem.jacobian(y0)))
+        beside, _ = self.problem.project(np.asarray(y0, float))
+        u, sizes, _ = np.linalg.svd(dense(self.problem.jacobian(beside)))
         rows = u[:, : int((sizes > RANK).sum())]
         gaps = [self.gap(c) for c in contacts if not c.is_limit]
         lower, upper = np.zeros(rows.shape[1] + len(gaps)), np.zeros(rows.shape[1] + len(gaps))
