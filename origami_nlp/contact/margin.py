@@ -35,10 +35,8 @@ from origami_nlp.kkt import (
     follow,
     judge_branch,
     newton,
-    polish,
     project,
 )
-from origami_nlp.minima import Record, solve_without_crossing
 from origami_nlp.numerics import (
     BALANCED,
     CARRIES,
@@ -72,9 +70,6 @@ class MarginCheck:
     ----------
     factor
         Of the critical load.
-    by
-        ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because the loaded state is shallow,
-        ``descent`` (`kkt.follow`, which cannot jump).
     gap
         Opening of the contact in question [rad].
     multiplier
@@ -86,7 +81,6 @@ class MarginCheck:
     """
 
     factor: float
-    by: Literal["IPOPT", "descent"]
     gap: float
     multiplier: float
     moved: float
@@ -399,11 +393,7 @@ def _resolve(
     wanted[model.equation_count + i] = NEAR_CONTACT
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
-    by: Literal["IPOPT", "descent"] = "IPOPT"
-    answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
-    y = answer.x
-    if np.linalg.norm(y - near) > FARTHEST and not model.refuses(start):
-        by, y = "descent", follow(loaded, start).end
+    y = follow(loaded, start).end
     there = State(loaded, y).on(rows)
     gap = abs(
         float(there.openings[i])
@@ -414,7 +404,7 @@ def _resolve(
     ):  # the same touch may have been described by another row: read it as row i
         multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
     moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
-    return MarginCheck(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
+    return MarginCheck(factor, gap, multiplier, moved, gap <= CONTACT_TOL)
 
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:

@@ -244,7 +244,7 @@ def margin_lines(margin: LoadMargin) -> list[str]:
 
 
 def _check_words(check: MarginCheck) -> str:
-    head = f"re-solved at {100 * check.factor:.1f} % of it ({check.by})"
+    head = f"re-solved at {100 * check.factor:.1f} % of it"
     if check.closed:
         return f"{head}: contact closed, moment {check.multiplier:.3g} N m"
     return f"{head}: contact open by {check.gap:.3g} rad"

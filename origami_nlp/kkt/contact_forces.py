@@ -147,11 +147,12 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
     Contacts of the same slope along closed motions are one, told in two ways: that of a corner on a facet stands for
     both.  Of the multiplier the least is told: pieces come in no order.
     """
-    every = dict.fromkeys(c.contact for piece in pieces for c in piece if c.contact is not None)
-    along = state.on(tuple(every)).slopes @ state.kernel
+    every = (c.contact for piece in pieces for c in piece if c.contact is not None)
+    gaps = tuple(dict.fromkeys(c for c in every if not c.is_limit))
+    along = state.on(gaps).slopes @ state.kernel if gaps else np.zeros((0, 0))
     slope = {
         c: (np.round(row / state.problem.weight(c), SAME) + 0.0).tobytes()
-        for c, row in zip(every, along, strict=True)
+        for c, row in zip(gaps, along, strict=True)
     }
     found: dict[object, list[tuple[int, ContactForce]]] = {}
     for k, contacts in enumerate(pieces):

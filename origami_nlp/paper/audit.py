@@ -28,9 +28,8 @@ from origami_nlp.kkt import State, follow, lower_dimensional_at, project, sample
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import ENDPOINT_TOL, null_space
 from origami_nlp.paper.candidates import INDEPENDENT, PRINTED, Candidate
-from origami_nlp.pattern import Vertex, format_angle
+from origami_nlp.pattern import Scene, Vertex, format_angle
 from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
 
 ON_MINIMUM = 2.0
 """A candidate within this many grid steps of an exact minimum, in its chart, is that minimum as a grid sees it."""
@@ -150,7 +149,7 @@ def audit_candidates(
     for key in sorted(panels):
         members = panels[key]
         result = find_minima(members[0].scene, seed=seed, escape=False)
-        step = grid_step(Model(result.scene), members)
+        step = grid_step(result.scene, members)
         audited: list[Audited] = []
         seen: list[tuple[np.ndarray, int]] = []
         for c in _admissible_first(result.scene.vertex, members):
@@ -190,14 +189,14 @@ def audit_to_dict(panels: Sequence[PanelAudit]) -> dict[str, Any]:
     }
 
 
-def grid_step(model: Model, candidates: Sequence[Candidate]) -> float:
+def grid_step(scene: Scene, candidates: Sequence[Candidate]) -> float:
     """Return the coarsest step pi/128, pi/256, pi/512 whose multiples the chart coordinates are; else pi/128.
 
     Only candidates that close say something about the grid.
     """
-    states = [np.array(c.independent) for c in candidates]
+    states, model = [np.array(c.independent) for c in candidates], pose(scene)
     closed = [x for x in states if np.abs(model.closure(x)[0]).max() <= PRINTED]
-    points = np.array([chart_point(model, x) for x in closed])
+    points = np.array([chart_point(scene, model.expand(x)) for x in closed])
     for n in (128, 256, 512):
         rest = points / (math.pi / n)
         if len(points) and np.mean(np.abs(rest - np.round(rest)) < ON_GRID) > 0.95:
@@ -205,22 +204,23 @@ def grid_step(model: Model, candidates: Sequence[Candidate]) -> float:
     return math.pi / 128
 
 
-def chart_point(model: Model, x: np.ndarray) -> tuple[float, float]:
-    """Return the chart coordinates of a state: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
-    chart = chart_of(model.scene)
+def chart_point(scene: Scene, phi: np.ndarray) -> tuple[float, float]:
+    """Return the chart coordinates of a state [N]: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
+    chart = chart_of(scene)
     assert chart is not None
-    first, second = chart_points(chart, model.expand(x)).tolist()
+    first, second = chart_points(chart, phi).tolist()
     return (first, second) if chart.kind == "degree6" else (second, first)
 
 
-def chart_ends(model: Model, x: np.ndarray, step: float) -> bool:
+def chart_ends(scene: Scene, x: np.ndarray, step: float) -> bool:
     """Return whether an end of the chart lies within one grid `step` of state x."""
-    if model.scene.degree == 6:
+    model = pose(scene)
+    if scene.degree == 6:
         shown = null_space(model.closure(x)[1])[1:3]
         singular = float(np.linalg.svd(shown, compute_uv=False).min())
         return step >= STRETCHED * singular and max(abs(x[1]), abs(x[2])) <= math.pi / 2
-    v, fold = chart_point(model, x)
-    alpha = model.scene.vertex.sector_angles[0]
+    v, fold = chart_point(scene, model.expand(x))
+    alpha = scene.vertex.sector_angles[0]
     edge = math.asin(min(1.0, math.sin(2 * alpha) * math.sin(fold / 2) ** 2))
     return abs(fold) <= step or abs(abs(v) - edge) <= step
 
@@ -300,14 +300,16 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
             return replace(base, cause="isolated")
         return base
     hit = int(np.argmin(near))
-    here, there = chart_point(model, start), chart_point(model, exact[hit])
+    here, there = (chart_point(result.scene, model.expand(y)) for y in (start, exact[hit]))
     steps = max(abs(a - b) for a, b in zip(here, there, strict=True)) / step
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact")
     if lower_dimensional_at(State(model, start)):
         return replace(base, cause="on a handle")
-    return replace(base, cause="chart edge" if chart_ends(model, start, step) else "grid jag")
+    return replace(
+        base, cause="chart edge" if chart_ends(result.scene, start, step) else "grid jag"
+    )
 
 
 def _one_each(audited: list[Audited]) -> tuple[Audited, ...]:

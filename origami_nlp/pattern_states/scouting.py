@@ -41,7 +41,7 @@ class Scouting(FromMinima):
     @property
     def goes_ahead(self) -> bool:
         """Whether scouts go ahead of most starts: none is on a curve that is traced."""
-        return self.problem.dof > 1 and self.scouts.usable
+        return self.problem.size - self.problem.equation_count > 1 and self.scouts.usable
 
     def foresee(self, phi: np.ndarray) -> None:
         """Go downhill from a closed state, unless it is foreseen where that ends."""
