@@ -281,7 +281,7 @@ def _is_isolated(state: State) -> bool:
         return False
     cone, contacts = state.tangent_cone, state.contacts
     # pieces hold all states beside this one, and perhaps more
-    pieces = state.pieces if contacts.few else [contacts.base]
+    pieces = state.pieces if state.few else [contacts.base]
     return not cone.reason and all(cone.is_point(state.on(rows).slopes) for rows in pieces)
 
 

@@ -260,12 +260,12 @@ def _step(
     """Take one admissible step down, of at most `length`, by a backtracking line search; None where no step is
     lower."""
     near = state.problem.about_to_close(state.x, length)
-    listed = state.pieces if state.contacts.few else []
+    listed = state.pieces if state.few else []
     for ahead in (near, ()) if near else ((),):
         best: _Found | None = None
         waiting = list[Iterator[_Found | None]]()
         for rows, d, held in itertools.islice(_ways_down(state, ahead, curved), most_ways):
-            if best is not None and (rows in listed or not state.contacts.few):
+            if best is not None and (rows in listed or not state.few):
                 break  # of the pieces themselves the first that leads down
             if _length(d, curved) < ROUNDED:
                 continue
@@ -332,7 +332,7 @@ def _ways_down(
         rows = tuple(dict.fromkeys((*rows, *ahead)))
         return rows, *_pull(state.on(rows), curved)
 
-    if state.contacts.few:
+    if state.few:
         yield from map(way, state.pieces)
         return
     choices = Choices(state)
@@ -456,7 +456,7 @@ def polished_nearby(
             pull[contact.index] = 1.0
     answer = Solve(x, "followed", 0, 0.0, pull, None)
     # the contacts that are closed first: a guess from near gaps may close one that the path never met
-    if state.contacts.few:
+    if state.few:
         guesses = state.pieces[:MOST_GUESSES]
     else:  # those that push
         ways = itertools.islice(_ways_down(state, (), True), MOST_GUESSES)

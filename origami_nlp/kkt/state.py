@@ -182,14 +182,22 @@ class State:
         return Choices(self)
 
     @cached_property
+    def _pieces(self) -> list[tuple[Contact, ...]] | None:
+        exact = self.contacts.complete
+        return self.contacts.combinations() if exact else self.choices.pieces()
+
+    @property
+    def few(self) -> bool:
+        """Whether the pieces that meet are few enough to be listed."""
+        return self._pieces is not None
+
+    @property
     def pieces(self) -> list[tuple[Contact, ...]]:
         """Smooth pieces of the feasible set that meet here, as contacts; where too many, only those of all of them.
 
         Of contacts that say the same to first order one is named.
         """
-        exact = self.contacts.complete
-        found = self.contacts.combinations() if exact else self.choices.pieces()
-        return found or [self.contacts.base]
+        return self._pieces or [self.contacts.base]
 
     @cached_property
     def refused(self) -> str:
