@@ -400,7 +400,7 @@ def _resolve(
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
     by: Literal["IPOPT", "descent"] = "IPOPT"
-    answer = polish(loaded, solve_without_crossing(loaded, start, Record()))
+    answer = polish(loaded, solve_without_crossing(loaded, start, Record(loaded)))
     y = answer.x
     if np.linalg.norm(y - near) > FARTHEST and not model.refuses(start):
         by, y = "descent", follow(loaded, start).end
