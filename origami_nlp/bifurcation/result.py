@@ -34,6 +34,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_problem import pose
 
 COMPLETE = {
     "proved": "proved to be all",
@@ -155,7 +156,7 @@ class Atlas(Report, Viewable):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        problem, s = self.family.problem(self.family.scene(value)), parameter.s_of(value)
+        problem, s = pose(self.family.scene(value)), parameter.s_of(value)
         here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
         return (
