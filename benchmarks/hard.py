@@ -103,7 +103,7 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
 
 
 def _solved(model: Model, start: np.ndarray) -> tuple[Any, Any]:
-    state = polish(model, solve_without_crossing(model, start, Record()))
+    state = polish(model, solve_without_crossing(model, start, Record(model)))
     return state, classify(State(model, state.x), polished=state.converged)
 
 

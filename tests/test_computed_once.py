@@ -54,10 +54,11 @@ def test_shared_barriers_are_those_of_their_minima():
         return with_escapes(*given)
 
     result = find_minima(examples.degree6("pi/4", 0.02), max_starts=16, prove=False, escape=False)
-    shared, fresh = by_minima(with_barriers), with_escapes(result.model, result.minima)
-    assert fresh == shared(result.model, result.minima) == shared(result.model, result.minima)
+    model = Model(result.scene)
+    shared, fresh = by_minima(with_barriers), with_escapes(model, result.minima)
+    assert fresh == shared(model, result.minima) == shared(model, result.minima)
     assert len(calls) == 1 and all(m.escape.barrier > 0 for m in fresh)
-    assert shared(result.model, result.minima[:1]) != fresh[:1] and len(calls) == 2
+    assert shared(model, result.minima[:1]) != fresh[:1] and len(calls) == 2
 
 
 def test_a_shared_search_of_a_pattern_is_that_of_its_springs():

@@ -70,9 +70,6 @@ TINY = 1e-7
 INSIDE = 1e-6
 """Share of their size by which features of facets meet inside each other: closer to a border more features meet, and
 sides at less than a thousandth of a turn have no common normal to speak of (its square counts)."""
-NARROW = 1e-5
-"""Corners of facets narrower than this [rad] have no contact: ten times `INSIDE`, which leaves nothing between their
-sides."""
 FIRM = 1e-7
 """Multipliers, and curvatures over that of the softest crease, up to this do not decide what a singular state is: they
 are known to ten times `CONTACT_TOL` beside it, and states on small spheres around it decide."""
@@ -103,6 +100,9 @@ digits or more, and corners of patterns are a tenth or more apart."""
 ANSWERED = 1e-6
 """Constraints of an answer of IPOPT hold to this, and bound forces above it are no remains of its barrier: ten times
 its tolerance of 1e-7."""
+NARROW = 1e-5
+"""Corners of facets narrower than this [rad] have no contact: ten times `INSIDE`, which leaves nothing between their
+sides."""
 ENDPOINT_TOL = 1e-5
 """A path downhill ends at a known state [rad]: where the polish fails it stops within some of its shortest steps,
 1e-6."""

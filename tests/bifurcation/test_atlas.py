@@ -22,6 +22,7 @@ from origami_nlp.bifurcation import (
 )
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.minima import judge_in_full_space
+from origami_nlp.pattern_problem import pose
 
 TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
 
@@ -267,7 +268,7 @@ def test_lines_are_the_scenes_of_a_family():
         family = family_of(o.examples.degree6("pi/4", 2.0), parameter)
         for share in (0.0, 0.3, 1.0):
             s = (1 - share) * parameter.s_of(parameter.low) + share * parameter.s_of(parameter.high)
-            model, problem = o.Model(family.scene(parameter.t_of(s))), family.line.at(s)
+            model, problem = pose(family.scene(parameter.t_of(s))), family.line.at(s)
             p, q, unit = model.parameters, problem.parameters, model.scale / problem.scale
             assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
             wound = q.rest + q.load / q.stiffness  # preload is a load on the line
@@ -275,7 +276,7 @@ def test_lines_are_the_scenes_of_a_family():
                 np.append(q.sectors, wound), abs=1e-13
             )
             at = np.array(family.scene(parameter.t_of(s)).vertex.sector_angles)
-            assert problem.scene.vertex.sector_angles == pytest.approx(at, abs=1e-13)
+            assert problem.parameters.sectors == pytest.approx(at, abs=1e-13)
 
 
 CASES = {

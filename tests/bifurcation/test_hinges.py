@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Model, Scene, Vertex
+from origami_nlp import Scene, Vertex
 from origami_nlp.bifurcation.family import same_problem
 from origami_nlp.continuation import line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.independent import scan_four
 
 SECTORS = (70, 80, 120, 90)
@@ -68,12 +68,13 @@ def test_a_scaled_linear_law_is_a_stiffness():
 def test_kkt_systems_change_with_laws_as_differences_say():
     law = double_well(1.0, 1.0)
     limits = ((-2.5, 2.5),) * 4
-    vertex = Model(scene((law, None, law.times(2.0), None), limits=limits))
-    two = replace(vertex.scene, laws=(law.times(3.0).shifted(0.3), None, law, None))
+    first = scene((law, None, law.times(2.0), None), limits=limits)
+    second = replace(first, laws=(law.times(3.0).shifted(0.3), None, law, None))
+    vertex, two = pose(first), pose(second)
     sheet = o.examples.pattern("miura", 2, 2).with_limits((-2.5, 2.5)).with_laws((law, None) * 2)
     other = with_places(sheet, {"law_scale[1]": 2.0, "law_shift[3]": -0.2, "stiffness[2]": 3.0})
     for a, b in (
-        (vertex, vertex.varied(Model(two).parameters.scaled(Model(two).scale / vertex.scale))),
+        (vertex, vertex.varied(two.parameters.scaled(two.scale / vertex.scale))),
         (PatternProblem(sheet), PatternProblem(other).numbered_as(PatternProblem(sheet))),
     ):
         line = line_between(a, b, 2.0)
@@ -165,10 +166,8 @@ def test_stops_along_a_path_and_what_is_refused():
 def test_laws_of_other_shape_are_no_one_problem():
     """Their functions are shared, their pieces are not: over a number within a law nothing is followed."""
     law = double_well(1.0, 0.8)
-    one, twice, other = (
-        Model(scene(laws=(each,) * 4)) for each in (law, law.times(2.0), double_well(1.0, 0.9))
-    )
-    assert one.structure == other.structure
+    stated = (scene(laws=(each,) * 4) for each in (law, law.times(2.0), double_well(1.0, 0.9)))
+    one, twice, other = ((each, pose(each)) for each in stated)
     assert len(same_problem([one, twice], "law_scale", ["first", "second"])) == 2
     with pytest.raises(OptionError, match="second: hinge laws are others"):
         same_problem([one, other], "laws", ["first", "second"])

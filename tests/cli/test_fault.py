@@ -15,7 +15,7 @@ def failing(monkeypatch, error):
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("origami_nlp.problem.Model.__str__", fail)
+    monkeypatch.setattr("origami_nlp.pattern_problem.PatternProblem.__str__", fail)
 
 
 def test_an_unexpected_error_is_one_line_and_a_report_with_the_scene(tmp_path, monkeypatch):

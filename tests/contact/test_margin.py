@@ -18,10 +18,8 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import null_space
-from origami_nlp.problem import (
-    Contact,
-    Model,
-)
+from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.problem import Contact
 from tests.computed_once import panel_result, shared, thinned
 
 PINNED = {
@@ -31,8 +29,8 @@ PINNED = {
     "fold limit": ("degree6", "5*pi/12", 100.0, "+pi at creases 2, 6"),
     "fold limit, degree 8": ("degree8", "pi/12", 0.01, "-pi at creases 1, 5"),
     "fold limit, degree 8, pi/6": ("degree8", "pi/6", 0.01, "-pi at creases 1, 5"),
-    "axis": ("degree8", "pi/12", 100.0, "crease 3 on the axis"),
-    "axis, pi/6": ("degree8", "pi/6", 100.0, "crease 3 on the axis"),
+    "axis": ("degree8", "pi/12", 100.0, "creases 3 and 7 on each other"),
+    "axis, pi/6": ("degree8", "pi/6", 100.0, "creases 3 and 7 on each other"),
 }
 """Pinned states of the paper's panels: family, alpha_1, r_k, and words of their contact."""
 
@@ -51,7 +49,7 @@ def minimum_of(name: str) -> JudgedState:
     return minimum
 
 
-def state_of(name: str) -> tuple[Model, np.ndarray]:
+def state_of(name: str) -> tuple[PatternProblem, np.ndarray]:
     model = search(name).model
     return model, model.reduce(np.array(minimum_of(name).fold_angles))
 
@@ -64,7 +62,7 @@ def pinned(result: MinimaResult) -> list[np.ndarray]:
     ]
 
 
-def held(model: Model, x: np.ndarray) -> tuple[Contact, ...]:
+def held(model: PatternProblem, x: np.ndarray) -> tuple[Contact, ...]:
     choices = model.closed(x).combinations()
     assert choices
     return choices[0]
@@ -225,7 +223,7 @@ def test_margins_scale_with_the_stiffness() -> None:
     scaled = o.Scene(
         scene.vertex, tuple(1000 * k for k in scene.stiffness), scene.rest_angles, "D1", mirror=1
     )
-    margin = load_margin(State(Model(scaled), state_of("fold limit")[1]), check=False)
+    margin = load_margin(State(pose(scaled), state_of("fold limit")[1]), check=False)
     assert margin.norm == pytest.approx(1000 * margin_of("fold limit").norm, rel=1e-6)
 
 

@@ -9,26 +9,27 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from origami_nlp import Model, State, classify, examples, find_minima
+from origami_nlp import State, classify, examples, find_minima
 from origami_nlp.continuation import BifurcationDiagram, line_between, load_line
 from origami_nlp.continuation.diagram import STEPS
 from origami_nlp.continuation.one_sided_branches import touches
 from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.kkt import follow, project
+from origami_nlp.pattern_problem import pose
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029
 """Torques on crease 1 [N m] between which a state of degree 6, 5 pi/12, r_k = 1 is unstable, of a prototype."""
 
 
 def minima_of(scene):
-    model = Model(scene)
+    model = pose(scene)
     found = find_minima(scene, prove=False, escape=False, max_starts=2000).minima
     return model, [model.reduce(np.array(m.fold_angles)) for m in found]
 
 
 def over_ratio(alpha, low, high, **options):
     model, states = minima_of(examples.degree6(alpha, 1.0))
-    line = line_between(model, Model(examples.degree6(alpha, math.e)), 1.0)
+    line = line_between(model, pose(examples.degree6(alpha, math.e)), 1.0)
     return BifurcationDiagram(line, math.log(low), math.log(high), **options), states
 
 
@@ -102,7 +103,7 @@ def test_points_are_equilibria_and_their_tangents_are_differences(torques):
 
 def test_the_drift_of_the_kkt_system_is_its_difference():
     rng = np.random.default_rng(0)
-    model = Model(examples.degree6("5*pi/12", 1.0))
+    model = pose(examples.degree6("5*pi/12", 1.0))
     x, lam = rng.uniform(-2, 2, 4), rng.normal(size=2)
     contacts = (*model.gaps[:1], model.limits[1])
     nu, change = np.append(lam, rng.normal(size=2)), rng.normal(size=model.parameters.vector.size)
@@ -200,7 +201,7 @@ def test_handles_and_the_book_fold_are_followed():
 
 def test_a_contact_that_never_carries_leaves_at_the_first_load():
     """The book fold of pi/4 rests: any torque that opens it does so at once."""
-    model = Model(examples.degree6("pi/4", 1.0))
+    model = pose(examples.degree6("pi/4", 1.0))
     book = np.array([-math.pi, 0.0, 0.0, -math.pi])
     web = BifurcationDiagram(load_line(model, np.array([1.0, 0, 0, 0])), -1.0, 1.0)
     assert web.add(book, 0.0, "minimum")
@@ -214,7 +215,7 @@ def facets_that_begin_to_overlap(ratio, low, high):
         replace(examples.degree8("pi/6", math.exp(s)), symmetry="none", mirror=None)
         for s in (0.0, 1.0)
     ]
-    line = line_between(*map(Model, scenes), 1.0)
+    line = line_between(*map(pose, scenes), 1.0)
     web = BifurcationDiagram(line, math.log(low), math.log(high))
     angles = np.radians([-65.5, 142.2, -58.2, 142.0, -65.5, 142.2, -58.2, 142.0])
     start = follow(line.at(math.log(ratio)), angles).end
@@ -263,14 +264,14 @@ def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
 
 def test_the_shortest_step_is_the_one_across_the_null_vector():
     """One factorisation with a tangent that is only near gives the step under the row of singular vectors."""
-    a, b = (Model(examples.degree6("5*pi/12", ratio)) for ratio in (0.5, 2.0))
+    a, b = (pose(examples.degree6("5*pi/12", ratio)) for ratio in (0.5, 2.0))
     line, rng = line_between(a, b, 1.0), np.random.default_rng(0)
     for minimum in find_minima(examples.degree6("5*pi/12", 1.0), prove=False, escape=False).minima:
         x = a.reduce(np.array(minimum.fold_angles))
         contacts = State(line.at(0.5), x).contacts.base
         for _ in range(10):
             point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
-            system = BorderedSystem(line, point, Hold(contacts, (0, 1)))
+            system = BorderedSystem(line, point, Hold(contacts))
             row, _ = system.direction()
             along = row + 0.3 * rng.standard_normal(len(x) + 1)
             step = system.shortest_step(along)

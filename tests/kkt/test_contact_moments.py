@@ -40,8 +40,12 @@ def as_contact(piece, contact, x):
         v = int(piece.orbit[contact.creases[0] - 1])
         assert [i + 1 for i in np.flatnonzero(piece.orbit == v)] == list(contact.creases)
         return ("limit", v, 1 if x[v] > 0 else -1), len(contact.creases)
-    if contact.type == "axis":
-        return ("axis", int(piece.orbit[contact.creases[0] - 1]), 1), 2
+    if contact.text == "creases 3 and 7 on each other":
+        # tips of degree 8 that meet on the axis, each as far off it: what is reported is the moment of the angle of one
+        # off the plane of a facet at the other, with an image in each quarter
+        (creases,), _ = piece.fold(x)
+        normal = np.cross(creases[1], creases[2]) / math.sin(piece.chain[1])
+        return ("axis", int(piece.orbit[2]), 1), 4 * 2 * abs(normal[1])
     assert contact.text.startswith("creases 1 and 4 on each other")
     # the opening is the angle of one of them off the plane of the facet at the other, in both halves
     # of the vertex: the same for either facet, since they stand at equal angles to the mirror; of its
@@ -72,7 +76,9 @@ def slope_of_optimal_energy(piece, x, held, which, step=1e-4):
 
 
 def test_there_are_pinned_states_of_each_kind(pinned):
-    assert {c.type for _, m in pinned for c in m.contacts} == {"fold-limit", "axis", "facet-pair"}
+    assert {c.type for _, m in pinned for c in m.contacts} == {"fold-limit", "facet-pair"}
+    pairs = {c.text for _, m in pinned for c in m.contacts if c.type == "facet-pair"}
+    assert pairs == {"creases 1 and 4 on each other", "creases 3 and 7 on each other"}
 
 
 def test_moments_are_slopes_of_the_optimal_energy(pinned):

@@ -8,7 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.kkt import project
-from origami_nlp.kkt.splitting import Choices
+from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
 from origami_nlp.pattern_states import contact_descent_off, descend, judge
 

@@ -9,6 +9,7 @@ import pytest
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.minima import find, job, record
 from origami_nlp.minima.windings import join_reports
+from origami_nlp.pattern_problem import pose
 
 FAILURES = [np.linalg.LinAlgError("Singular matrix"), ZeroDivisionError("division by zero")]
 ONE_DOF = Scene(
@@ -63,8 +64,8 @@ def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, s
 
 @pytest.mark.parametrize("error", FAILURES, ids=["LinAlgError", "ZeroDivisionError"])
 def test_an_image_that_cannot_be_told_of_stays_undecided(monkeypatch, error):
-    model, found = Model(ONE_DOF), record.Record()
-    answer = record.listed(model, model.reduce(np.array(angles(whole(ONE_DOF))[0])))
+    model, found = Model(ONE_DOF), record.Record(pose(ONE_DOF))
+    answer = record.listed(found, model, model.reduce(np.array(angles(whole(ONE_DOF))[0])))
     assert answer.is_minimum
     undecided = record.Classification("undecided", None, "left to its image", 0)
     symmetries = [(None, 1), (np.arange(model.size)[::-1], -1)]

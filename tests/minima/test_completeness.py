@@ -109,7 +109,7 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
 
     def prove_wrong(model, record, wanted, left):
         saddle = next(p for p in prove(model).points if p.index and 1 not in p.pinned_signs)
-        answer = listed(model, np.array(saddle.x))
+        answer = listed(record, model, np.array(saddle.x))
         assert answer.what.verdict == "saddle"
         answer.what = replace(answer.what, verdict="minimum", kind="interior")
         record.answers.append(answer)

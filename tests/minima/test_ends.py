@@ -13,6 +13,7 @@ from origami_nlp.minima import record, search
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
 from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern_problem import pose
 from origami_nlp.starts import CORNER, Rounds, contact_starts, model_strata, options_of
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
@@ -199,12 +200,12 @@ def test_an_end_off_closure_is_counted_and_no_state(monkeypatch):
 
 
 def test_a_state_that_does_not_close_has_no_certificate():
-    model = Model(UNCLOSED)
+    model, found = Model(UNCLOSED), record.Record(pose(UNCLOSED))
     x = np.array(unclosed().minima[0].fold_angles)
-    answer = record.listed(model, x + 1e-2)
+    answer = record.listed(found, model, x + 1e-2)
     assert (answer.what.verdict, answer.what.kind) == ("not admissible", None)
     assert "close" in answer.what.reason
-    assert record.listed(model, x).is_minimum
+    assert record.listed(found, model, x).is_minimum
 
 
 def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypatch):
@@ -280,7 +281,7 @@ def test_a_minimum_that_is_handed_over_is_listed():
 
 def test_a_guess_is_descended_from_with_its_contacts_held():
     """Free, its first step ran into two facets at once, and none shorter was better."""
-    one = Search(Model(LOST), record.Record(), None)
+    one = Search(Model(LOST), record.Record(pose(LOST)), None)
     ends = one._descents.run(one.closed(GUESS[None], touching=True))
     assert ends.converged.all()
     assert np.abs(ends.samples.x - GUESS).max() < 1e-9

@@ -125,7 +125,7 @@ def test_traced_barriers_are_those_of_a_dense_scan(seed):
 def test_bounds_from_descents_are_never_below_exact_barriers(seed):
     scene = four(seed, ("full", "fold-limits")[seed % 2])
     result = find_minima(scene, prove=False)
-    bounds = with_escapes(result.model, result.minima)
+    bounds = with_escapes(Model(scene), result.minima)
     for m, bound in zip(result.minima, bounds, strict=True):
         assert bound.escape.method != TRACED
         if m.escape.known and bound.escape.known:
@@ -158,7 +158,7 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
     rng = np.random.default_rng(seed)
     for name in ("pinv", "lstsq", "inv", "eigh", "svd", "solve", "qr"):
         monkeypatch.setattr(np.linalg, name, rounded_otherwise(getattr(np.linalg, name), rng))
-    again = with_escapes(result.model, result.minima)
+    again = with_escapes(Model(result.scene), result.minima)
     for m, other in zip(result.minima, again, strict=True):
         a, b = m.escape, other.escape
         assert (a.barrier, a.method, a.to, a.shallow) == (b.barrier, b.method, b.to, b.shallow)
@@ -168,7 +168,7 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
 
 def test_middles_of_many_steps_are_those_of_each():
     result = panel_result(examples.degree6("pi/3", ratio=1))
-    model = result.model
+    model = Model(result.scene)
     states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
     terrain = VertexTerrain(model, states, [[] for _ in states])
     # 2: a handle, on which contacts stay closed; the others fold freely
@@ -306,7 +306,7 @@ if __name__ == "__main__":
 def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
     # the lowest partings of all rays, descended from state by state: nothing of the order in which that is done
     result = panel_result(examples.panels()[number])
-    model = result.model
+    model = Model(result.scene)
     x = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
     modes = [[] for _ in x]
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]

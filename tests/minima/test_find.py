@@ -60,7 +60,8 @@ def test_pinned_states_of_degree_8_sit_on_the_axis():
     for alpha in ("pi/12", "pi/6"):
         result = panel_result(examples.degree8(alpha, 100.0), full=True)
         pinned = [m for m in result.minima if m.contacts]
-        assert [c.type for m in pinned for c in m.contacts] == ["axis"]
+        assert [c.type for m in pinned for c in m.contacts] == ["facet-pair"]
+        assert pinned[0].contacts[0].text == "creases 3 and 7 on each other"
         # symmetric criticality fails where two tips can slide past each other
         assert pinned[0].full_space.verdict == "unstable"
 

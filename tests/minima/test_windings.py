@@ -65,8 +65,8 @@ def test_a_result_is_read_back_with_its_windings(tmp_path):
     again = MinimaResult.load(path)
     assert [m.winding for m in again.minima] == [m.winding for m in result.minima]
     for m in again.minima:
-        model = again.model_of(m)
-        assert np.abs(model.closure(model.reduce(np.array(m.fold_angles)))[0]).max() < 1e-12
+        state = again.state_of(m)
+        assert np.abs(state.problem.closure.values(state.x)).max() < 1e-12
 
 
 def test_one_winding_may_be_asked_for():
@@ -136,8 +136,8 @@ def test_the_flat_state_winds_once(group, contact):
     result = find_minima(scene, escape=False)
     assert {m.winding for m in result.minima} > {1}
     for m in result.minima:
-        model = result.model_of(m)
-        assert np.abs(model.closure(model.reduce(np.array(m.fold_angles)))[0]).max() < 1e-12
+        state = result.state_of(m)
+        assert np.abs(state.problem.closure.values(state.x)).max() < 1e-12
     assert [m.winding for m in result.minima if not np.any(m.fold_angles)] == [1]
 
 

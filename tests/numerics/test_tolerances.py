@@ -21,7 +21,7 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure 
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
+        bifurcation/boundary.AROUND continuation/line.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
