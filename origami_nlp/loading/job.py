@@ -37,12 +37,11 @@ from origami_nlp.loading.driver import (
     BRANCHES,
     IDENTITY,
     OFF_BRANCH,
+    Driver,
     LoadSearch,
-    VertexDriver,
     image_of,
     kept_by,
 )
-from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
@@ -91,7 +90,7 @@ class FollowedLoad:
 
     def __init__(
         self,
-        driver: VertexDriver | PatternDriver,
+        driver: Driver,
         low: float,
         high: float,
         full: bool,
@@ -103,7 +102,8 @@ class FollowedLoad:
         self.driver, self.low, self.high = driver, low, high
         self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._given, self.home = (full, steps, until), home
-        self._full = driver.full_line() if full else None
+        symmetric = full and driver.elements != IDENTITY
+        self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
         functions = [("breaks-symmetry", self.across)] if self._full else []
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
@@ -122,25 +122,22 @@ class FollowedLoad:
         return self if self.home is None else self.home
 
     @property
+    def problem(self) -> Any:
+        """Of the line that is followed."""
+        return self.web.line.problem
+
+    @property
     def jobs(self) -> list[FollowedLoad]:
         """The spaces in which something was followed."""
         return [self, *self.spaces.values()]
 
-    @property
-    def elements(self) -> tuple[tuple[int, bool], ...]:
-        """Symmetries that states keep; the identity alone where none is imposed."""
-        return (
-            self.driver.scene.group.elements if isinstance(self.driver, VertexDriver) else IDENTITY
-        )
-
     def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
         """Return the same path in the space of states that keep some of the symmetries of the scene."""
         root = self.root
-        if root._full is None or set(elements) == set(root.elements):
+        if root._full is None or set(elements) == set(root.driver.elements):
             return root
-        assert isinstance(root.driver, VertexDriver)
         driver = root.driver.keeping(elements)
-        kept = driver.scene.group.elements
+        kept = driver.elements
         if kept not in root.spaces:
             root.spaces[kept] = FollowedLoad(driver, self.low, self.high, *self._given, home=root)
         return root.spaces[kept]
@@ -155,7 +152,7 @@ class FollowedLoad:
         if self._full is None:
             return math.nan
         if frame not in self._known:
-            given = self._full, self.driver.scene, self._touching  # type: ignore[union-attr]
+            given = self._full, self.driver.origami, self._touching
             self._known[frame] = breaking_eigenvalue(frame, *given)
         return self._known[frame]
 
@@ -233,7 +230,7 @@ class FollowedLoad:
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
-            landed = release(into.web, node, toward, into.driver)
+            landed = release(into.web, node, toward)
             if isinstance(landed, str):
                 self.ways.append(Run(self, way, toward, None, begun))
                 if way.why == "snap":
@@ -277,9 +274,8 @@ class FollowedLoad:
             return self, node
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
         if way.why == "breaks-symmetry" or flat:
-            phi = self.web.line.at(node.s).expand(node.point[:-1])
-            point = node.point if self.beyond is self else np.append(phi, node.s)
-            return self.beyond, replace(node, point=point)
+            phi = self.beyond.problem.reduce(self.problem.expand(node.point[:-1]))
+            return self.beyond, replace(node, point=np.append(phi, node.s))
         return None
 
     def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
@@ -290,25 +286,18 @@ class FollowedLoad:
         root = self.root
         if root._full is None:
             return x, self
-        problem = self.web.line.problem
-        phi, at = problem.expand(x), problem.expand(node.point[:-1])
-        keeping = kept_by(root.elements, at)
+        phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
+        keeping = kept_by(root.driver.elements, at)
         image = max(
             (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
         )
-        into = self.keeping(kept_by(root.elements, image))
-        return into.reduced(image), into
-
-    def reduced(self, phi: np.ndarray) -> np.ndarray:
-        """Return the variables of a state of all fold angles, which keeps the symmetry."""
-        model: Any = self.web.line.problem
-        x: np.ndarray = model.reduce(phi) if self.root._full is not None else phi
-        return x
+        into = self.keeping(kept_by(root.driver.elements, image))
+        return into.problem.reduce(image), into
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
         """Whether stable states lead back to a node of another space, or this, where they branch off."""
         point = self.web.nodes[led.node].point
-        at = np.append(self.reduced(of.web.line.problem.expand(node.point[:-1])), node.s)
+        at = np.append(self.problem.reduce(of.web.line.problem.expand(node.point[:-1])), node.s)
         return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
 
     def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
@@ -318,11 +307,11 @@ class FollowedLoad:
         states lose by the change of the load from s0 to s.
         """
         node = self.web.nodes[way.node]
-        one, two = self.web.line.at(s).expand(node.point[:-1]), into.web.line.at(s).expand(x)
-        space = self.beyond if self.root._full is not None else self
+        space = self.beyond
+        one = space.problem.reduce(self.problem.expand(node.point[:-1]))
+        two = space.problem.reduce(into.problem.expand(x))
         lost, at_the_node = (
-            -float(space.web.line.at(t).energy_change(space.reduced(one), space.reduced(two)))
-            for t in (s, node.s)
+            -float(space.web.line.at(t).energy_change(one, two)) for t in (s, node.s)
         )
         return lost <= 2 * abs(lost - at_the_node)
 
@@ -332,13 +321,13 @@ class FollowedLoad:
         diagrams = []
         for job in self.jobs:
             web = job.web
-            ends = job.home is None and isinstance(job.driver, VertexDriver)
+            ends = job is self and self.driver.scene is not None
             parts = {k: parts_of(arc, ends) for k, arc in enumerate(web.arcs)}
             diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
         legs = tuple(way.job.leg(way) for way in self.ways)
         met = {p.fold_angles for leg in legs for p in leg.points}
-        if isinstance(self.driver, PatternDriver):
-            pops = PopSigns(self.driver.pattern)
+        if self.driver.scene is None:
+            pops = PopSigns(self.driver.origami)
             for number, leg in enumerate(legs, start=1):
                 found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
                 self.alarms += [f"leg {number}: {line}" for line in found]
@@ -369,7 +358,7 @@ class FollowedLoad:
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
-        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.elements)
+        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.driver.elements)
 
     def leg(self, way: Run) -> Leg:
         """Pack the states of a way."""
@@ -384,9 +373,9 @@ class FollowedLoad:
             points.append(self._point(frame.s, phi, low))
         node = self.web.nodes[way.segment.node]
         if way.snap is not None and node.type == "singular":
-            points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
+            points.append(self._point(node.s, self.problem.expand(node.point[:-1])))
         judged = self._judged(way.segment, int(way.branches_off))
-        keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
+        keeps = self.driver.scene.group.name if self.driver.scene else ""
         stiff = math.nan
         if not way.branches_off and len(way.segment.frames) > 1:
             stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
@@ -435,8 +424,8 @@ class FollowedLoad:
         if self._full is None:
             return None
         at = of.problem.expand(node.point[:-1])
-        into = self.keeping(kept_by(self.elements, at, NEAR_SINGULAR_TOL))
-        web, point = into.web, np.append(into.reduced(at), node.s)
+        into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
+        web, point = into.web, np.append(into.problem.reduce(at), node.s)
         if web.line is of:
             return None
         for half in find_one_sided_branches(web.line, point, web.tally):
@@ -472,7 +461,7 @@ class FollowedLoad:
         """Confirm a snap by searches, as far as time allows."""
         job, _, into, landed, s, _ = self.falls[k]
         _, way, toward, *_ = next(w for w in self.ways if w.snap == k + 1)
-        both = set(job.elements) & set(into.elements)
+        both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
         found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
         if search.cut:

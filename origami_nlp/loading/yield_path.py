@@ -10,9 +10,8 @@ import numpy as np
 from origami_nlp.bifurcation import PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.continuation import START
 from origami_nlp.errors import OptionError
-from origami_nlp.loading.driver import VertexDriver
+from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.job import FollowedLoad, Run
-from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import COLLAPSE, Leg, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yielding import HOLDS, YIELDS, YieldingHinges
@@ -38,7 +37,7 @@ class YieldPath:
         When following ends (`time.monotonic`).
     """
 
-    driver: VertexDriver | PatternDriver
+    driver: Driver
     low: float
     high: float
     options: Any
@@ -211,7 +210,7 @@ def _one(a: PathEvent, b: PathEvent) -> bool:
 
 
 def follow_yielding(
-    driver: VertexDriver | PatternDriver,
+    driver: Driver,
     x: np.ndarray,
     state: int,
     ends: list[float],

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.continuation import Equilibrium, ParameterLine
-from origami_nlp.loading.driver import VertexDriver
-from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
 
@@ -52,14 +51,13 @@ class YieldingHinges:
     since: np.ndarray
 
     @staticmethod
-    def of(driver: VertexDriver | PatternDriver, given: Any) -> YieldingHinges:
+    def of(driver: Driver, given: Any) -> YieldingHinges:
         """Return the hinges of what is loaded before anything has yielded."""
-        stated: Any = driver.unloaded
+        scene, stated = driver.scene, driver.origami
         k = np.array(stated.stiffness, float)
-        vertex = isinstance(driver, VertexDriver)
-        rest = np.array(stated.rest_angles if vertex else stated.rest, float)
-        preload = np.array((vertex and stated.preload) or np.zeros(len(k)), float)
         none = np.zeros(len(k))
+        rest = np.array(scene.rest_angles if scene else stated.rest, float)
+        preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
         return YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
 
@@ -116,7 +114,7 @@ class YieldingHinges:
             (HOLDS, rate(i)) for i in np.flatnonzero(self.yielding).tolist()
         ]
 
-    def line(self, driver: VertexDriver | PatternDriver) -> ParameterLine:
+    def line(self, driver: Driver) -> ParameterLine:
         """Return the problems over the load in this stage; every crease is a variable."""
         line = driver.line()
         p, on = line.start, self.yielding
