@@ -137,8 +137,8 @@ def load_path(
                 arrived[0].go(*arrived[1:], 0.0, once=False)
                 job.between(*ends)
     except OutOfTime:  # of a descent
-        job.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
-    if not job.ways:
+        job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+    if not job.record.ways:
         raise OptionError(
             f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         )

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.bifurcation import PathEvent
 from origami_nlp.continuation import Equilibrium, ParameterLine
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
@@ -99,6 +100,18 @@ class YieldingHinges:
         share = self.torque(phi) / self.most
         return np.where(np.abs(share) >= 1 - SETTLED, np.sign(share), 0.0)
 
+    def over(self, phi: np.ndarray) -> str:
+        """Name the creases that would bear more than they yield at, at a state."""
+        return creases_named(np.abs(self.torque(phi)) > self.most * (1 + SETTLED))
+
+    def named(self, event: PathEvent) -> PathEvent:
+        """Return an event of this stage with the creases that it is of."""
+        if event.type not in (YIELDS, HOLDS):
+            return event
+        full = (self.full(np.array(event.fold_angles)) != 0) & ~self.yielding
+        which = self.yielding if event.type == HOLDS else full
+        return replace(event, contact=creases_named(which))
+
     @property
     def events(self) -> list[tuple[str, Callable[[Equilibrium], float]]]:
         """Functions of a state that are zero where a hinge begins to yield, or turns back."""
@@ -152,3 +165,10 @@ class YieldingHinges:
             ):
                 return i + 1
         return None
+
+
+def creases_named(which: np.ndarray) -> str:
+    """Name some of all creases."""
+    numbers = (np.flatnonzero(which) + 1).tolist()
+    head = "crease " if len(numbers) == 1 else "creases "
+    return head + ", ".join(map(str, numbers)) if numbers else ""
