@@ -1,27 +1,24 @@
-"""A snap confirmed by a search before it, which knows nothing of the path, and by where its minima lead beyond."""
+"""A snap confirmed by searches on both sides of it, which know nothing of the path."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.continuation import BifurcationDiagram
-from origami_nlp.loading.driver import LoadSearch, VertexDriver
-from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.driver import Driver, LoadSearch
 from origami_nlp.loading.records import ConfirmedSnap
 from origami_nlp.loading.stable_path import StableSegment, walk
 from origami_nlp.numerics import SETTLED
 
 
 def confirm(
-    driver: VertexDriver | PatternDriver,
+    driver: Driver,
     led: tuple[BifurcationDiagram, StableSegment],
     landed: tuple[BifurcationDiagram, np.ndarray, float],
     toward: float,
     search: LoadSearch,
 ) -> ConfirmedSnap | None:
-    """Search beside a snap for the states that a path has before and after it; None where that cannot be, or was cut.
+    """Search on both sides of a snap for the states that a path has there; None where that cannot be, or was cut.
 
     led: the way to the snap, in its diagram.  landed: the state after it, known at a load.
     """
@@ -34,17 +31,15 @@ def confirm(
         # beside states where closure loses rank Newton knows those of the path alone
         f = next((f for f in way.frames[::-1] if (t - f.s) * toward >= 0), way.frames[0])
         t, before = f.s, np.asarray(f.problem.expand(f.state))
-    first = driver.states_at(t, search)
-    if first is None or search.cut:
-        return None
-    others = [x for x in first if not _among(before, [x])]
-    found = len(others) < len(first)
-    second = driver.led_to(beyond, others) if found else None
-    if second is None or not _among(after, second):
-        second = driver.states_at(beyond, search)
-    if second is None or search.cut:
-        return None
-    return ConfirmedSnap((t, beyond), (len(first), len(second)), (found, _among(after, second)))
+    minima, known = [], []
+    for load, state in ((t, before), (beyond, after)):
+        origami = driver.at(load)
+        found = [] if origami is None else [m.phi for m in search.minima(origami)]
+        if origami is None or search.cut:
+            return None
+        minima.append(len(found))
+        known.append(state is not None and any(np.abs(x - state).max() <= SETTLED for x in found))
+    return ConfirmedSnap((t, beyond), (minima[0], minima[1]), (known[0], known[1]))
 
 
 def _ahead(web: BifurcationDiagram, x: np.ndarray, s: float, t: float) -> np.ndarray | None:
@@ -66,8 +61,3 @@ def _passed(web: BifurcationDiagram, way: StableSegment, t: float) -> np.ndarray
     near = min(way.frames, key=lambda f: abs(f.s - t))
     best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()), default=None)
     return None if best is None else np.asarray(best.problem.expand(best.state))
-
-
-def _among(state: np.ndarray | None, states: Sequence[np.ndarray]) -> bool:
-    """Whether a state is one of some, of all fold angles."""
-    return state is not None and any(np.abs(x - state).max() <= SETTLED for x in states)

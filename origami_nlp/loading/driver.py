@@ -1,7 +1,4 @@
-"""What drives a load path of a vertex: a torque on creases, or a factor of the forces that a scene states.
-
-`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`pattern_driver.PatternDriver`).
-"""
+"""What drives a load path: a torque on creases, a force on a sheet, or a factor of the forces that a scene states."""
 
 from __future__ import annotations
 
@@ -9,22 +6,38 @@ import math
 import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint, load_line
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import Classification, State, follow
+from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.numerics import SETTLED, first_largest
-from origami_nlp.pattern import Scene, dead_loads, most_torque
-from origami_nlp.pattern_problem import pose
+from origami_nlp.numerics import DUPLICATE_TOL, SETTLED, first_largest
+from origami_nlp.pattern import DeadLoads, Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern_problem import (
+    DeadForce,
+    Pull,
+    Torque,
+    Work,
+    Worked,
+    one_vertex,
+    pose,
+)
+from origami_nlp.pattern_states import (
+    classified,
+    contact_descent,
+    descend,
+    find_states,
+    singular_beside,
+)
 from origami_nlp.problem import Parameters
 
 STEPS = ContinuationOptions(longest=0.2, growth=3.0)
-"""Of vertices: such that curves look smooth, by how far they turn; where they hardly do longer steps meet the same."""
+"""Of vertices: such that curves look smooth, by how far they turn."""
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
 OFF_BRANCH = 1e-3
@@ -33,7 +46,7 @@ CUT = "seconds: the time was over before the search for the state at load 0 was 
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
 SIDE = 0.01
-"""Torque over `Model.scale`, or factor over that of the snap, between a snap and the loads beside it."""
+"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 
 
 @dataclass(eq=False)
@@ -54,97 +67,142 @@ class LoadSearch:
     until: float
     cut: bool = False
 
-    @property
-    def left(self) -> float | None:
-        """Seconds that are left; None without end."""
-        return None if self.until == math.inf else max(self.until - time.monotonic(), 0.0)
+    def minima(self, origami: Scene | Pattern) -> tuple[JudgedState, ...]:
+        """Return the minima of an origami."""
+        left = None if self.until == math.inf else max(self.until - time.monotonic(), 0.0)
+        asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **self.options}
+        if isinstance(origami, Scene):
+            result = find_minima(origami, full=False, **asked)
+        else:
+            result = find_states(origami, **asked)
+        self.cut = result.search.stopped_by == "time"
+        return tuple(result.minima)
 
 
-@dataclass(frozen=True)
-class VertexDriver:
-    """A torque t on a crease and its images under the symmetry of the scene, or t times the scene's own forces.
+@dataclass(frozen=True, eq=False)
+class OwnForces:
+    """The forces of a scene's loads, as what a factor of them works on.
 
     Attributes
     ----------
     scene
-        As stated.
-    crease
-        Number (1-based) of the crease; None for the forces.
-    images
-        Creases (1-based) that bear the torque where the scene no longer imposes the symmetry that makes them images.
+        The scene.
     """
 
     scene: Scene
-    crease: int | None
-    images: tuple[int, ...] = ()
-    ALSO = ("name", "unit", "coordinate", "creases")
-    WAY = ""
-    arm = 1.0
+    name: ClassVar[str] = "factor of the loads"
+    unit: ClassVar[str] = ""
+    coordinate: ClassVar[str] = "position of the loads along their forces [m]"
+    creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
-        n = self.scene.degree
-        if self.crease is None:
-            if not self.scene.loads:
-                raise OptionError(
-                    "crease = None: the scene has no [[loads]] with forces to be multiplied"
-                )
-        elif (
-            isinstance(self.crease, bool)
-            or not isinstance(self.crease, int)
-            or not 1 <= self.crease <= n
-        ):
-            raise OptionError(f"crease = {self.crease!r} must be the number of a crease, 1 to {n}")
+        if not self.scene.loads:
+            raise OptionError(
+                "crease = None: the scene has no [[loads]] with forces to be multiplied"
+            )
+        if not self.arm:
+            raise OptionError("crease = None: all forces of the scene are zero")
 
     @property
-    def creases(self) -> tuple[int, ...]:
-        """Creases (1-based) on each of which the torque acts; empty for forces."""
-        if self.crease is None or self.images:
-            return self.images
-        orbit = self.scene.group.orbit
-        return tuple(i + 1 for i, o in enumerate(orbit) if o == orbit[self.crease - 1])
+    def dead(self) -> DeadLoads:
+        """The forces."""
+        found = dead_loads(self.scene.loads, self.scene.fixed_facet)
+        assert found is not None
+        return found
+
+    @property
+    def arm(self) -> float:
+        """Largest torque of the forces."""
+        return float(
+            (
+                np.linalg.norm(self.dead.forces, axis=1) * np.linalg.norm(self.dead.points, axis=1)
+            ).sum()
+        )
+
+    def conjugate(self, phi: np.ndarray) -> np.ndarray:
+        """Return where they are along themselves: of several sum f . p over the root of the sum of their squares."""
+        work = -self.dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
+        return work / float(np.linalg.norm(self.dead.forces))
+
+
+@dataclass(frozen=True, eq=False)
+class Driver:
+    """A load t on what it works on.
+
+    Attributes
+    ----------
+    work
+        A torque on creases, of a scene on a crease and its images under the symmetry; a force.
+    scene
+        What is loaded, if that is one vertex; else it is the pattern of `work`.
+    """
+
+    work: Torque | Pull | DeadForce | OwnForces
+    scene: Scene | None = None
+    ALSO = ("name", "unit", "coordinate", "creases")
+
+    @property
+    def origami(self) -> Any:
+        """What is loaded."""
+        return self.scene or self.work.pattern  # type: ignore[union-attr]
+
+    @property
+    def unloaded(self) -> Any:
+        """The origami without what drives the path."""
+        own = isinstance(self.work, OwnForces)
+        return replace(self.origami, loads=()) if own else self.origami
 
     @property
     def name(self) -> str:
         """What t is."""
-        if self.crease is None:
-            return "factor of the loads"
-        numbers = ", ".join(map(str, self.creases))
-        return (
-            f"torque on each of creases {numbers}"
-            if len(self.creases) > 1
-            else f"torque on crease {numbers}"
-        )
+        return self.work.name
 
     @property
     def unit(self) -> str:
         """Of t."""
-        return "" if self.crease is None else "N m"
+        return self.work.unit
+
+    @property
+    def creases(self) -> tuple[int, ...]:
+        """Creases (1-based) on each of which a torque acts; empty for forces."""
+        return self.work.creases
+
+    @property
+    def images(self) -> int:
+        """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
+        return len(self.creases) or 1 if self.scene else 1
+
+    @property
+    def coordinate(self) -> str:
+        """What the load works on, with its unit; of images the mean."""
+        numbers = ", ".join(map(str, self.creases))
+        mean = f"mean fold angle of creases {numbers} [rad]"
+        return mean if self.images > 1 else self.work.coordinate
+
+    def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return what the load works on at states [..., N]."""
+        return self.work.conjugate(fold_angles) / self.images
 
     @property
     def farthest(self) -> float:
         """A t beyond which springs no longer matter: what would turn all of them once round."""
-        total = most_torque(self.scene.stiffness, self.scene.laws)
-        arms = [
-            float(np.linalg.norm(load.force or 0.0)) * load.place[0] for load in self.scene.loads
-        ]
-        if self.crease is not None:
-            return total
-        if not any(arms):
-            raise OptionError("crease = None: all forces of the scene are zero")
-        return total / sum(arms)
+        return most_torque(list(self.origami.stiffness), self.origami.laws) / self.work.arm
+
+    @cached_property
+    def problem(self) -> Any:
+        """The problem at load 0, a `PatternProblem`."""
+        return pose(self.origami)
 
     @property
-    def coordinate(self) -> str:
-        """What the load works on, with its unit."""
-        if self.crease is None:
-            return "position of the loads along their forces [m]"
-        numbers = ", ".join(map(str, self.creases))
-        mean = "mean fold angle of creases" if len(self.creases) > 1 else "fold angle of crease"
-        return f"{mean} {numbers} [rad]"
+    def elements(self) -> tuple[tuple[int, bool], ...]:
+        """Symmetries that states keep; the identity alone where none is imposed."""
+        return IDENTITY if self.problem.orbits is None else self.origami.group.elements
 
-    def keeping(self, elements: Collection[tuple[int, bool]]) -> VertexDriver:
+    def keeping(self, elements: Collection[tuple[int, bool]]) -> Driver:
         """Return the same load on states that keep but some of the symmetries, or fewer where no scene states those."""
-        full, n = full_scene(self.scene), self.scene.degree
+        if self.problem.orbits is None:
+            return self
+        full, n = full_scene(self.origami), self.origami.degree
         order = sum(not mirrored for _, mirrored in elements)
         mirrors = [s for s, mirrored in elements if mirrored]
         kept = replace(full, symmetry=f"C{order}")
@@ -153,138 +211,146 @@ class VertexDriver:
             several = replace(full, symmetry=f"D{order}", mirror=through[0] if through else None)
             kept = several if set(several.group.elements) == set(elements) else kept
         # a winding belongs to its group
-        kept = full if len(kept.windings) > 1 else kept
-        return replace(self, scene=kept, images=self.creases)
-
-    @property
-    def unloaded(self) -> Scene:
-        """The scene without what drives the path."""
-        return self.scene if self.crease is not None else replace(self.scene, loads=())
-
-    def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return what the load works on at states [..., N]: an angle [rad], or where forces are along themselves [m].
-
-        The mean angle of all creases that bear the torque: without the symmetry these may differ.
-
-        Several forces: sum f . p over the root of the sum of their squares.
-        """
-        phi = np.asarray(fold_angles, dtype=float)
-        if self.crease is not None:
-            return phi[..., np.array(self.creases) - 1].mean(axis=-1)
-        dead = dead_loads(self.scene.loads, self.scene.fixed_facet)
-        assert dead is not None
-        work = -dead.energy(np.array(self.scene.vertex.sector_angles), phi)
-        return work / float(np.linalg.norm(dead.forces))
-
-    @property
-    def label(self) -> str:
-        """What is loaded."""
-        return self.scene.title
+        return replace(self, scene=full if len(kept.windings) > 1 else kept)
 
     def line(self) -> ParameterLine:
-        """Return the problems of the scene over t."""
-        return self._line(self.scene)
+        """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
+        problem, work = self.problem, self.work
+        p, none = problem.parameters, np.zeros(problem.size)
+        stiffness = self.origami.stiffness
+        torque = math.sqrt(len(stiffness)) * work.arm / float(np.sum(stiffness))
+        weight = 0.05 if self.scene else torque
+        if isinstance(work, Torque):
+            load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
+            return load_line(problem, load, weight)
+        dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
+        still = dead.times(0.0)  # over t only forces change: their points stay
+        change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
+        return ParameterLine(problem, replace(p, dead=still), change, weight=weight)
 
-    def full_line(self) -> ParameterLine | None:
-        """Return those without the symmetry; None where there is none."""
-        return None if self.scene.group.is_trivial else self._line(full_scene(self.scene))
-
-    def _line(self, scene: Scene) -> ParameterLine:
-        problem = pose(scene)
-        p = problem.parameters
-        if self.crease is not None:
-            load = np.zeros(scene.degree)
-            load[np.array(self.creases) - 1] = 1.0
-            return load_line(problem, problem.gathered(load) / problem.scale)
-        assert p.dead is not None
-        # over t only the forces change: the points stay
-        still = replace(p.dead, points=np.zeros_like(p.dead.points))
-        zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
-        change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)
-        return ParameterLine(problem, replace(p, dead=p.dead.times(0.0)), change)
-
-    def scene_at(self, t: float) -> Scene:
-        """Return the scene under the load t; its energy may differ from the path's by a constant."""
-        name = f"{self.scene.label + ', ' if self.scene.label else ''}{self.name} = {t:.10g}"
-        if self.crease is None:
-            forces = [[t * f for f in load.force or ()] for load in self.scene.loads]
-            pairs = zip(self.scene.loads, forces, strict=True)
-            loads = tuple(replace(load, force=(f[0], f[1], f[2])) for load, f in pairs)
-            return replace(self.scene, loads=loads, name=name)
-        preload = np.array(self.scene.preload or np.zeros(self.scene.degree))
-        preload[np.array(self.creases) - 1] += t
-        return replace(self.scene, preload=tuple(preload.tolist()), name=name)
+    def at(self, t: float) -> Any:
+        """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""
+        scene, work = self.scene, self.work
+        if scene is None:
+            return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
+        name = f"{scene.label + ', ' if scene.label else ''}{self.name} = {t:.10g}"
+        if isinstance(work, OwnForces):
+            forces = [[t * f for f in load.force or ()] for load in scene.loads]
+            loads: Any = [
+                {**a.to_dict(), "force": f} for a, f in zip(scene.loads, forces, strict=True)
+            ]
+            return replace(scene, loads=loads, name=name)
+        preload = np.array(scene.preload or 0.0) + t * work.gradient(np.empty(0))
+        return replace(scene, preload=tuple(preload.tolist()), name=name)
 
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
-        """Return the steps of the tracer."""
-        return steps or STEPS
+        """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""
+        if self.scene:
+            return steps or STEPS
+        rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
+        return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: LoadSearch) -> tuple[VertexDriver, int, np.ndarray]:
-        """Return the driver, the number of the minimum that is loaded, and its variables.
+    def begin(self, state: Any, search: LoadSearch) -> tuple[Driver, int, np.ndarray]:
+        """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
         The path keeps the winding of its first state.
         """
-        minima = self._minima(0.0, search)
-        if search.cut:
-            raise OptionError(CUT)
-        if not minima:
-            raise OptionError("no minimum was found at load 0")
-        check_whole("state", state, 1, len(minima))
-        start, driver = minima[state - 1], self
-        if len(self.scene.windings) > 1:
-            driver = replace(self, scene=replace(self.scene, winding=start.winding))
-        return driver, state, pose(driver.scene).reduce(np.array(start.fold_angles))
-
-    def _minima(self, t: float, search: LoadSearch) -> Sequence[JudgedState]:
-        scene, left = self.scene_at(t), search.left
-        asked: dict[str, Any] = {"full": False, "prove": False, "escape": False, "seconds": left}
-        result = find_minima(scene, **asked, **search.options)
-        search.cut = result.search.stopped_by == "time"
-        return result.minima
-
-    def down(
-        self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
-    ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why not."""
-        problem, phi = line.at(s), node.point[:-1]
-        starts, why = [phi], ""
-        if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
-            soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
-            if soft is not None:
-                aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
-                starts = [phi + aside, phi - aside]
-        for start in starts:
-            try:
-                end = follow(problem, start, curved=True)
-            except ValueError as refused:
-                why = str(refused)
-                continue
-            if end.what.verdict == "minimum" and np.abs(end.end - phi).max() > near:
-                return end.end, end.what
-        return why
+        number, driver = 0, self
+        if not isinstance(state, JudgedState):
+            number = check_whole("state", state, 1)
+            found = search.minima(self.at(0.0))
+            if search.cut:
+                raise OptionError(CUT)
+            if not found:
+                raise OptionError("no stable state was found at load 0")
+            state = found[check_whole("state", state, 1, len(found)) - 1]
+        which, phi = f"state = {number}" if number else "state", np.array(state.fold_angles)
+        if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
+            raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
+        if self.scene is None and not phi.any():
+            raise OptionError(
+                f"{which} is the flat state, from which many branches go on: load a folded one (rest angles other than "
+                "0)"
+            )
+        if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
+            a, b = self.work.corners
+            raise OptionError(
+                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
+                "one to the other"
+            )
+        if self.scene and len(self.scene.windings) > 1:
+            driver = replace(self, scene=replace(self.scene, winding=state.winding))
+        return driver, number, driver.problem.reduce(phi)
 
     def beside(self, t: float) -> float:
         """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
-        return SIDE * (pose(self.scene).scale if self.crease else abs(t))
+        return SIDE * (self.problem.scale if self.creases else abs(t))
 
-    def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray]:
-        """Return the fold angles of the minima at t."""
-        return [np.array(m.fold_angles) for m in self._minima(t, search)]
 
-    def led_to(self, t: float, states: Sequence[np.ndarray]) -> list[np.ndarray] | None:
-        """Return the minima at t, once each, to which states [N] descend; None where one comes to none."""
-        model, found = pose(self.scene_at(t)), list[np.ndarray]()
-        for phi in states:
-            try:
-                end = follow(model, model.reduce(phi), curved=True)
-            except ValueError:  # of another winding
-                return None
-            if end.what.verdict != "minimum":
-                return None
-            phi = model.expand(end.end)
-            if all(np.abs(phi - other).max() > SETTLED for other in found):
-                found.append(phi)
-        return found
+def descend_beyond(
+    line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
+) -> tuple[np.ndarray, Classification] | str:
+    """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why there is none."""
+    problem: Any = line.at(s)
+    phi, starts = node.point[:-1], [node.point[:-1]]
+    if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
+        soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
+        if soft is not None:
+            aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
+            starts = [phi + aside, phi - aside]
+    elif node.type == "slides":  # lower states are beside where a facet ends, unless others hold
+        lower = classify(State(line.at(node.s), phi)).lower
+        starts = [] if lower is None else [lower]
+    why = ""
+    problem.until = until
+    try:
+        for start in starts:
+            end, touching = None, any(not c.is_limit for c in node.held)
+            if (
+                problem.sparse and not touching
+            ):  # of sheets too large for a kernel where facets touch
+                end = descend(problem, start)
+                end = None if any(map(problem.crossings.find, (*end.path, end.phi))) else end
+            end = end or contact_descent(problem, start)
+            if np.abs(end.phi - phi).max() <= near:
+                continue
+            what = classified(problem, end.phi)
+            if (
+                end.arrived
+                and what.verdict == "minimum"
+                and singular_beside(problem, end.phi) is None
+            ):
+                return end.phi, what
+            why = end.why if not end.arrived else what.reason
+    finally:
+        problem.until = math.inf
+    return why
+
+
+def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
+    """Return what drives a path: of a scene the number of a crease, or None; of a pattern a number, several, or a work.
+
+    Raises
+    ------
+    OptionError
+        If it is none of these.
+    """
+    if isinstance(origami, Pattern):
+        origami.check_alone("a load")
+        if isinstance(load, Work):
+            if load.pattern is not origami:
+                raise OptionError(
+                    "load is one of another pattern: make it of the one that is loaded"
+                )
+            return Driver(load)
+        several = isinstance(load, Sequence) and not isinstance(load, str)
+        return Driver(Torque(origami, tuple(load) if several else (load,)))
+    if load is None:
+        return Driver(OwnForces(origami), origami)
+    orbit = origami.group.orbit
+    here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
+    creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
+    return Driver(Torque(one_vertex(origami), creases), origami)
 
 
 def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:

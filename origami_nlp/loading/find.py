@@ -14,18 +14,15 @@ from origami_nlp.arguments import (
     refuse,
     shown,
 )
-from origami_nlp.continuation import (
-    ContinuationOptions,
-)
+from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
-from origami_nlp.loading.driver import IDENTITY, LoadSearch, VertexDriver
+from origami_nlp.loading.driver import IDENTITY, LoadSearch, driver_of
 from origami_nlp.loading.job import FollowedLoad
-from origami_nlp.loading.pattern_driver import PatternDriver, work_on
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yield_path import follow_yielding
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
-from origami_nlp.pattern_problem import Work, pose
+from origami_nlp.pattern_problem import Work
 
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
 _OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
@@ -105,16 +102,12 @@ def load_path(
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
     """
-    driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
-    if isinstance(stated, Pattern):
-        stated.check_alone("a load")
     if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, starts=starts)
-        driver = VertexDriver(stated, load)  # type: ignore[arg-type]
     else:
         refuse("pattern", _OF_A_SCENE, full=full)
-        driver = PatternDriver(work_on(stated, load))
+    driver = driver_of(stated, load)
     given = {"max_starts": max_starts, "starts": starts}
     for name, count in {"seed": seed, **given}.items():
         if count is not None:
@@ -125,18 +118,16 @@ def load_path(
     check_type("options", defaults if options is None else options, ContinuationOptions)
     for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
-    far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
-    ends = [-far, far] if to == "snap" else [check_number("to", to)]
+    ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
     if yield_torque is not None:
-        whole = pose(driver.scene).expand(x) if isinstance(driver, VertexDriver) else x
-        alone = driver.keeping(IDENTITY) if isinstance(driver, VertexDriver) else driver
         return follow_yielding(
-            alone, whole, number, ends, yield_torque, unload, options, search.until
-        )
+            driver.keeping(IDENTITY), driver.problem.expand(x), number, ends, yield_torque, unload, options,
+            search.until,
+        )  # fmt: skip
     job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
     try:
         for end in ends:
@@ -146,8 +137,8 @@ def load_path(
                 arrived[0].go(*arrived[1:], 0.0, once=False)
                 job.between(*ends)
     except OutOfTime:  # of a descent
-        job.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
-    if not job.ways:
+        job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+    if not job.record.ways:
         raise OptionError(
             f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from origami_nlp.bifurcation import (
 )
 from origami_nlp.continuation import (
     LATE,
+    START,
     BifurcationDiagram,
     ContinuationOptions,
     Equilibrium,
@@ -37,12 +38,11 @@ from origami_nlp.loading.driver import (
     BRANCHES,
     IDENTITY,
     OFF_BRANCH,
+    Driver,
     LoadSearch,
-    VertexDriver,
     image_of,
     kept_by,
 )
-from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
@@ -86,12 +86,27 @@ class Fall(NamedTuple):
     what: Classification
 
 
+@dataclass
+class Record:
+    """What was followed of one load path.
+
+    jobs: spaces, or stages of hinges that yield, in which something was.
+    ways, falls: in order.  alarms: in words.  work: plastic [J].
+    """
+
+    jobs: list[FollowedLoad] = field(default_factory=list)
+    ways: list[Run] = field(default_factory=list)
+    falls: list[Fall] = field(default_factory=list)
+    alarms: list[str] = field(default_factory=list)
+    work: float = 0.0
+
+
 class FollowedLoad:
-    """One load path while it is followed, in one space: with the symmetry of a scene, or (of a `home`) without it."""
+    """One load path while it is followed: with the symmetry of a scene, or (of a `home`) without it; or one stage."""
 
     def __init__(
         self,
-        driver: VertexDriver | PatternDriver,
+        driver: Driver,
         low: float,
         high: float,
         full: bool,
@@ -99,51 +114,35 @@ class FollowedLoad:
         until: float,
         home: FollowedLoad | None = None,
         hinges: YieldingHinges | None = None,
+        record: Record | None = None,
     ) -> None:
-        self.driver, self.low, self.high = driver, low, high
-        self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
-        self._given, self.home = (full, steps, until), home
-        self._full = driver.full_line() if full else None
+        self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
+        self._given, self.root = (low, high, full, steps, until), home or self
+        self.record: Record = home.record if home else record or Record([self])
+        symmetric = full and driver.elements != IDENTITY
+        self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
         functions = [("breaks-symmetry", self.across)] if self._full else []
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
-        self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
         self.web = BifurcationDiagram(
             line, low, high, steps=driver.steps(steps), functions=functions + yields,
             stops=[type for type, _ in yields], lazy=True, until=until,
         )  # fmt: skip
-        self.ways: list[Run] = [] if home is None else home.ways
-        self.falls: list[Fall] = [] if home is None else home.falls
-        self.alarms: list[str] = [] if home is None else home.alarms
 
     @property
-    def root(self) -> FollowedLoad:
-        """The path in the space of the scene as stated."""
-        return self if self.home is None else self.home
-
-    @property
-    def jobs(self) -> list[FollowedLoad]:
-        """The spaces in which something was followed."""
-        return [self, *self.spaces.values()]
-
-    @property
-    def elements(self) -> tuple[tuple[int, bool], ...]:
-        """Symmetries that states keep; the identity alone where none is imposed."""
-        return (
-            self.driver.scene.group.elements if isinstance(self.driver, VertexDriver) else IDENTITY
-        )
+    def problem(self) -> Any:
+        """Of the line that is followed."""
+        return self.web.line.problem
 
     def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
         """Return the same path in the space of states that keep some of the symmetries of the scene."""
         root = self.root
-        if root._full is None or set(elements) == set(root.elements):
+        if root._full is None or set(elements) == set(root.driver.elements):
             return root
-        assert isinstance(root.driver, VertexDriver)
-        driver = root.driver.keeping(elements)
-        kept = driver.scene.group.elements
-        if kept not in root.spaces:
-            root.spaces[kept] = FollowedLoad(driver, self.low, self.high, *self._given, home=root)
-        return root.spaces[kept]
+        driver, jobs = root.driver.keeping(elements), self.record.jobs
+        if driver.elements not in [job.driver.elements for job in jobs]:
+            jobs.append(FollowedLoad(driver, *self._given, home=root))
+        return next(job for job in jobs if job.driver.elements == driver.elements)
 
     @property
     def beyond(self) -> FollowedLoad:
@@ -155,13 +154,9 @@ class FollowedLoad:
         if self._full is None:
             return math.nan
         if frame not in self._known:
-            given = self._full, self.driver.scene, self._touching  # type: ignore[union-attr]
+            given = self._full, self.driver.origami, self._touching
             self._known[frame] = breaking_eigenvalue(frame, *given)
         return self._known[frame]
-
-    def _in_full_space(self, frame: Equilibrium) -> State:
-        assert self._full is not None
-        return State(self._full.at(frame.s), frame.problem.expand(frame.state))
 
     def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
         """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
@@ -173,8 +168,11 @@ class FollowedLoad:
         last = max(len(way.frames) - 1 - (way.why != "range"), first)
 
         def verdict(k: int) -> str:
-            frame = way.frames[k]
-            return classify(self._in_full_space(frame) if self._full else frame.seen).verdict
+            frame, full = way.frames[k], self._full
+            if full is None:
+                return frame.judged.verdict
+            state = frame.problem.expand(frame.state)
+            return classify(State(full.at(frame.s), state)).verdict
 
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
@@ -213,33 +211,38 @@ class FollowedLoad:
         before: stable states that led to x.
         """
         toward = 1.0 if end > s else -1.0
+        alarms = self.record.alarms
+
+        def keep(why: str = "", snap: int | None = None) -> None:
+            assert way is not None
+            run = Run(self, replace(way, why=why or way.why), toward, snap, begun)
+            self.record.ways.append(run)
+
         self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
             # x is stable at s, and the load runs on from there
-            way = walk(self.web, x, s, toward, end, self.across)
+            way, begun = walk(self.web, x, s, toward, end, self.across), bool(before)
             if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
-                    self.ways.append(Run(self, replace(way, why=LATE), toward, None))
-                self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                    keep(LATE)
+                alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
-                self.alarms.append(f"no stable states lead on from load {s:.9g}")
+                alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
-            begun = bool(before)
             way, before = replace(way, frames=(*before, *way.frames)), ()
             lost = self._lost(way)
             if lost is None:
-                self.ways.append(Run(self, way, toward, None, begun))
+                keep()
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
-            landed = release(into.web, node, toward, into.driver)
+            landed = release(into.web, node, toward)
             if isinstance(landed, str):
-                self.ways.append(Run(self, way, toward, None, begun))
+                keep()
                 if way.why == "snap":
-                    self.alarms.append(
-                        f"no certified minimum was reached from the end at {node.s:.9g}: {landed}"
-                    )
+                    words = f"no certified minimum was reached from the end at {node.s:.9g}"
+                    alarms.append(f"{words}: {landed}")
                 return None
             x, s, what = landed
             x, into = into.chosen(x, node)
@@ -248,15 +251,14 @@ class FollowedLoad:
                 led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
                 if led is not None and into.meets(led, self.web.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    self.ways.append(Run(self, replace(way, why=PITCHFORK), toward, None, begun))
+                    keep(PITCHFORK)
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
                 if self._continuous(way, into, x, s):
-                    self.ways.append(Run(self, way, toward, None, begun))
-                    words = f"what branches off at load {node.s:.9g} was not followed"
-                    self.alarms.append(words)
+                    keep()
+                    alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            self.falls.append(Fall(self, way.node, into, x, s, what))
-            self.ways.append(Run(self, replace(way, why="snap"), toward, len(self.falls), begun))
+            self.record.falls.append(Fall(self, way.node, into, x, s, what))
+            keep("snap", len(self.record.falls))
             if not self.web.low <= s <= self.web.high:
                 return None
             into.begin(x, s, toward, follow=not once)
@@ -264,7 +266,7 @@ class FollowedLoad:
                 return into, x, s
             if into is not self:
                 return into.go(x, s, end, once=once)
-        self.alarms.append(f"more than {MOST_SNAPS} snaps")
+        alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
     def _lost(self, way: StableSegment) -> tuple[FollowedLoad, SpecialPoint] | None:
@@ -277,9 +279,8 @@ class FollowedLoad:
             return self, node
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
         if way.why == "breaks-symmetry" or flat:
-            phi = self.web.line.at(node.s).expand(node.point[:-1])
-            point = node.point if self.beyond is self else np.append(phi, node.s)
-            return self.beyond, replace(node, point=point)
+            phi = self.beyond.problem.reduce(self.problem.expand(node.point[:-1]))
+            return self.beyond, replace(node, point=np.append(phi, node.s))
         return None
 
     def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
@@ -290,25 +291,18 @@ class FollowedLoad:
         root = self.root
         if root._full is None:
             return x, self
-        problem = self.web.line.problem
-        phi, at = problem.expand(x), problem.expand(node.point[:-1])
-        keeping = kept_by(root.elements, at)
+        phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
+        keeping = kept_by(root.driver.elements, at)
         image = max(
             (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
         )
-        into = self.keeping(kept_by(root.elements, image))
-        return into.reduced(image), into
-
-    def reduced(self, phi: np.ndarray) -> np.ndarray:
-        """Return the variables of a state of all fold angles, which keeps the symmetry."""
-        model: Any = self.web.line.problem
-        x: np.ndarray = model.reduce(phi) if self.root._full is not None else phi
-        return x
+        into = self.keeping(kept_by(root.driver.elements, image))
+        return into.problem.reduce(image), into
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
         """Whether stable states lead back to a node of another space, or this, where they branch off."""
         point = self.web.nodes[led.node].point
-        at = np.append(self.reduced(of.web.line.problem.expand(node.point[:-1])), node.s)
+        at = np.append(self.problem.reduce(of.web.line.problem.expand(node.point[:-1])), node.s)
         return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
 
     def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
@@ -318,46 +312,64 @@ class FollowedLoad:
         states lose by the change of the load from s0 to s.
         """
         node = self.web.nodes[way.node]
-        one, two = self.web.line.at(s).expand(node.point[:-1]), into.web.line.at(s).expand(x)
-        space = self.beyond if self.root._full is not None else self
-        lost, at_the_node = (
-            -float(space.web.line.at(t).energy_change(space.reduced(one), space.reduced(two)))
-            for t in (s, node.s)
-        )
+        one, two = self.problem.expand(node.point[:-1]), into.problem.expand(x)
+        lost, at_the_node = (self._released(t, one, two) for t in (s, node.s))
         return lost <= 2 * abs(lost - at_the_node)
 
+    def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
+        """Energy of a state of all fold angles less that of another one, at a load."""
+        problem: Any = (self.root._full or self.web.line).at(t)
+        return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
+
     def path(self, state: int, search: LoadSearch | None) -> LoadPath:
-        """Judge what was followed, and pack it; that takes as long as it takes."""
-        again = [restabilises(of.web, number, self._stable_end) for of, number, *_ in self.falls]
+        """Judge what was followed, and pack it; that takes as long as it takes.
+
+        Of hinges that yield other states than those of the path belong to no path.
+        """
+        kept, parameter = (
+            self.record,
+            ParameterRange(self.driver.name, self.low, self.high, self.driver.unit, False),
+        )
+        again = [
+            None if self.hinges else restabilises(of.web, number, self._stable_end)
+            for of, number, *_ in kept.falls
+        ]
         diagrams = []
-        for job in self.jobs:
+        for job in kept.jobs:
             web = job.web
-            ends = job.home is None and isinstance(job.driver, VertexDriver)
+            ends = job is self and self.driver.scene is not None and not self.hinges
             parts = {k: parts_of(arc, ends) for k, arc in enumerate(web.arcs)}
-            diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
-        legs = tuple(way.job.leg(way) for way in self.ways)
-        met = {p.fold_angles for leg in legs for p in leg.points}
-        if isinstance(self.driver, PatternDriver):
-            pops = PopSigns(self.driver.pattern)
+            lines, met = branches_of(web, parameter, chains_of(web), parts, job.across)
+            diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
+        legs = [way.job.leg(way) for way in kept.ways]
+        on_path = {p.fold_angles for leg in legs for p in leg.points}
+        if self.driver.scene is None:
+            pops = PopSigns(self.driver.origami)
             for number, leg in enumerate(legs, start=1):
                 found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
-                self.alarms += [f"leg {number}: {line}" for line in found]
+                kept.alarms += [f"leg {number}: {line}" for line in found]
         branches, events = joined(
             diagrams,
             self._one,
-            lambda e: (e.fold_angles not in met, *(-coarse(np.array(e.fold_angles))).tolist()),
+            lambda e: (e.fold_angles not in on_path, *(-coarse(np.array(e.fold_angles))).tolist()),
         )
+        snaps = [self._snap(k, events, search, s) for k, s in enumerate(again)]
+        if self.hinges:
+            used = {snap.event for snap in snaps}
+            events = [e for e in events if e.id in used or e.fold_angles in on_path]
+            ids = {e.id: k for k, e in enumerate(events, start=1)}
+            events = [replace(e, id=ids[e.id], branches=()) for e in events]
+            branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":
                     words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
-                    self.alarms.append(f"{words}: {r.certificate}")
-        snaps = tuple(self._snap(k, events, search, s) for k, s in enumerate(again))
-        tallies = [job.web.tally for job in self.jobs]
+                    kept.alarms.append(f"{words}: {r.certificate}")
+        tallies = [job.web.tally for job in kept.jobs]
         return LoadPath(
-            self.driver, state, self.low, self.high, legs, snaps, tuple(branches), tuple(events),
-            tuple(dict.fromkeys(self.alarms)), sum(t.steps for t in tallies),
-            sum(t.evaluations for t in tallies),
+            self.driver, state, self.low, self.high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
+            tuple(dict.fromkeys(kept.alarms)), sum(t.steps for t in tallies),
+            sum(t.evaluations for t in tallies), kept.work,
         )  # fmt: skip
 
     def _one(self, a: PathEvent, b: PathEvent) -> bool:
@@ -369,32 +381,30 @@ class FollowedLoad:
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
-        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.elements)
+        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.driver.elements)
 
     def leg(self, way: Run) -> Leg:
         """Pack the states of a way."""
         points = []
         for frame in way.segment.frames:
             phi = frame.problem.expand(frame.state) + 0.0
-            low = (
-                frame.problem.scale * float(frame.eigenvalues[0])
-                if len(frame.eigenvalues)
-                else math.nan
-            )
+            low = frame.problem.scale * min(frame.eigenvalues.tolist(), default=math.nan)
             points.append(self._point(frame.s, phi, low))
         node = self.web.nodes[way.segment.node]
         if way.snap is not None and node.type == "singular":
-            points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
+            points.append(self._point(node.s, self.problem.expand(node.point[:-1])))
         judged = self._judged(way.segment, int(way.branches_off))
-        keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
+        keeps = self.driver.scene.group.name if self.driver.scene else ""
         stiff = math.nan
         if not way.branches_off and len(way.segment.frames) > 1:
             stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
-        whole = way.segment.why, way.snap, *judged, keeps, stiff
+        moved = self.hinges.moved_at(way.segment.frames[-1].state).tolist() if self.hinges else ()
+        whole = way.segment.why, way.snap, *judged, keeps, stiff, tuple(moved)
         return Leg(int(way.toward), tuple(points), *whole)
 
     def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
         angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
+        energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
     def _snap(
@@ -404,7 +414,7 @@ class FollowedLoad:
         search: LoadSearch | None,
         again: float | None = None,
     ) -> Snap:
-        job, number, into, landed, s, what = self.falls[k]
+        job, number, into, landed, s, what = self.record.falls[k]
         web, found = job.web, job.web.nodes[number]
         problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
         before, after = found.point[:-1], into.at_the_snap(landed, s, found.s)
@@ -412,18 +422,19 @@ class FollowedLoad:
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
         )
-        if into is job:
-            released = -float(problem.energy_change(before, after))
-        else:  # one of the two spaces has all fold angles
-            released = -float(self.beyond.web.line.at(found.s).energy_change(one, two))
+        if job.hinges and (over := job.hinges.over(two)):
+            self.record.alarms.append(
+                f"after the snap at load {found.s:.6g} {over} would bear more than they yield at: where it ends is not "
+                "known"
+            )
         return Snap(
             event.id,
             found.s,
-            "flat state" if found.type == "singular" else found.type,
+            {"singular": "flat state", START: event.type}.get(found.type, found.type),
             tuple(one.tolist()),
             tuple(two.tolist()),
             (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
-            released,
+            job._released(found.s, one, two),
             str(what.kind),
             what.reason,
             again,
@@ -435,8 +446,8 @@ class FollowedLoad:
         if self._full is None:
             return None
         at = of.problem.expand(node.point[:-1])
-        into = self.keeping(kept_by(self.elements, at, NEAR_SINGULAR_TOL))
-        web, point = into.web, np.append(into.reduced(at), node.s)
+        into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
+        web, point = into.web, np.append(into.problem.reduce(at), node.s)
         if web.line is of:
             return None
         for half in find_one_sided_branches(web.line, point, web.tally):
@@ -470,11 +481,11 @@ class FollowedLoad:
 
     def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
-        job, _, into, landed, s, _ = self.falls[k]
-        _, way, toward, *_ = next(w for w in self.ways if w.snap == k + 1)
-        both = set(job.elements) & set(into.elements)
+        job, _, into, landed, s, _ = self.record.falls[k]
+        _, way, toward, *_ = next(w for w in self.record.ways if w.snap == k + 1)
+        both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
         found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
         if search.cut:
-            self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+            self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
         return found

@@ -27,8 +27,7 @@ from origami_nlp.display import (
     angle_columns,
 )
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.loading.driver import VertexDriver
-from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import (
     COLLAPSE,
     PITCHFORK,
@@ -97,7 +96,7 @@ class LoadPath(Report, Viewable):
     (['range'], 0)
     """
 
-    driver: VertexDriver | PatternDriver
+    driver: Driver
     state: int
     low: float
     high: float
@@ -121,17 +120,17 @@ class LoadPath(Report, Viewable):
     @property
     def label(self) -> str:
         """What is loaded."""
-        return self.driver.label
+        return self.driver.origami.title
 
     @property
     def scene(self) -> Scene | None:
         """The scene, as stated; None of a pattern."""
-        return getattr(self.driver, "scene", None)
+        return self.driver.scene
 
     @property
     def pattern(self) -> Pattern | None:
         """The pattern, as stated; None of a scene."""
-        return getattr(self.driver, "pattern", None)
+        return None if self.scene else self.driver.origami
 
     @property
     def dissipated(self) -> float:
@@ -194,8 +193,8 @@ class LoadPath(Report, Viewable):
             if snap.confirmed is not None and not all(snap.confirmed.found):
                 yield Words(_searches(number, snap.confirmed, self.driver.unit), "bold")
         yield from (Words(line, "bold") for line in self.alarms)
-        if self.driver.WAY:
-            yield self.driver.WAY
+        if self.scene is None:
+            yield "crossing of facets is checked at the states of the path and of descents, not between them"
         yield Details(tuple(self._details()), "Events, certificates, searches")
 
     @property
@@ -317,7 +316,7 @@ class LoadPath(Report, Viewable):
     def _idle(self) -> Iterator[str]:
         for leg in self.legs:
             at = [p.angle for p in leg.points]
-            if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.arm:
+            if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm:
                 yield (
                     f"load {leg.points[0].t:.6g} to {leg.points[-1].t:.6g} does no work: {self._head} stays "
                     f"{self._place(at[0])}, which no free motion changes to first order"
@@ -351,20 +350,15 @@ class LoadPath(Report, Viewable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
-        stated = self._stated
+        stated = self.driver.origami
         frames = [state_frame(stated, phi, title, **more) for title, phi, more in self.states()]
         return states_to_fold(stated, frames)
-
-    @property
-    def _stated(self) -> Scene | Pattern:
-        driver = self.driver
-        return driver.scene if isinstance(driver, VertexDriver) else driver.pattern
 
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""
         ends = [leg.points[k].fold_angles for leg in self.legs for k in (0, -1)]
         states = [np.array(phi) for phi in dict.fromkeys(map(tuple, ends))]
-        return state_parts(self._stated, states)
+        return state_parts(self.driver.origami, states)
 
     def _rows(self) -> Iterator[dict[str, object]]:
         load = "_".join(["t", *self.driver.unit.split()])

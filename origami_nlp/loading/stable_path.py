@@ -16,8 +16,7 @@ from origami_nlp.continuation import (
     SpecialPoint,
 )
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import BRANCHES, VertexDriver
-from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.driver import BRANCHES, Driver, descend_beyond
 from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED
 
 LEAST_SPAN = 1e-3
@@ -158,7 +157,7 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
 
 
 def release(
-    web: BifurcationDiagram, node: SpecialPoint, toward: float, driver: VertexDriver | PatternDriver
+    web: BifurcationDiagram, node: SpecialPoint, toward: float
 ) -> tuple[np.ndarray, float, Classification] | str:
     """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
     point, why = node.point, ""
@@ -166,21 +165,19 @@ def release(
     # states that branch off are distinguished from those that do not by the square root of the share
     for share in OVER[node.type in BRANCHES :]:
         s = float(point[-1]) + toward * share * span
-        end = driver.down(web.line, s, node, 10 * share, web.steps.until)
+        end = descend_beyond(web.line, s, node, 10 * share, web.steps.until)
         if not isinstance(end, str):
             return end[0], s, end[1]
         why = end or why
     return why or "no lower state was reached"
 
 
-def stiffness_at(
-    frame: Equilibrium, root: np.ndarray, driver: VertexDriver | PatternDriver
-) -> float:
+def stiffness_at(frame: Equilibrium, root: np.ndarray, driver: Driver) -> float:
     """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
     along = frame.tangent / root
     ahead, behind = (frame.problem.expand(frame.state + h * along[:-1]) for h in (STEP, -STEP))
     moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
-    return math.inf if abs(moved) <= INPUT_TOL * driver.arm else float(along[-1]) / moved
+    return math.inf if abs(moved) <= INPUT_TOL * driver.work.arm else float(along[-1]) / moved
 
 
 def restabilises(

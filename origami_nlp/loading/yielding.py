@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.bifurcation import PathEvent
 from origami_nlp.continuation import Equilibrium, ParameterLine
-from origami_nlp.loading.driver import VertexDriver
-from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
 
@@ -52,14 +52,13 @@ class YieldingHinges:
     since: np.ndarray
 
     @staticmethod
-    def of(driver: VertexDriver | PatternDriver, given: Any) -> YieldingHinges:
+    def of(driver: Driver, given: Any) -> YieldingHinges:
         """Return the hinges of what is loaded before anything has yielded."""
-        stated: Any = driver.unloaded
+        scene, stated = driver.scene, driver.origami
         k = np.array(stated.stiffness, float)
-        vertex = isinstance(driver, VertexDriver)
-        rest = np.array(stated.rest_angles if vertex else stated.rest, float)
-        preload = np.array((vertex and stated.preload) or np.zeros(len(k)), float)
         none = np.zeros(len(k))
+        rest = np.array(scene.rest_angles if scene else stated.rest, float)
+        preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
         return YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
 
@@ -101,6 +100,18 @@ class YieldingHinges:
         share = self.torque(phi) / self.most
         return np.where(np.abs(share) >= 1 - SETTLED, np.sign(share), 0.0)
 
+    def over(self, phi: np.ndarray) -> str:
+        """Name the creases that would bear more than they yield at, at a state."""
+        return creases_named(np.abs(self.torque(phi)) > self.most * (1 + SETTLED))
+
+    def named(self, event: PathEvent) -> PathEvent:
+        """Return an event of this stage with the creases that it is of."""
+        if event.type not in (YIELDS, HOLDS):
+            return event
+        full = (self.full(np.array(event.fold_angles)) != 0) & ~self.yielding
+        which = self.yielding if event.type == HOLDS else full
+        return replace(event, contact=creases_named(which))
+
     @property
     def events(self) -> list[tuple[str, Callable[[Equilibrium], float]]]:
         """Functions of a state that are zero where a hinge begins to yield, or turns back."""
@@ -116,7 +127,7 @@ class YieldingHinges:
             (HOLDS, rate(i)) for i in np.flatnonzero(self.yielding).tolist()
         ]
 
-    def line(self, driver: VertexDriver | PatternDriver) -> ParameterLine:
+    def line(self, driver: Driver) -> ParameterLine:
         """Return the problems over the load in this stage; every crease is a variable."""
         line = driver.line()
         p, on = line.start, self.yielding
@@ -154,3 +165,10 @@ class YieldingHinges:
             ):
                 return i + 1
         return None
+
+
+def creases_named(which: np.ndarray) -> str:
+    """Name some of all creases."""
+    numbers = (np.flatnonzero(which) + 1).tolist()
+    head = "crease " if len(numbers) == 1 else "creases "
+    return head + ", ".join(map(str, numbers)) if numbers else ""

@@ -10,7 +10,7 @@ import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
 from origami_nlp.continuation.redundant import RedundantSystem, system_at
 from origami_nlp.continuation.system import Hold
-from origami_nlp.loading import PatternDriver
+from origami_nlp.loading import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import descend
 
@@ -23,7 +23,7 @@ def systems():
     start = descend(problem, problem.project(0.5 * pattern.rest)[0]).phi
     out = []
     for work in (Torque(pattern, (2,)), Pull(pattern, (0, 15))):
-        line = PatternDriver(work).line()
+        line = Driver(work).line()
         hold = Hold((), tuple(range(line.problem.equation_count)))
         out.append((line, hold, system_at(line, np.append(start, 0.3), hold)))
     return out

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve, Hold
-from origami_nlp.loading import PatternDriver
 from origami_nlp.pattern_problem import PatternProblem, Torque
 from origami_nlp.pattern_states import contact_descent
 from tests.loading.test_loads_in_contact import Turned, by_small_steps, loaded, sprung
@@ -44,12 +43,10 @@ def test_facets_that_meet_between_two_steps_are_not_passed():
     rigid = Turned(path.pattern)
     for p in path.legs[0].points:
         assert not rigid.crossing(np.array(p.fold_angles))
-    web = BifurcationDiagram(PatternDriver(path.driver.work).line(), -5.1, 0.0)
+    web = BifurcationDiagram(path.driver.line(), -5.1, 0.0)
     before = next(p for p in path.legs[0].points if -4.9 < p.t < -4.5)
     held = tuple(c for c in web.line.at(before.t).closed(np.array(before.fold_angles)).base)
-    curve = EquilibriumCurve(
-        web.line, Hold(held, tuple(range(web.line.problem.equation_count))), web.tally
-    )
+    curve = EquilibriumCurve(web.line, Hold(held), web.tally)
     point = np.append(before.fold_angles, before.t)
     for t in np.linspace(before.t, -5.05, 6):
         along = np.append(np.zeros(len(point) - 1), -1.0)

@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
-from origami_nlp.loading import VertexDriver
+from origami_nlp.loading import OwnForces
 from tests.command_line import run
 from tests.independent.rotations import fold
 
@@ -150,7 +150,7 @@ def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
     gained = leg.points[-1].energy - leg.points[0].energy
     force = np.linalg.norm(PUSHED.loads[0].force)
     assert force * work_of(leg) == pytest.approx(gained, rel=1e-3)
-    way = VertexDriver(PUSHED, None).conjugate(np.array(leg.points[0].fold_angles))
+    way = OwnForces(PUSHED).conjugate(np.array(leg.points[0].fold_angles))
     assert way == pytest.approx(leg.points[0].angle, abs=1e-15)
 
 
