@@ -148,17 +148,18 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
     both.  Of the multiplier the least is told: pieces come in no order.
     """
     every = (c.contact for piece in pieces for c in piece if c.contact is not None)
-    gaps = tuple(dict.fromkeys(c for c in every if not c.is_limit))
-    along = state.on(gaps).slopes @ state.kernel if gaps else np.zeros((0, 0))
-    slope = {
-        c: (np.round(row / state.problem.weight(c), SAME) + 0.0).tobytes()
-        for c, row in zip(gaps, along, strict=True)
-    }
+    gaps = tuple(dict.fromkeys(c for c in every if not c.is_limit)) if not state.problem.sparse else ()
+    slope: dict[Contact, object] = {}
+    if gaps:
+        along = state.on(gaps).slopes @ state.kernel
+        weight = [state.problem.weight(c) for c in gaps]
+        for c, row, w in zip(gaps, along, weight, strict=True):
+            slope[c] = (np.round(row / w, SAME) + 0.0).tobytes()
     found: dict[object, list[tuple[int, ContactForce]]] = {}
     for k, contacts in enumerate(pieces):
         for c in contacts:
-            one = c.contact is None or c.is_limit
-            found.setdefault(c.contact if one else slope[c.contact], []).append((k, c))  # type: ignore[index]
+            key = slope.get(c.contact, c.contact) if c.contact else c.text
+            found.setdefault(key, []).append((k, c))
     out = []
     for same in found.values():
         ends = [e for _, c in same for e in c.multiplier_range]
