@@ -100,14 +100,14 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
     for contact in (c for c in b.hold.contacts if margin(b, c) <= 0.0):
 
         def reported(f: Equilibrium, contact: Contact = contact) -> float:
-            return margin(f, contact)
+            return f.problem.margin(contact, f.state) - INSIDE
 
         near = a if reported(a) <= 0.0 else root_between(curve, a, b, reported)
         if near is None or abs(reported(near)) > STATIONARY:
             continue
 
         def border(f: Equilibrium, contact: Contact = contact) -> float:
-            return margin(f, contact) + INSIDE
+            return f.problem.margin(contact, f.state)
 
         why = "to a border: beyond, no single gap keeps the facets apart"
         event = LocatedEvent("slides", near, contact, reported(near), False, why)

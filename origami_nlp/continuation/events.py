@@ -266,7 +266,7 @@ def _eigenvalue_passes(
     """Return the event at which eigenvalue k of the reduced Hessian changes sign: through zero, or through infinity."""
 
     def eigenvalue(f: Equilibrium) -> float:
-        return float(f.eigenvalues[k])
+        return float(f.eigenvalues[k]) if k < len(f.eigenvalues) else np.nan
 
     # next to a branch point the bordered matrix is all but singular
     frame = root_between(curve, a, b, eigenvalue)

@@ -63,9 +63,7 @@ def pinned(result: MinimaResult) -> list[np.ndarray]:
 
 
 def held(model: PatternProblem, x: np.ndarray) -> tuple[Contact, ...]:
-    choices = model.closed(x).combinations()
-    assert choices
-    return choices[0]
+    return State(model, x).pieces[0]
 
 
 @shared
