@@ -183,8 +183,7 @@ class FollowedLoad:
                 continue
             while k - good > 1:
                 middle = (k + good) // 2
-                found = verdict(middle)
-                good, k, bad = (middle, k, bad) if found == "minimum" else (good, middle, found)
+                good, k = (good, middle) if verdict(middle) == bad else (middle, k)
             return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
         return "stable", None
 
