@@ -217,16 +217,17 @@ class Driver:
         """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
         problem, work = self.problem, self.work
         p, none = problem.parameters, np.zeros(problem.size)
-        stiffness = self.origami.stiffness
-        torque = math.sqrt(len(stiffness)) * work.arm / float(np.sum(stiffness))
-        weight = 0.05 if self.scene else torque
+        length: dict[str, Any] = {}
+        if self.scene is None:
+            k = self.origami.stiffness
+            length["weight"] = math.sqrt(len(k)) * work.arm / float(k.sum())
         if isinstance(work, Torque):
             load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
-            return load_line(problem, load, weight)
+            return load_line(problem, load, **length)
         dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
         still = dead.times(0.0)  # over t only forces change: their points stay
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
-        return ParameterLine(problem, replace(p, dead=still), change, weight=weight)
+        return ParameterLine(problem, replace(p, dead=still), change, **length)
 
     def at(self, t: float) -> Any:
         """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""

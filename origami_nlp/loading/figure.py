@@ -48,24 +48,38 @@ def draw_load(path: LoadPath) -> Figure:
         If `path` is not of its type.
     """
     check_type("path", path, LoadPath)
-    height, tall = _height(path), 0.0 if path.pattern is None else TALL
+    shown = _shown_events(path)
+    lines = ["\n    ".join(textwrap.wrap(f"{e.id}  {e.words()}, {e.t:.9g}", 58)) for e in shown]
+    rows = [max(line.count("\n") + 1 for line in lines[k : k + 2]) for k in range(0, len(lines), 2)]
+    below = 0.17 * sum(rows)
+    height, tall = 4.6 + below, 0.0 if path.pattern is None else TALL
     figure = Figure(figsize=(PICTURE_WIDTH, height + tall), dpi=110, facecolor="white")
     upper: Any = figure
     if path.pattern is not None:
         upper, lower = figure.subfigures(2, 1, height_ratios=(height, tall))  # type: ignore[misc]
         _place_states(lower, path, path.pattern)
-    _place(upper, path)
+    left, right = (
+        upper.add_axes((x, (below + 0.67) / height, w, 3.55 / height))
+        for x, w in ((0.085, 0.52), (0.70, 0.28))
+    )
+    begun = f", from state #{path.state}" if path.state else ""
+    title = textwrap.wrap(label_text(f"{path.label}: {path.driver.name}{begun}"), 95)
+    upper.suptitle("\n".join(title), fontsize=11, y=1 - 0.12 / height)
+    _curve(left, path, [e.id for e in shown])
+    _energy(right, path)
+    for axes in (left, right):
+        axes.grid(True, lw=0.3, color="#dddddd")
+        axes.tick_params(labelsize=8)
+    for k in range(2):
+        text = "\n".join(label_text(line) for line in lines[k::2])
+        upper.text(0.085 + 0.47 * k, (below + 0.06) / height, text, fontsize=7.5, va="top")
     return figure
 
 
 def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
     """Draw the pattern at the start, on both sides of snaps, and at the ends of legs that do not snap."""
-    unit = path.driver.unit
-    shown = [
-        (f"at {p.t:.4g} {unit}", p.fold_angles, p.t)
-        for leg in path.legs[:1]
-        for p in leg.points[:1]
-    ]
+    unit, first = path.driver.unit, path.legs[0].points[0]
+    shown = [(f"at {first.t:.4g} {unit}", first.fold_angles, first.t)]
     for number, leg in enumerate(path.legs, start=1):
         if leg.snap is None:
             last = leg.points[-1]
@@ -74,66 +88,21 @@ def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
         snap = path.snaps[leg.snap - 1]
         shown.append((f"before snap {leg.snap}, {snap.t:.4g} {unit}", snap.before, snap.t))
         shown.append((f"after snap {leg.snap}", snap.after, snap.t))
-    line = path.driver.line()
+    line, share = path.driver.line(), 1 / min(len(shown), MOST_DRAWN)
     for k, (title, phi, t) in enumerate(shown[:MOST_DRAWN]):
-        axes = figure.add_axes(
-            (
-                (k + 0.02) / min(len(shown), MOST_DRAWN),
-                0.02,
-                0.96 / min(len(shown), MOST_DRAWN),
-                0.82,
-            )
-        )
+        axes = figure.add_axes(((k + 0.02) * share, 0.02, 0.96 * share, 0.82))
         state = np.array(phi)
-        draw_pattern_state(axes, pattern, state, contacts=carried_at(line.at(t), state))
+        draw_pattern_state(axes, pattern, state, contacts=_carried(line.at(t), state))
         axes.set_title(title, fontsize=9)
 
 
-def carried_at(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
+def _carried(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
     """Return the closed contacts of an equilibrium [n] and what they carry; none of patterns too large for a kernel."""
     if problem.sparse:
         return ()
     found = problem.closed(phi)
-    contacts = tuple(
-        dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
-    )
-    return contact_forces(State(problem, phi), contacts)
-
-
-def _lines(path: LoadPath) -> tuple[list[str], float]:
-    """Return what is said of each event, and how tall it is [inches]."""
-    shown = _shown_events(path)
-    lines = [f"{e.id}  {e.words()}, {e.t:.9g}" for e in shown]
-    lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
-    rows = math.ceil(len(lines) / 2)
-    tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
-    return lines, 0.17 * tall
-
-
-def _height(path: LoadPath) -> float:
-    """Return the height of the curves of a load path [inches]."""
-    return 4.6 + _lines(path)[1]
-
-
-def _place(figure: Any, path: LoadPath) -> None:
-    """Draw the curves of a load path into a figure, or a part of one."""
-    lines, tall = _lines(path)
-    height = _height(path)
-    bottom = (0.55 + tall) / height
-    left, right = (
-        figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
-        for x, w in ((0.085, 0.52), (0.70, 0.28))
-    )
-    begun = f", from state #{path.state}" if path.state else ""
-    title = f"{path.label}: {path.driver.name}{begun}"
-    figure.suptitle(
-        "\n".join(textwrap.wrap(label_text(title), 95)), fontsize=11, y=1 - 0.12 / height
-    )
-    _curve(left, path, [e.id for e in _shown_events(path)])
-    _energy(right, path)
-    for k in range(2):
-        text = "\n".join(label_text(line) for line in lines[k::2])
-        figure.text(0.085 + 0.47 * k, (tall + 0.06) / height, text, fontsize=7.5, va="top")
+    closed = (*found.base, *(c for b in found.branches for o in b for c in o))
+    return contact_forces(State(problem, phi), tuple(dict.fromkeys(closed)))
 
 
 def _range(path: LoadPath) -> tuple[float, float]:
@@ -154,8 +123,7 @@ def _shown_events(path: LoadPath) -> list[Any]:
 
 
 def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
-    value = path.driver.conjugate(np.array(fold_angles))
-    return np.degrees(value) if path.driver.coordinate.endswith("[rad]") else value
+    return path.shown(path.driver.conjugate(np.array(fold_angles)))
 
 
 def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
@@ -165,10 +133,8 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         draw_ranges(axes, branch, x, t)
         _dot_unstable(axes, branch, x, t)
     for leg in path.legs:
-        x, t = (
-            _angles(path, [p.fold_angles for p in leg.points]),
-            np.array([p.t for p in leg.points]),
-        )
+        t = np.array([p.t for p in leg.points])
+        x = path.shown(np.array([p.angle for p in leg.points]))
         axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
         if leg.moved:  # of creases that may yield no other states are followed
             axes.plot(x, t, color=PATH, lw=1.4, zorder=2)
@@ -194,11 +160,8 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     for place, numbers in named.items():
         axes.annotate(", ".join(numbers), place, (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
-    axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
-    where = path.driver.coordinate.replace("[rad]", "[deg]")
-    axes.set_xlabel(where)
-    axes.grid(True, lw=0.3, color="#dddddd")
-    axes.tick_params(labelsize=8)
+    axes.set_ylabel(f"{path.driver.name}{path.in_unit}")
+    axes.set_xlabel(path.where)
     handles = kinds_legend(path.branches)
     if any(_is_broken(p) for b in path.branches for p in b.points):
         label = "dotted: stable only with its symmetry"
@@ -235,22 +198,18 @@ def _tangent(axes: Any, path: LoadPath) -> None:
     start, (low, high) = path.legs[0].points[0], _range(path)
     ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
     where = start.angle + ends / path.start_stiffness
-    turned = path.driver.coordinate.endswith("[rad]")
-    axes.plot(np.degrees(where) if turned else where, start.t + ends, **TANGENT, zorder=3)
+    axes.plot(path.shown(where), start.t + ends, **TANGENT, zorder=3)
 
 
 def _energy(axes: Any, path: LoadPath) -> None:
     for leg in path.legs:
         axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
-    energy = path.driver.unloaded.energy
     for snap in path.snaps:
-        a, b = (float(energy(np.array(phi))) for phi in (snap.before, snap.after))
+        a, b = path.driver.unloaded.energy(np.array([snap.before, snap.after]))
         style = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 1, "shrinkB": 1}
         axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=style)
         axes.plot(snap.t, b, alpha=0.0)  # arrows alone do not widen the axes
-    axes.set_xlabel("load" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
+    axes.set_xlabel(f"load{path.in_unit}")
     axes.set_ylabel("energy without the load  [J]")
-    axes.grid(True, lw=0.3, color="#dddddd")
-    axes.tick_params(labelsize=8)
     axes.locator_params(axis="x", nbins=4)  # its labels are wide
     axes.set_xlim(*_range(path))

@@ -19,7 +19,8 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.loading.driver import IDENTITY, LoadSearch, driver_of
 from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.loading.yield_path import follow_yielding
+from origami_nlp.loading.yield_path import go_yielding
+from origami_nlp.loading.yielding import YieldingHinges
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.pattern_problem import Work
@@ -123,14 +124,20 @@ def load_path(
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
+    hinges = None
     if yield_torque is not None:
-        return follow_yielding(
-            driver.keeping(IDENTITY), driver.problem.expand(x), number, ends, yield_torque, unload, options,
-            search.until,
-        )  # fmt: skip
-    job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
+        x = driver.problem.expand(x)
+        hinges = YieldingHinges.of(driver, yield_torque, x, number)
+        driver, full, confirm = driver.keeping(IDENTITY), False, False
+    low, high = min(0.0, *ends), max(0.0, *ends)
+    job = FollowedLoad(driver, low, high, full, options, search.until, hinges)
     try:
         for end in ends:
+            if hinges:
+                led = go_yielding(job, x, 0.0, end, hinges)
+                if unload and led is not None:
+                    go_yielding(job, led[0], end, 0.0, led[1])
+                continue
             arrived = job.go(x, 0.0, end, once=to == "snap")
             if unload and arrived is not None:
                 job.between(0.0, end)
@@ -138,7 +145,7 @@ def load_path(
                 job.between(*ends)
     except OutOfTime:  # of a descent
         job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
-    if not job.record.ways:
+    if not job.record.ways and not hinges:
         raise OptionError(
             f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         )

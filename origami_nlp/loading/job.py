@@ -74,6 +74,11 @@ class Run(NamedTuple):
     snap: int | None
     branches_off: bool = False
 
+    def ending(self, why: str, frames: int | None = None) -> Run:
+        """Return the first of its states, which end for another reason."""
+        first = self.segment.frames[:frames]
+        return self._replace(segment=replace(self.segment, frames=first, why=why), snap=None)
+
 
 class Fall(NamedTuple):
     """A snap: from a node in one space to a state, known at the load s, in one."""
@@ -102,7 +107,7 @@ class Record:
 
 
 class FollowedLoad:
-    """One load path while it is followed: with the symmetry of a scene, or (of a `home`) without it; or one stage."""
+    """One load path while it is followed: with the symmetry of a scene, or (of a `root`) without it; or one stage."""
 
     def __init__(
         self,
@@ -112,13 +117,12 @@ class FollowedLoad:
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
-        home: FollowedLoad | None = None,
         hinges: YieldingHinges | None = None,
         record: Record | None = None,
     ) -> None:
         self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
-        self._given, self.root = (low, high, full, steps, until), home or self
-        self.record: Record = home.record if home else record or Record([self])
+        self._given, self.root = (low, high, full, steps, until), self
+        self.record = record or Record([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
@@ -141,8 +145,13 @@ class FollowedLoad:
             return root
         driver, jobs = root.driver.keeping(elements), self.record.jobs
         if driver.elements not in [job.driver.elements for job in jobs]:
-            jobs.append(FollowedLoad(driver, *self._given, home=root))
+            jobs.append(FollowedLoad(driver, *self._given, record=self.record))
+            jobs[-1].root = root
         return next(job for job in jobs if job.driver.elements == driver.elements)
+
+    def stage(self, hinges: YieldingHinges) -> FollowedLoad:
+        """Return a stage of a path with hinges that yield."""
+        return FollowedLoad(self.driver, *self._given, hinges, self.record)
 
     @property
     def beyond(self) -> FollowedLoad:

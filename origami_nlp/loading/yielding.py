@@ -17,6 +17,7 @@ import numpy as np
 
 from origami_nlp.bifurcation import PathEvent
 from origami_nlp.continuation import Equilibrium, ParameterLine
+from origami_nlp.errors import OptionError
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
@@ -52,15 +53,29 @@ class YieldingHinges:
     since: np.ndarray
 
     @staticmethod
-    def of(driver: Driver, given: Any) -> YieldingHinges:
-        """Return the hinges of what is loaded before anything has yielded."""
+    def of(driver: Driver, given: Any, phi: np.ndarray, state: int) -> YieldingHinges:
+        """Return the hinges of what is loaded before anything has yielded; phi: at load 0, of a number or 0.
+
+        Raises
+        ------
+        OptionError
+            If a hinge bears more than its yield torque there.
+        """
         scene, stated = driver.scene, driver.origami
         k = np.array(stated.stiffness, float)
         none = np.zeros(len(k))
         rest = np.array(scene.rest_angles if scene else stated.rest, float)
         preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
-        return YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        hinges = YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        borne = np.abs(hinges.torque(phi))
+        for i in np.flatnonzero(borne > most)[:1].tolist():
+            raise OptionError(
+                f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
+                f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges have "
+                "after yielding"
+            )
+        return hinges
 
     @property
     def yielding(self) -> np.ndarray:
