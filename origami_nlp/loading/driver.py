@@ -12,11 +12,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint, load_line
+from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.numerics import DUPLICATE_TOL, SETTLED, first_largest
+from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import DeadLoads, Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import (
     DeadForce,
@@ -28,25 +27,15 @@ from origami_nlp.pattern_problem import (
     pose,
 )
 from origami_nlp.pattern_states import (
-    classified,
-    contact_descent,
-    descend,
     find_states,
-    singular_beside,
 )
 from origami_nlp.problem import Parameters
 
 STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 """Of vertices: such that curves look smooth, by how far they turn."""
-BRANCHES = ("branching", "breaks-symmetry")
-"""Events at which states lose stability without a limit point."""
-OFF_BRANCH = 1e-3
-"""How far beside such a state a descent begins [rad]."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
-SIDE = 0.01
-"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 
 
 @dataclass(eq=False)
@@ -96,12 +85,10 @@ class OwnForces:
     creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
-        if not self.scene.loads:
-            raise OptionError(
-                "crease = None: the scene has no [[loads]] with forces to be multiplied"
-            )
-        if not self.arm:
-            raise OptionError("crease = None: all forces of the scene are zero")
+        none = "has no [[loads]] with forces to be multiplied"
+        if not self.scene.loads or not self.arm:
+            why = "has forces that are all zero" if self.scene.loads else none
+            raise OptionError(f"crease = None: the scene {why}")
 
     @property
     def dead(self) -> DeadLoads:
@@ -170,13 +157,12 @@ class Driver:
     @property
     def images(self) -> int:
         """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
-        return len(self.creases) or 1 if self.scene else 1
+        return len(self.creases) if self.scene and self.creases else 1
 
     @property
     def coordinate(self) -> str:
         """What the load works on, with its unit; of images the mean."""
-        numbers = ", ".join(map(str, self.creases))
-        mean = f"mean fold angle of creases {numbers} [rad]"
+        mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
         return mean if self.images > 1 else self.work.coordinate
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
@@ -282,50 +268,6 @@ class Driver:
         if self.scene and len(self.scene.windings) > 1:
             driver = replace(self, scene=replace(self.scene, winding=state.winding))
         return driver, number, driver.problem.reduce(phi)
-
-    def beside(self, t: float) -> float:
-        """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
-        return SIDE * (self.problem.scale if self.creases else abs(t))
-
-
-def descend_beyond(
-    line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
-) -> tuple[np.ndarray, Classification] | str:
-    """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why there is none."""
-    problem: Any = line.at(s)
-    phi, starts = node.point[:-1], [node.point[:-1]]
-    if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
-        soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
-        if soft is not None:
-            aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
-            starts = [phi + aside, phi - aside]
-    elif node.type == "slides":  # lower states are beside where a facet ends, unless others hold
-        lower = classify(State(line.at(node.s), phi)).lower
-        starts = [] if lower is None else [lower]
-    why = ""
-    problem.until = until
-    try:
-        for start in starts:
-            end, touching = None, any(not c.is_limit for c in node.held)
-            if (
-                problem.sparse and not touching
-            ):  # of sheets too large for a kernel where facets touch
-                end = descend(problem, start)
-                end = None if any(map(problem.crossings.find, (*end.path, end.phi))) else end
-            end = end or contact_descent(problem, start)
-            if np.abs(end.phi - phi).max() <= near:
-                continue
-            what = classified(problem, end.phi)
-            if (
-                end.arrived
-                and what.verdict == "minimum"
-                and singular_beside(problem, end.phi) is None
-            ):
-                return end.phi, what
-            why = end.why if not end.arrived else what.reason
-    finally:
-        problem.until = math.inf
-    return why
 
 
 def driver_of(origami: Scene | Pattern, load: Any) -> Driver:

@@ -34,21 +34,15 @@ from origami_nlp.continuation import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.confirming import confirm
-from origami_nlp.loading.driver import (
-    BRANCHES,
-    IDENTITY,
-    OFF_BRANCH,
-    Driver,
-    LoadSearch,
-    image_of,
-    kept_by,
-)
+from origami_nlp.loading.driver import IDENTITY, Driver, LoadSearch, image_of, kept_by
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
+    BRANCHES,
+    OFF_BRANCH,
     StableSegment,
     given,
-    position,
+    holding,
     release,
     restabilises,
     stiffness_at,
@@ -203,7 +197,7 @@ class FollowedLoad:
 
     def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
         """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
-        if position(self.web, x, s) is None and given(self.web, x, s) is None:
+        if not holding(self.web, x, s) and given(self.web, x, s) is None:
             self.web.add(x, s, "minimum", toward, follow)
 
     def go(
@@ -474,16 +468,12 @@ class FollowedLoad:
 
     def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
-        web, on_path = self.web, position(self.web, landed, s)
-        begun = given(web, landed, s)
-        same: Equilibrium | None = None
-        if on_path is not None:
-            frame = on_path[1]
-            same = web.arcs[on_path[0]].at(at, web.tally)
-        elif begun is not None:
-            frame = web.nodes[begun].halves[0].frame
-        else:
+        web, begun = self.web, given(self.web, landed, s)
+        on_path = holding(web, landed, s)
+        if not on_path and begun is None:
             return landed
+        same = web.arcs[on_path[0][0]].at(at, web.tally) if on_path else None
+        frame = on_path[0][1] if on_path else web.nodes[begun or 0].halves[0].frame
         curve = EquilibriumCurve(web.line, frame.hold, web.tally)
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
