@@ -19,8 +19,7 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.loading.driver import IDENTITY, LoadSearch, driver_of
 from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.loading.yield_path import go_yielding
-from origami_nlp.loading.yielding import YieldingHinges
+from origami_nlp.loading.yielding import YieldingHinges, go_yielding
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.pattern_problem import Work

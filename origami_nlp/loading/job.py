@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,7 +50,6 @@ from origami_nlp.loading.stable_path import (
     stiffness_at,
     walk,
 )
-from origami_nlp.loading.yielding import YieldingHinges
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 from origami_nlp.pattern_problem import PopSigns
 
@@ -111,7 +112,7 @@ class FollowedLoad:
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
-        hinges: YieldingHinges | None = None,
+        hinges: Any = None,
         record: Record | None = None,
     ) -> None:
         self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
@@ -143,7 +144,7 @@ class FollowedLoad:
             jobs[-1].root = root
         return next(job for job in jobs if job.driver.elements == driver.elements)
 
-    def stage(self, hinges: YieldingHinges) -> FollowedLoad:
+    def stage(self, hinges: Any) -> FollowedLoad:
         """Return a stage of a path with hinges that yield."""
         return FollowedLoad(self.driver, *self._given, hinges, self.record)
 
@@ -170,6 +171,7 @@ class FollowedLoad:
             return "", None
         last = max(len(way.frames) - 1 - (way.why != "range"), first)
 
+        @cache
         def verdict(k: int) -> str:
             frame, full = way.frames[k], self._full
             if full is None:
@@ -180,15 +182,11 @@ class FollowedLoad:
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
         for k in sorted({first, (first + last) // 2, last}):
-            bad = verdict(k)
-            if bad == "minimum":
-                good = k
-                continue
-            while k - good > 1:
-                middle = (k + good) // 2
-                found = verdict(middle)
-                good, k, bad = (middle, k, bad) if found == "minimum" else (good, middle, found)
-            return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
+            if verdict(k) != "minimum":
+                lost = bisect_left(range(k), True, good + 1, key=lambda i: verdict(i) != "minimum")
+                refuted = verdict(lost) == "not stationary"
+                return "unstable" if refuted else "undecided", way.frames[lost].s
+            good = k
         return "stable", None
 
     def between(self, *ends: float) -> None:
@@ -363,11 +361,12 @@ class FollowedLoad:
             ids = {e.id: k for k, e in enumerate(events, start=1)}
             events = [replace(e, id=ids[e.id], branches=()) for e in events]
             branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
-        for branch in branches:
-            for r in branch.kind_ranges:
-                if not r.stable and r.kind != "saddle":
-                    words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
-                    kept.alarms.append(f"{words}: {r.certificate}")
+        kept.alarms += [
+            f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+            for branch in branches
+            for r in branch.kind_ranges
+            if not r.stable and r.kind != "saddle"
+        ]
         tallies = [job.web.tally for job in kept.jobs]
         return LoadPath(
             self.driver, state, self.low, self.high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),

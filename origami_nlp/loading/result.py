@@ -30,13 +30,14 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import (
     COLLAPSE,
+    HOLDS,
     PITCHFORK,
+    YIELDS,
     ConfirmedSnap,
     Leg,
     LoadPoint,
     Snap,
 )
-from origami_nlp.loading.yielding import HOLDS, YIELDS
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene

@@ -164,9 +164,10 @@ def release(
     By the kernel; on sheets too large for it, and where nothing touches, by steps in the null space of closure.
     """
     phi, why, line = node.point[:-1], "", web.line
+    posed: Any = line.problem
     span = max(abs(node.s), LEAST_SPAN * (web.high - web.low))
     lower = classify(State(line.at(node.s), phi)).lower if node.type == "slides" else None
-    line.problem.until = web.steps.until
+    posed.until = web.steps.until
     try:
         # states that branch off are distinguished from those that do not by the square root of the share
         for share in OVER[node.type in BRANCHES :]:
@@ -197,7 +198,7 @@ def release(
                     return end.phi, s, what
                 why = what.reason if end.arrived else end.why
     finally:
-        line.problem.until = math.inf
+        posed.until = math.inf
     return why or "no lower state was reached"
 
 
