@@ -16,19 +16,9 @@ from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_li
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
-from origami_nlp.pattern import DeadLoads, Pattern, Scene, dead_loads, most_torque
-from origami_nlp.pattern_problem import (
-    DeadForce,
-    Pull,
-    Torque,
-    Work,
-    Worked,
-    one_vertex,
-    pose,
-)
-from origami_nlp.pattern_states import (
-    find_states,
-)
+from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
+from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
 STEPS = ContinuationOptions(longest=0.2, growth=3.0)
@@ -91,25 +81,16 @@ class OwnForces:
             raise OptionError(f"crease = None: the scene {why}")
 
     @property
-    def dead(self) -> DeadLoads:
-        """The forces."""
-        found = dead_loads(self.scene.loads, self.scene.fixed_facet)
-        assert found is not None
-        return found
-
-    @property
     def arm(self) -> float:
         """Largest torque of the forces."""
-        return float(
-            (
-                np.linalg.norm(self.dead.forces, axis=1) * np.linalg.norm(self.dead.points, axis=1)
-            ).sum()
-        )
+        each = self.scene.loads
+        return sum(float(np.linalg.norm(load.force or 0.0)) * load.place[0] for load in each)
 
     def conjugate(self, phi: np.ndarray) -> np.ndarray:
         """Return where they are along themselves: of several sum f . p over the root of the sum of their squares."""
-        work = -self.dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
-        return work / float(np.linalg.norm(self.dead.forces))
+        dead: Any = dead_loads(self.scene.loads, self.scene.fixed_facet)
+        work = -dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
+        return np.asarray(work / float(np.linalg.norm(dead.forces)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,10 +203,8 @@ class Driver:
             return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
         name = f"{scene.label + ', ' if scene.label else ''}{self.name} = {t:.10g}"
         if isinstance(work, OwnForces):
-            forces = [[t * f for f in load.force or ()] for load in scene.loads]
-            loads: Any = [
-                {**a.to_dict(), "force": f} for a, f in zip(scene.loads, forces, strict=True)
-            ]
+            loads: Any = [a.to_dict() for a in scene.loads]
+            loads = [{**a, "force": [t * f for f in a["force"]]} for a in loads]
             return replace(scene, loads=loads, name=name)
         preload = np.array(scene.preload or 0.0) + t * work.gradient(np.empty(0))
         return replace(scene, preload=tuple(preload.tolist()), name=name)
@@ -282,9 +261,8 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
         origami.check_alone("a load")
         if isinstance(load, Work):
             if load.pattern is not origami:
-                raise OptionError(
-                    "load is one of another pattern: make it of the one that is loaded"
-                )
+                why = "is one of another pattern: make it of the one that is loaded"
+                raise OptionError(f"load {why}")
             return Driver(load)
         several = isinstance(load, Sequence) and not isinstance(load, str)
         return Driver(Torque(origami, tuple(load) if several else (load,)))

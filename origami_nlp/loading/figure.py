@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.bifurcation import PathBranch, PathPoint, draw_ranges, event_look, kinds_legend
+from origami_nlp.bifurcation import PathBranch, draw_ranges, event_look, kinds_legend
 from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
@@ -22,6 +22,7 @@ PICTURE_WIDTH = 9.6
 TALL, MOST_DRAWN = 2.9, 4
 """Of the row of folded states [inches], and how many there are."""
 PATH, SNAP = "#222222", "#c1121f"
+ARROW = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2}
 TANGENT: Any = {"color": "#7b2d8b", "lw": 1.1, "ls": (0, (4, 2))}
 TANGENT_SHARE = 0.2
 """Of the loads that are shown, to either side of the start, along which the stiffness there is drawn."""
@@ -48,7 +49,8 @@ def draw_load(path: LoadPath) -> Figure:
         If `path` is not of its type.
     """
     check_type("path", path, LoadPath)
-    shown = _shown_events(path)
+    low, high = _range(path)
+    shown = [e for e in path.events if low <= e.t <= high]
     lines = ["\n    ".join(textwrap.wrap(f"{e.id}  {e.words()}, {e.t:.9g}", 58)) for e in shown]
     rows = [max(line.count("\n") + 1 for line in lines[k : k + 2]) for k in range(0, len(lines), 2)]
     below = 0.17 * sum(rows)
@@ -116,12 +118,6 @@ def _range(path: LoadPath) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _shown_events(path: LoadPath) -> list[Any]:
-    """Events at loads that are shown."""
-    low, high = _range(path)
-    return [e for e in path.events if low <= e.t <= high]
-
-
 def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
     return path.shown(path.driver.conjugate(np.array(fold_angles)))
 
@@ -138,15 +134,9 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
         if leg.moved:  # of creases that may yield no other states are followed
             axes.plot(x, t, color=PATH, lw=1.4, zorder=2)
-    if math.isfinite(path.start_stiffness):
-        _tangent(axes, path)
     for snap in path.snaps:
         a, b = _angles(path, [snap.before, snap.after])
-        axes.annotate(
-            "", (b, snap.t), (a, snap.t),
-            arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
-            zorder=4,
-        )  # fmt: skip
+        axes.annotate("", (b, snap.t), (a, snap.t), arrowprops=ARROW, zorder=4)
         axes.plot(a, snap.t, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
         axes.plot(b, snap.t, ".", ms=5, color=SNAP, zorder=4)  # arrows alone do not widen the axes
     named: dict[tuple[float, float], list[str]] = {}
@@ -163,7 +153,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     axes.set_ylabel(f"{path.driver.name}{path.in_unit}")
     axes.set_xlabel(path.where)
     handles = kinds_legend(path.branches)
-    if any(_is_broken(p) for b in path.branches for p in b.points):
+    if any(p.full_space_eigenvalue < 0 for b in path.branches for p in b.points):
         label = "dotted: stable only with its symmetry"
         handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
@@ -172,33 +162,24 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         label = f"snap at {', '.join(places)} {path.driver.unit}".rstrip()
         handles.append(Line2D([], [], color=SNAP, label=label))
     if math.isfinite(path.start_stiffness):
+        start, (low, high) = path.legs[0].points[0], _range(path)
+        ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
+        where = start.angle + ends / path.start_stiffness
+        axes.plot(path.shown(where), start.t + ends, **TANGENT, zorder=3)
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
         handles.append(Line2D([], [], **TANGENT, label=label))
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
-
-
-def _is_broken(point: PathPoint) -> bool:
-    """Whether a state gives way to motions that break its symmetry."""
-    return point.full_space_eigenvalue < 0
 
 
 def _dot_unstable(axes: Any, branch: PathBranch, x: np.ndarray, t: np.ndarray) -> None:
     """Cut the lines of states that are stable but for their symmetry into dots."""
     broken = np.zeros(len(x), dtype=bool)
     for r in branch.kind_ranges:
-        for k in range(r.points[0], r.points[1] + 1):
-            broken[k] |= r.stable and _is_broken(branch.points[k])
+        broken[r.points[0] : r.points[1] + 1] |= r.stable
+    broken &= np.array([p.full_space_eigenvalue < 0 for p in branch.points])
     if broken.any():
         rest = np.where(broken, x, np.nan)
         axes.plot(rest, t, color="white", lw=1.4, ls=(0, (1, 1.5)), zorder=2.5)
-
-
-def _tangent(axes: Any, path: LoadPath) -> None:
-    """Draw the line of the stiffness at the start, over a share of the loads that are shown."""
-    start, (low, high) = path.legs[0].points[0], _range(path)
-    ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
-    where = start.angle + ends / path.start_stiffness
-    axes.plot(path.shown(where), start.t + ends, **TANGENT, zorder=3)
 
 
 def _energy(axes: Any, path: LoadPath) -> None:
@@ -206,8 +187,7 @@ def _energy(axes: Any, path: LoadPath) -> None:
         axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
     for snap in path.snaps:
         a, b = path.driver.unloaded.energy(np.array([snap.before, snap.after]))
-        style = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 1, "shrinkB": 1}
-        axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=style)
+        axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=ARROW)
         axes.plot(snap.t, b, alpha=0.0)  # arrows alone do not widen the axes
     axes.set_xlabel(f"load{path.in_unit}")
     axes.set_ylabel("energy without the load  [J]")

@@ -108,14 +108,13 @@ def load_path(
     else:
         refuse("pattern", _OF_A_SCENE, full=full)
     driver = driver_of(stated, load)
-    given = {"max_starts": max_starts, "starts": starts}
-    for name, count in {"seed": seed, **given}.items():
-        if count is not None:
-            check_whole(name, count, int(name == "max_starts"))
-    asked = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
+    asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
+    for name in asked.keys() & counts.keys():
+        check_whole(name, asked[name], int(name == "max_starts"))
     full = True if full is None else full
-    defaults = ContinuationOptions()
-    check_type("options", defaults if options is None else options, ContinuationOptions)
+    if options is not None:
+        check_type("options", options, ContinuationOptions)
     for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -145,7 +144,6 @@ def load_path(
     except OutOfTime:  # of a descent
         job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     if not job.record.ways and not hinges:
-        raise OptionError(
-            f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
-        )
+        late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
+        raise OptionError(job.record.alarms[0] if seconds is None else late)
     return job.path(number, search if confirm else None)

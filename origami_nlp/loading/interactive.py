@@ -48,7 +48,7 @@ def view_path(path: LoadPath) -> Content:
         if len(leg.points) < 2:
             continue
         loads = [p.t for p in leg.points]
-        title = f"leg {k}, {loads[0]:.6g} to {loads[-1]:.6g} {unit}".rstrip()
+        title = f"leg {k}, {leg.span} {unit}".rstrip()
         states = np.array([p.fold_angles for p in leg.points])
         title += f": ends with {leg.why}"
         tracks.append(poser.track(title, states, energy(states), parameter=loads, label=label))

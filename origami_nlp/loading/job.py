@@ -76,10 +76,11 @@ class Run(NamedTuple):
 
 
 class Fall(NamedTuple):
-    """A snap: from a node in one space to a state, known at the load s, in one."""
+    """A snap: from the end of a way in one space to a state, known at the load s, in one."""
 
     job: FollowedLoad
-    node: int
+    way: StableSegment
+    toward: float
     into: FollowedLoad
     state: np.ndarray
     s: float
@@ -258,7 +259,7 @@ class FollowedLoad:
                     keep()
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            self.record.falls.append(Fall(self, way.node, into, x, s, what))
+            self.record.falls.append(Fall(self, way, toward, into, x, s, what))
             keep("snap", len(self.record.falls))
             if not self.web.low <= s <= self.web.high:
                 return None
@@ -289,15 +290,13 @@ class FollowedLoad:
 
         The image is the same whatever rounding is.
         """
-        root = self.root
-        if root._full is None:
-            return x, self
+        elements = self.root.driver.elements
         phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
-        keeping = kept_by(root.driver.elements, at)
         image = max(
-            (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+            (phi[image_of(len(phi), e)] for e in kept_by(elements, at)),
+            key=lambda y: tuple(coarse(y).tolist()),
         )
-        into = self.keeping(kept_by(root.driver.elements, image))
+        into = self.keeping(kept_by(elements, image))
         return into.problem.reduce(image), into
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
@@ -327,13 +326,11 @@ class FollowedLoad:
 
         Of hinges that yield other states than those of the path belong to no path.
         """
-        kept, parameter = (
-            self.record,
-            ParameterRange(self.driver.name, self.low, self.high, self.driver.unit, False),
-        )
+        kept, low, high = self.record, self.low, self.high
+        parameter = ParameterRange(self.driver.name, low, high, self.driver.unit, False)
         again = [
-            None if self.hinges else restabilises(of.web, number, self._stable_end)
-            for of, number, *_ in kept.falls
+            None if self.hinges else restabilises(of.web, way.node, self._stable_end)
+            for of, way, *_ in kept.falls
         ]
         diagrams = []
         for job in kept.jobs:
@@ -369,7 +366,7 @@ class FollowedLoad:
         ]
         tallies = [job.web.tally for job in kept.jobs]
         return LoadPath(
-            self.driver, state, self.low, self.high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
+            self.driver, state, low, high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
             tuple(dict.fromkeys(kept.alarms)), sum(t.steps for t in tallies),
             sum(t.evaluations for t in tallies), kept.work,
         )  # fmt: skip
@@ -377,9 +374,8 @@ class FollowedLoad:
     def _one(self, a: PathEvent, b: PathEvent) -> bool:
         """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
         branching = {a.type, b.type} <= set(BRANCHES)
-        if (not branching and a.type != b.type) or abs(a.t - b.t) > SETTLED * (
-            self.high - self.low
-        ):
+        apart = abs(a.t - b.t) > SETTLED * (self.high - self.low)
+        if apart or not (branching or a.type == b.type):
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
@@ -410,20 +406,14 @@ class FollowedLoad:
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
     def _snap(
-        self,
-        k: int,
-        events: Sequence[PathEvent],
-        search: LoadSearch | None,
-        again: float | None = None,
+        self, k: int, events: Sequence[PathEvent], search: LoadSearch | None, again: float | None
     ) -> Snap:
-        job, number, into, landed, s, what = self.record.falls[k]
-        web, found = job.web, job.web.nodes[number]
-        problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
-        before, after = found.point[:-1], into.at_the_snap(landed, s, found.s)
-        one, two = problem.expand(before) + 0.0, after_in.expand(after) + 0.0
-        event = min(
-            events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
-        )
+        job, way, _, into, landed, s, what = self.record.falls[k]
+        found = job.web.nodes[way.node]
+        one = job.problem.expand(found.point[:-1]) + 0.0
+        two = into.problem.expand(into.at_the_snap(landed, s, found.s)) + 0.0
+        far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
+        event = events[far.index(min(far))]
         if job.hinges and (over := job.hinges.over(two)):
             self.record.alarms.append(
                 f"after the snap at load {found.s:.6g} {over} would bear more than they yield at: where it ends is not "
@@ -479,8 +469,7 @@ class FollowedLoad:
 
     def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
-        job, _, into, landed, s, _ = self.record.falls[k]
-        _, way, toward, *_ = next(w for w in self.record.ways if w.snap == k + 1)
+        job, way, toward, into, landed, s, _ = self.record.falls[k]
         both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
         found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)

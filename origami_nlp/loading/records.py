@@ -139,3 +139,8 @@ class Leg(ShortRepr):
     symmetry: str = ""
     stiffness: Unbounded = math.nan
     moved: tuple[float, ...] = ()
+
+    @property
+    def span(self) -> str:
+        """From which load to which."""
+        return f"{self.points[0].t:.6g} to {self.points[-1].t:.6g}"

@@ -281,13 +281,12 @@ class LoadPath(Report, Viewable):
             return
         group = self.scene.group.name
         judged = [leg for leg in self.legs if leg.full_space]
-        if judged and all(leg.full_space == "stable" for leg in judged):
+        lost = [leg for leg in judged if leg.full_space != "stable"]
+        if judged and not lost:
             yield f"stable without the symmetry {group} too: judged at ends and middle of each part"
-        for leg in judged:
-            if leg.full_space != "stable":
-                a, b = leg.points[0].t, leg.points[-1].t
-                start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
-                yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
+        for leg in lost:
+            start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
+            yield f"load {leg.span}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
         kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
         words = f"states keep the symmetry {' and then '.join(kept)}"
         yield f"{words}; --symmetry none follows those that break it as well"
@@ -297,16 +296,12 @@ class LoadPath(Report, Viewable):
         for leg, after in itertools.zip_longest(self.legs, self.legs[1:]):
             goes_on = after is not None and after.points[0].t == leg.points[-1].t
             if leg.moved and not goes_on:
-                each = [
-                    f"{i}: {math.degrees(m):+.4g}"
-                    for i, m in enumerate(leg.moved, start=1)
-                    if abs(m) > SETTLED
-                ]
+                moved = {i: m for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED}
+                each = [f"{i}: {math.degrees(m):+.4g}" for i, m in moved.items()]
                 most, more = ", ".join(each[:MOST_ANGLES]), len(each) - MOST_ANGLES
-                words = (
-                    f"have moved, of crease {most}{f' and {more} more' if more > 0 else ''} [deg]"
-                )
-                yield f"rest angles at load {leg.points[-1].t:.6g} {words if each else 'have not moved'}"
+                most += f" and {more} more" if more > 0 else ""
+                words = f"have moved, of crease {most} [deg]" if each else "have not moved"
+                yield f"rest angles at load {leg.points[-1].t:.6g} {words}"
         if self.plastic_work:
             yield f"plastic work {self.plastic_work:.6g} J"
 
@@ -315,8 +310,8 @@ class LoadPath(Report, Viewable):
             at = [p.angle for p in leg.points]
             if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm:
                 yield (
-                    f"load {leg.points[0].t:.6g} to {leg.points[-1].t:.6g} does no work: {self.where} stays "
-                    f"{self._place(at[0])}, which no free motion changes to first order"
+                    f"load {leg.span} does no work: {self.where} stays {self._place(at[0])}, which no free motion "
+                    "changes to first order"
                 )
 
     def _details(self) -> Iterator[Table | Cell]:
