@@ -10,6 +10,9 @@ from origami_nlp.loading.records import ConfirmedSnap
 from origami_nlp.loading.stable_path import StableSegment, walk
 from origami_nlp.numerics import SETTLED
 
+SIDE = 0.01
+"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
+
 
 def confirm(
     driver: Driver,
@@ -24,7 +27,7 @@ def confirm(
     """
     web, way = led
     at = web.nodes[way.node].s
-    side = toward * driver.beside(at)
+    side = toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
     t, beyond = at - side, at + side
     before, after = _passed(web, way, t), _ahead(*landed, beyond)
     if before is None:
@@ -44,12 +47,8 @@ def confirm(
 
 def _ahead(web: BifurcationDiagram, x: np.ndarray, s: float, t: float) -> np.ndarray | None:
     """Return all fold angles at load t of the stable states that lead on from x at s; None where none do."""
-    low, high = web.low, web.high
-    web.low, web.high = min(s, t), max(s, t)
-    try:
-        way = walk(web, x, s, t - s, t)
-    finally:
-        web.low, web.high = low, high
+    web.low, web.high = min(s, t), max(s, t)  # all else is packed by then
+    way = walk(web, x, s, t - s, t)
     return None if way is None else _passed(web, way, t)
 
 

@@ -12,41 +12,20 @@ from typing import Any, ClassVar
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint, load_line
+from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.numerics import DUPLICATE_TOL, SETTLED, first_largest
-from origami_nlp.pattern import DeadLoads, Pattern, Scene, dead_loads, most_torque
-from origami_nlp.pattern_problem import (
-    DeadForce,
-    Pull,
-    Torque,
-    Work,
-    Worked,
-    one_vertex,
-    pose,
-)
-from origami_nlp.pattern_states import (
-    classified,
-    contact_descent,
-    descend,
-    find_states,
-    singular_beside,
-)
+from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
+from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
+from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
 STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 """Of vertices: such that curves look smooth, by how far they turn."""
-BRANCHES = ("branching", "breaks-symmetry")
-"""Events at which states lose stability without a limit point."""
-OFF_BRANCH = 1e-3
-"""How far beside such a state a descent begins [rad]."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
-SIDE = 0.01
-"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 
 
 @dataclass(eq=False)
@@ -96,33 +75,22 @@ class OwnForces:
     creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
-        if not self.scene.loads:
-            raise OptionError(
-                "crease = None: the scene has no [[loads]] with forces to be multiplied"
-            )
-        if not self.arm:
-            raise OptionError("crease = None: all forces of the scene are zero")
-
-    @property
-    def dead(self) -> DeadLoads:
-        """The forces."""
-        found = dead_loads(self.scene.loads, self.scene.fixed_facet)
-        assert found is not None
-        return found
+        none = "has no [[loads]] with forces to be multiplied"
+        if not self.scene.loads or not self.arm:
+            why = "has forces that are all zero" if self.scene.loads else none
+            raise OptionError(f"crease = None: the scene {why}")
 
     @property
     def arm(self) -> float:
         """Largest torque of the forces."""
-        return float(
-            (
-                np.linalg.norm(self.dead.forces, axis=1) * np.linalg.norm(self.dead.points, axis=1)
-            ).sum()
-        )
+        each = self.scene.loads
+        return sum(float(np.linalg.norm(load.force or 0.0)) * load.place[0] for load in each)
 
     def conjugate(self, phi: np.ndarray) -> np.ndarray:
         """Return where they are along themselves: of several sum f . p over the root of the sum of their squares."""
-        work = -self.dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
-        return work / float(np.linalg.norm(self.dead.forces))
+        dead: Any = dead_loads(self.scene.loads, self.scene.fixed_facet)
+        work = -dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
+        return np.asarray(work / float(np.linalg.norm(dead.forces)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,13 +138,12 @@ class Driver:
     @property
     def images(self) -> int:
         """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
-        return len(self.creases) or 1 if self.scene else 1
+        return len(self.creases) if self.scene and self.creases else 1
 
     @property
     def coordinate(self) -> str:
         """What the load works on, with its unit; of images the mean."""
-        numbers = ", ".join(map(str, self.creases))
-        mean = f"mean fold angle of creases {numbers} [rad]"
+        mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
         return mean if self.images > 1 else self.work.coordinate
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
@@ -217,16 +184,17 @@ class Driver:
         """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
         problem, work = self.problem, self.work
         p, none = problem.parameters, np.zeros(problem.size)
-        stiffness = self.origami.stiffness
-        torque = math.sqrt(len(stiffness)) * work.arm / float(np.sum(stiffness))
-        weight = 0.05 if self.scene else torque
+        length: dict[str, Any] = {}
+        if self.scene is None:
+            k = self.origami.stiffness
+            length["weight"] = math.sqrt(len(k)) * work.arm / float(k.sum())
         if isinstance(work, Torque):
             load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
-            return load_line(problem, load, weight)
+            return load_line(problem, load, **length)
         dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
         still = dead.times(0.0)  # over t only forces change: their points stay
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
-        return ParameterLine(problem, replace(p, dead=still), change, weight=weight)
+        return ParameterLine(problem, replace(p, dead=still), change, **length)
 
     def at(self, t: float) -> Any:
         """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""
@@ -235,10 +203,8 @@ class Driver:
             return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
         name = f"{scene.label + ', ' if scene.label else ''}{self.name} = {t:.10g}"
         if isinstance(work, OwnForces):
-            forces = [[t * f for f in load.force or ()] for load in scene.loads]
-            loads: Any = [
-                {**a.to_dict(), "force": f} for a, f in zip(scene.loads, forces, strict=True)
-            ]
+            loads: Any = [a.to_dict() for a in scene.loads]
+            loads = [{**a, "force": [t * f for f in a["force"]]} for a in loads]
             return replace(scene, loads=loads, name=name)
         preload = np.array(scene.preload or 0.0) + t * work.gradient(np.empty(0))
         return replace(scene, preload=tuple(preload.tolist()), name=name)
@@ -282,50 +248,6 @@ class Driver:
             driver = replace(self, scene=replace(self.scene, winding=state.winding))
         return driver, number, driver.problem.reduce(phi)
 
-    def beside(self, t: float) -> float:
-        """Return the distance between a snap at t and the loads beside it at which it is confirmed."""
-        return SIDE * (self.problem.scale if self.creases else abs(t))
-
-
-def descend_beyond(
-    line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
-) -> tuple[np.ndarray, Classification] | str:
-    """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why there is none."""
-    problem: Any = line.at(s)
-    phi, starts = node.point[:-1], [node.point[:-1]]
-    if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
-        soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
-        if soft is not None:
-            aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
-            starts = [phi + aside, phi - aside]
-    elif node.type == "slides":  # lower states are beside where a facet ends, unless others hold
-        lower = classify(State(line.at(node.s), phi)).lower
-        starts = [] if lower is None else [lower]
-    why = ""
-    problem.until = until
-    try:
-        for start in starts:
-            end, touching = None, any(not c.is_limit for c in node.held)
-            if (
-                problem.sparse and not touching
-            ):  # of sheets too large for a kernel where facets touch
-                end = descend(problem, start)
-                end = None if any(map(problem.crossings.find, (*end.path, end.phi))) else end
-            end = end or contact_descent(problem, start)
-            if np.abs(end.phi - phi).max() <= near:
-                continue
-            what = classified(problem, end.phi)
-            if (
-                end.arrived
-                and what.verdict == "minimum"
-                and singular_beside(problem, end.phi) is None
-            ):
-                return end.phi, what
-            why = end.why if not end.arrived else what.reason
-    finally:
-        problem.until = math.inf
-    return why
-
 
 def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
     """Return what drives a path: of a scene the number of a crease, or None; of a pattern a number, several, or a work.
@@ -339,9 +261,8 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
         origami.check_alone("a load")
         if isinstance(load, Work):
             if load.pattern is not origami:
-                raise OptionError(
-                    "load is one of another pattern: make it of the one that is loaded"
-                )
+                why = "is one of another pattern: make it of the one that is loaded"
+                raise OptionError(f"load {why}")
             return Driver(load)
         several = isinstance(load, Sequence) and not isinstance(load, str)
         return Driver(Torque(origami, tuple(load) if several else (load,)))

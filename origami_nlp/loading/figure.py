@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.bifurcation import PathBranch, PathPoint, draw_ranges, event_look, kinds_legend
+from origami_nlp.bifurcation import PathBranch, draw_ranges, event_look, kinds_legend
 from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
@@ -22,6 +22,7 @@ PICTURE_WIDTH = 9.6
 TALL, MOST_DRAWN = 2.9, 4
 """Of the row of folded states [inches], and how many there are."""
 PATH, SNAP = "#222222", "#c1121f"
+ARROW = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2}
 TANGENT: Any = {"color": "#7b2d8b", "lw": 1.1, "ls": (0, (4, 2))}
 TANGENT_SHARE = 0.2
 """Of the loads that are shown, to either side of the start, along which the stiffness there is drawn."""
@@ -48,24 +49,39 @@ def draw_load(path: LoadPath) -> Figure:
         If `path` is not of its type.
     """
     check_type("path", path, LoadPath)
-    height, tall = _height(path), 0.0 if path.pattern is None else TALL
+    low, high = _range(path)
+    shown = [e for e in path.events if low <= e.t <= high]
+    lines = ["\n    ".join(textwrap.wrap(f"{e.id}  {e.words()}, {e.t:.9g}", 58)) for e in shown]
+    rows = [max(line.count("\n") + 1 for line in lines[k : k + 2]) for k in range(0, len(lines), 2)]
+    below = 0.17 * sum(rows)
+    height, tall = 4.6 + below, 0.0 if path.pattern is None else TALL
     figure = Figure(figsize=(PICTURE_WIDTH, height + tall), dpi=110, facecolor="white")
     upper: Any = figure
     if path.pattern is not None:
         upper, lower = figure.subfigures(2, 1, height_ratios=(height, tall))  # type: ignore[misc]
         _place_states(lower, path, path.pattern)
-    _place(upper, path)
+    left, right = (
+        upper.add_axes((x, (below + 0.67) / height, w, 3.55 / height))
+        for x, w in ((0.085, 0.52), (0.70, 0.28))
+    )
+    begun = f", from state #{path.state}" if path.state else ""
+    title = textwrap.wrap(label_text(f"{path.label}: {path.driver.name}{begun}"), 95)
+    upper.suptitle("\n".join(title), fontsize=11, y=1 - 0.12 / height)
+    _curve(left, path, [e.id for e in shown])
+    _energy(right, path)
+    for axes in (left, right):
+        axes.grid(True, lw=0.3, color="#dddddd")
+        axes.tick_params(labelsize=8)
+    for k in range(2):
+        text = "\n".join(label_text(line) for line in lines[k::2])
+        upper.text(0.085 + 0.47 * k, (below + 0.06) / height, text, fontsize=7.5, va="top")
     return figure
 
 
 def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
     """Draw the pattern at the start, on both sides of snaps, and at the ends of legs that do not snap."""
-    unit = path.driver.unit
-    shown = [
-        (f"at {p.t:.4g} {unit}", p.fold_angles, p.t)
-        for leg in path.legs[:1]
-        for p in leg.points[:1]
-    ]
+    unit, first = path.driver.unit, path.legs[0].points[0]
+    shown = [(f"at {first.t:.4g} {unit}", first.fold_angles, first.t)]
     for number, leg in enumerate(path.legs, start=1):
         if leg.snap is None:
             last = leg.points[-1]
@@ -74,66 +90,21 @@ def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
         snap = path.snaps[leg.snap - 1]
         shown.append((f"before snap {leg.snap}, {snap.t:.4g} {unit}", snap.before, snap.t))
         shown.append((f"after snap {leg.snap}", snap.after, snap.t))
-    line = path.driver.line()
+    line, share = path.driver.line(), 1 / min(len(shown), MOST_DRAWN)
     for k, (title, phi, t) in enumerate(shown[:MOST_DRAWN]):
-        axes = figure.add_axes(
-            (
-                (k + 0.02) / min(len(shown), MOST_DRAWN),
-                0.02,
-                0.96 / min(len(shown), MOST_DRAWN),
-                0.82,
-            )
-        )
+        axes = figure.add_axes(((k + 0.02) * share, 0.02, 0.96 * share, 0.82))
         state = np.array(phi)
-        draw_pattern_state(axes, pattern, state, contacts=carried_at(line.at(t), state))
+        draw_pattern_state(axes, pattern, state, contacts=_carried(line.at(t), state))
         axes.set_title(title, fontsize=9)
 
 
-def carried_at(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
+def _carried(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
     """Return the closed contacts of an equilibrium [n] and what they carry; none of patterns too large for a kernel."""
     if problem.sparse:
         return ()
     found = problem.closed(phi)
-    contacts = tuple(
-        dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
-    )
-    return contact_forces(State(problem, phi), contacts)
-
-
-def _lines(path: LoadPath) -> tuple[list[str], float]:
-    """Return what is said of each event, and how tall it is [inches]."""
-    shown = _shown_events(path)
-    lines = [f"{e.id}  {e.words()}, {e.t:.9g}" for e in shown]
-    lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
-    rows = math.ceil(len(lines) / 2)
-    tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
-    return lines, 0.17 * tall
-
-
-def _height(path: LoadPath) -> float:
-    """Return the height of the curves of a load path [inches]."""
-    return 4.6 + _lines(path)[1]
-
-
-def _place(figure: Any, path: LoadPath) -> None:
-    """Draw the curves of a load path into a figure, or a part of one."""
-    lines, tall = _lines(path)
-    height = _height(path)
-    bottom = (0.55 + tall) / height
-    left, right = (
-        figure.add_axes((x, bottom + 0.12 / height, w, (3.55) / height))
-        for x, w in ((0.085, 0.52), (0.70, 0.28))
-    )
-    begun = f", from state #{path.state}" if path.state else ""
-    title = f"{path.label}: {path.driver.name}{begun}"
-    figure.suptitle(
-        "\n".join(textwrap.wrap(label_text(title), 95)), fontsize=11, y=1 - 0.12 / height
-    )
-    _curve(left, path, [e.id for e in _shown_events(path)])
-    _energy(right, path)
-    for k in range(2):
-        text = "\n".join(label_text(line) for line in lines[k::2])
-        figure.text(0.085 + 0.47 * k, (tall + 0.06) / height, text, fontsize=7.5, va="top")
+    closed = (*found.base, *(c for b in found.branches for o in b for c in o))
+    return contact_forces(State(problem, phi), tuple(dict.fromkeys(closed)))
 
 
 def _range(path: LoadPath) -> tuple[float, float]:
@@ -147,15 +118,8 @@ def _range(path: LoadPath) -> tuple[float, float]:
     return low - room, high + room
 
 
-def _shown_events(path: LoadPath) -> list[Any]:
-    """Events at loads that are shown."""
-    low, high = _range(path)
-    return [e for e in path.events if low <= e.t <= high]
-
-
 def _angles(path: LoadPath, fold_angles: Any) -> np.ndarray:
-    value = path.driver.conjugate(np.array(fold_angles))
-    return np.degrees(value) if path.driver.coordinate.endswith("[rad]") else value
+    return path.shown(path.driver.conjugate(np.array(fold_angles)))
 
 
 def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
@@ -165,22 +129,14 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         draw_ranges(axes, branch, x, t)
         _dot_unstable(axes, branch, x, t)
     for leg in path.legs:
-        x, t = (
-            _angles(path, [p.fold_angles for p in leg.points]),
-            np.array([p.t for p in leg.points]),
-        )
+        t = np.array([p.t for p in leg.points])
+        x = path.shown(np.array([p.angle for p in leg.points]))
         axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
         if leg.moved:  # of creases that may yield no other states are followed
             axes.plot(x, t, color=PATH, lw=1.4, zorder=2)
-    if math.isfinite(path.start_stiffness):
-        _tangent(axes, path)
     for snap in path.snaps:
         a, b = _angles(path, [snap.before, snap.after])
-        axes.annotate(
-            "", (b, snap.t), (a, snap.t),
-            arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
-            zorder=4,
-        )  # fmt: skip
+        axes.annotate("", (b, snap.t), (a, snap.t), arrowprops=ARROW, zorder=4)
         axes.plot(a, snap.t, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
         axes.plot(b, snap.t, ".", ms=5, color=SNAP, zorder=4)  # arrows alone do not widen the axes
     named: dict[tuple[float, float], list[str]] = {}
@@ -194,13 +150,10 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     for place, numbers in named.items():
         axes.annotate(", ".join(numbers), place, (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
-    axes.set_ylabel(f"{path.driver.name}" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
-    where = path.driver.coordinate.replace("[rad]", "[deg]")
-    axes.set_xlabel(where)
-    axes.grid(True, lw=0.3, color="#dddddd")
-    axes.tick_params(labelsize=8)
+    axes.set_ylabel(f"{path.driver.name}{path.in_unit}")
+    axes.set_xlabel(path.where)
     handles = kinds_legend(path.branches)
-    if any(_is_broken(p) for b in path.branches for p in b.points):
+    if any(p.full_space_eigenvalue < 0 for b in path.branches for p in b.points):
         label = "dotted: stable only with its symmetry"
         handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
@@ -209,48 +162,34 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         label = f"snap at {', '.join(places)} {path.driver.unit}".rstrip()
         handles.append(Line2D([], [], color=SNAP, label=label))
     if math.isfinite(path.start_stiffness):
+        start, (low, high) = path.legs[0].points[0], _range(path)
+        ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
+        where = start.angle + ends / path.start_stiffness
+        axes.plot(path.shown(where), start.t + ends, **TANGENT, zorder=3)
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
         handles.append(Line2D([], [], **TANGENT, label=label))
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
-
-
-def _is_broken(point: PathPoint) -> bool:
-    """Whether a state gives way to motions that break its symmetry."""
-    return point.full_space_eigenvalue < 0
 
 
 def _dot_unstable(axes: Any, branch: PathBranch, x: np.ndarray, t: np.ndarray) -> None:
     """Cut the lines of states that are stable but for their symmetry into dots."""
     broken = np.zeros(len(x), dtype=bool)
     for r in branch.kind_ranges:
-        for k in range(r.points[0], r.points[1] + 1):
-            broken[k] |= r.stable and _is_broken(branch.points[k])
+        broken[r.points[0] : r.points[1] + 1] |= r.stable
+    broken &= np.array([p.full_space_eigenvalue < 0 for p in branch.points])
     if broken.any():
         rest = np.where(broken, x, np.nan)
         axes.plot(rest, t, color="white", lw=1.4, ls=(0, (1, 1.5)), zorder=2.5)
 
 
-def _tangent(axes: Any, path: LoadPath) -> None:
-    """Draw the line of the stiffness at the start, over a share of the loads that are shown."""
-    start, (low, high) = path.legs[0].points[0], _range(path)
-    ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
-    where = start.angle + ends / path.start_stiffness
-    turned = path.driver.coordinate.endswith("[rad]")
-    axes.plot(np.degrees(where) if turned else where, start.t + ends, **TANGENT, zorder=3)
-
-
 def _energy(axes: Any, path: LoadPath) -> None:
     for leg in path.legs:
         axes.plot([p.t for p in leg.points], [p.energy for p in leg.points], color=PATH, lw=1.4)
-    energy = path.driver.unloaded.energy
     for snap in path.snaps:
-        a, b = (float(energy(np.array(phi))) for phi in (snap.before, snap.after))
-        style = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 1, "shrinkB": 1}
-        axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=style)
+        a, b = path.driver.unloaded.energy(np.array([snap.before, snap.after]))
+        axes.annotate("", (snap.t, b), (snap.t, a), arrowprops=ARROW)
         axes.plot(snap.t, b, alpha=0.0)  # arrows alone do not widen the axes
-    axes.set_xlabel("load" + (f"  [{path.driver.unit}]" if path.driver.unit else ""))
+    axes.set_xlabel(f"load{path.in_unit}")
     axes.set_ylabel("energy without the load  [J]")
-    axes.grid(True, lw=0.3, color="#dddddd")
-    axes.tick_params(labelsize=8)
     axes.locator_params(axis="x", nbins=4)  # its labels are wide
     axes.set_xlim(*_range(path))

@@ -19,7 +19,7 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.loading.driver import IDENTITY, LoadSearch, driver_of
 from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.loading.yield_path import follow_yielding
+from origami_nlp.loading.yielding import YieldingHinges, go_yielding
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.pattern_problem import Work
@@ -108,14 +108,13 @@ def load_path(
     else:
         refuse("pattern", _OF_A_SCENE, full=full)
     driver = driver_of(stated, load)
-    given = {"max_starts": max_starts, "starts": starts}
-    for name, count in {"seed": seed, **given}.items():
-        if count is not None:
-            check_whole(name, count, int(name == "max_starts"))
-    asked = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
+    asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
+    for name in asked.keys() & counts.keys():
+        check_whole(name, asked[name], int(name == "max_starts"))
     full = True if full is None else full
-    defaults = ContinuationOptions()
-    check_type("options", defaults if options is None else options, ContinuationOptions)
+    if options is not None:
+        check_type("options", options, ContinuationOptions)
     for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -123,14 +122,20 @@ def load_path(
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
+    hinges = None
     if yield_torque is not None:
-        return follow_yielding(
-            driver.keeping(IDENTITY), driver.problem.expand(x), number, ends, yield_torque, unload, options,
-            search.until,
-        )  # fmt: skip
-    job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
+        x = driver.problem.expand(x)
+        hinges = YieldingHinges.of(driver, yield_torque, x, number)
+        driver, full, confirm = driver.keeping(IDENTITY), False, False
+    low, high = min(0.0, *ends), max(0.0, *ends)
+    job = FollowedLoad(driver, low, high, full, options, search.until, hinges)
     try:
         for end in ends:
+            if hinges:
+                led = go_yielding(job, x, 0.0, end, hinges)
+                if unload and led is not None:
+                    go_yielding(job, led[0], end, 0.0, led[1])
+                continue
             arrived = job.go(x, 0.0, end, once=to == "snap")
             if unload and arrived is not None:
                 job.between(0.0, end)
@@ -138,8 +143,7 @@ def load_path(
                 job.between(*ends)
     except OutOfTime:  # of a descent
         job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
-    if not job.record.ways:
-        raise OptionError(
-            f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
-        )
+    if not job.record.ways and not hinges:
+        late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
+        raise OptionError(job.record.alarms[0] if seconds is None else late)
     return job.path(number, search if confirm else None)

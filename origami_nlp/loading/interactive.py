@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from origami_nlp.bifurcation import view_paths
@@ -28,40 +26,32 @@ def view_path(path: LoadPath) -> Content:
         Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
         panel: the load over what it works on.
     """
-    driver = path.driver
-    unloaded: Any = driver.unloaded
-    poser, energy = Poser(unloaded), unloaded.energy
-    label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
-    named = [
-        (f"leg {k} begins at {leg.points[0].t:.6g} {driver.unit}".rstrip(), leg.points[0].t, leg.points[0].fold_angles)
-        for k, leg in enumerate(path.legs[:1], start=1)
-    ]  # fmt: skip
+    driver, unit = path.driver, path.driver.unit
+    poser, energy = Poser(driver.unloaded), driver.unloaded.energy
+    label = f"{driver.name}{path.in_unit}"
+    first = path.legs[0].points[0]
+    named = [(f"leg 1 begins at {first.t:.6g} {unit}", first.t, first.fold_angles)]
     for k, snap in enumerate(path.snaps, start=1):
-        at = f"snap {k} at {snap.t:.9g} {driver.unit}".rstrip()
+        at = f"snap {k} at {snap.t:.9g} {unit}"
         named += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
     stations: list[Keyframe] = []
     places: list[tuple[int, float, float]] = []
-    for title, t, phi in named:
-        shown = np.degrees(phi)[:MOST_ANGLES] + 0.0
+    for k, (title, t, phi) in enumerate(named):
+        angles = ", ".join(f"{v:.3f}" for v in np.degrees(phi)[:MOST_ANGLES] + 0.0)
         more = ", ..." if len(phi) > MOST_ANGLES else ""
-        angles = ", ".join(f"{v:.3f}" for v in shown) + more
-        words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
-        stations.append(
-            Keyframe(title, poser.folded(phi, float(energy(phi))), poser.view(phi), lines=words)
-        )
-        places.append((len(places), float(driver.conjugate(np.array(phi))), t))
+        words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}{more}",)
+        folded = poser.folded(phi, float(energy(phi)))
+        stations.append(Keyframe(title.rstrip(), folded, poser.view(phi), lines=words))
+        places.append((k, float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
     for k, leg in enumerate(path.legs, start=1):
         if len(leg.points) < 2:
             continue
         loads = [p.t for p in leg.points]
-        title = (
-            f"leg {k}, {loads[0]:.6g} to {loads[-1]:.6g} {driver.unit}".rstrip()
-            + f": ends with {leg.why}"
-        )
+        title = f"leg {k}, {leg.span} {unit}".rstrip()
         states = np.array([p.fold_angles for p in leg.points])
-        energies = [float(energy(phi)) for phi in states]
-        tracks.append(poser.track(title, states, energies, parameter=loads, label=label))
+        title += f": ends with {leg.why}"
+        tracks.append(poser.track(title, states, energy(states), parameter=loads, label=label))
         points.append(np.array([(p.angle, p.t) for p in leg.points]))
     none = np.empty(0)
     axes = (driver.coordinate, label)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,27 +36,20 @@ from origami_nlp.continuation import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.confirming import confirm
-from origami_nlp.loading.driver import (
-    BRANCHES,
-    IDENTITY,
-    OFF_BRANCH,
-    Driver,
-    LoadSearch,
-    image_of,
-    kept_by,
-)
+from origami_nlp.loading.driver import IDENTITY, Driver, LoadSearch, image_of, kept_by
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
+    BRANCHES,
+    OFF_BRANCH,
     StableSegment,
     given,
-    position,
+    holding,
     release,
     restabilises,
     stiffness_at,
     walk,
 )
-from origami_nlp.loading.yielding import YieldingHinges
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 from origami_nlp.pattern_problem import PopSigns
 
@@ -74,12 +69,18 @@ class Run(NamedTuple):
     snap: int | None
     branches_off: bool = False
 
+    def ending(self, why: str, frames: int | None = None) -> Run:
+        """Return the first of its states, which end for another reason."""
+        first = self.segment.frames[:frames]
+        return self._replace(segment=replace(self.segment, frames=first, why=why), snap=None)
+
 
 class Fall(NamedTuple):
-    """A snap: from a node in one space to a state, known at the load s, in one."""
+    """A snap: from the end of a way in one space to a state, known at the load s, in one."""
 
     job: FollowedLoad
-    node: int
+    way: StableSegment
+    toward: float
     into: FollowedLoad
     state: np.ndarray
     s: float
@@ -102,7 +103,7 @@ class Record:
 
 
 class FollowedLoad:
-    """One load path while it is followed: with the symmetry of a scene, or (of a `home`) without it; or one stage."""
+    """One load path while it is followed: with the symmetry of a scene, or (of a `root`) without it; or one stage."""
 
     def __init__(
         self,
@@ -112,13 +113,12 @@ class FollowedLoad:
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
-        home: FollowedLoad | None = None,
-        hinges: YieldingHinges | None = None,
+        hinges: Any = None,
         record: Record | None = None,
     ) -> None:
         self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
-        self._given, self.root = (low, high, full, steps, until), home or self
-        self.record: Record = home.record if home else record or Record([self])
+        self._given, self.root = (low, high, full, steps, until), self
+        self.record = record or Record([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
@@ -141,8 +141,13 @@ class FollowedLoad:
             return root
         driver, jobs = root.driver.keeping(elements), self.record.jobs
         if driver.elements not in [job.driver.elements for job in jobs]:
-            jobs.append(FollowedLoad(driver, *self._given, home=root))
+            jobs.append(FollowedLoad(driver, *self._given, record=self.record))
+            jobs[-1].root = root
         return next(job for job in jobs if job.driver.elements == driver.elements)
+
+    def stage(self, hinges: Any) -> FollowedLoad:
+        """Return a stage of a path with hinges that yield."""
+        return FollowedLoad(self.driver, *self._given, hinges, self.record)
 
     @property
     def beyond(self) -> FollowedLoad:
@@ -167,6 +172,7 @@ class FollowedLoad:
             return "", None
         last = max(len(way.frames) - 1 - (way.why != "range"), first)
 
+        @cache
         def verdict(k: int) -> str:
             frame, full = way.frames[k], self._full
             if full is None:
@@ -177,14 +183,10 @@ class FollowedLoad:
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
         for k in sorted({first, (first + last) // 2, last}):
-            bad = verdict(k)
-            if bad == "minimum":
-                good = k
-                continue
-            while k - good > 1:
-                middle = (k + good) // 2
-                good, k = (good, middle) if verdict(middle) == bad else (middle, k)
-            return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
+            if (bad := verdict(k)) != "minimum":
+                lost = bisect_left(range(k), True, good + 1, key=lambda i: verdict(i) == bad)
+                return "unstable" if bad == "not stationary" else "undecided", way.frames[lost].s
+            good = k
         return "stable", None
 
     def between(self, *ends: float) -> None:
@@ -193,7 +195,7 @@ class FollowedLoad:
 
     def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
         """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
-        if position(self.web, x, s) is None and given(self.web, x, s) is None:
+        if not holding(self.web, x, s) and given(self.web, x, s) is None:
             self.web.add(x, s, "minimum", toward, follow)
 
     def go(
@@ -256,7 +258,7 @@ class FollowedLoad:
                     keep()
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            self.record.falls.append(Fall(self, way.node, into, x, s, what))
+            self.record.falls.append(Fall(self, way, toward, into, x, s, what))
             keep("snap", len(self.record.falls))
             if not self.web.low <= s <= self.web.high:
                 return None
@@ -287,15 +289,13 @@ class FollowedLoad:
 
         The image is the same whatever rounding is.
         """
-        root = self.root
-        if root._full is None:
-            return x, self
+        elements = self.root.driver.elements
         phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
-        keeping = kept_by(root.driver.elements, at)
         image = max(
-            (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+            (phi[image_of(len(phi), e)] for e in kept_by(elements, at)),
+            key=lambda y: tuple(coarse(y).tolist()),
         )
-        into = self.keeping(kept_by(root.driver.elements, image))
+        into = self.keeping(kept_by(elements, image))
         return into.problem.reduce(image), into
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
@@ -325,13 +325,11 @@ class FollowedLoad:
 
         Of hinges that yield other states than those of the path belong to no path.
         """
-        kept, parameter = (
-            self.record,
-            ParameterRange(self.driver.name, self.low, self.high, self.driver.unit, False),
-        )
+        kept, low, high = self.record, self.low, self.high
+        parameter = ParameterRange(self.driver.name, low, high, self.driver.unit, False)
         again = [
-            None if self.hinges else restabilises(of.web, number, self._stable_end)
-            for of, number, *_ in kept.falls
+            None if self.hinges else restabilises(of.web, way.node, self._stable_end)
+            for of, way, *_ in kept.falls
         ]
         diagrams = []
         for job in kept.jobs:
@@ -359,14 +357,15 @@ class FollowedLoad:
             ids = {e.id: k for k, e in enumerate(events, start=1)}
             events = [replace(e, id=ids[e.id], branches=()) for e in events]
             branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
-        for branch in branches:
-            for r in branch.kind_ranges:
-                if not r.stable and r.kind != "saddle":
-                    words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
-                    kept.alarms.append(f"{words}: {r.certificate}")
+        kept.alarms += [
+            f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+            for branch in branches
+            for r in branch.kind_ranges
+            if not r.stable and r.kind != "saddle"
+        ]
         tallies = [job.web.tally for job in kept.jobs]
         return LoadPath(
-            self.driver, state, self.low, self.high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
+            self.driver, state, low, high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
             tuple(dict.fromkeys(kept.alarms)), sum(t.steps for t in tallies),
             sum(t.evaluations for t in tallies), kept.work,
         )  # fmt: skip
@@ -374,9 +373,8 @@ class FollowedLoad:
     def _one(self, a: PathEvent, b: PathEvent) -> bool:
         """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
         branching = {a.type, b.type} <= set(BRANCHES)
-        if (not branching and a.type != b.type) or abs(a.t - b.t) > SETTLED * (
-            self.high - self.low
-        ):
+        apart = abs(a.t - b.t) > SETTLED * (self.high - self.low)
+        if apart or not (branching or a.type == b.type):
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
@@ -407,20 +405,14 @@ class FollowedLoad:
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
     def _snap(
-        self,
-        k: int,
-        events: Sequence[PathEvent],
-        search: LoadSearch | None,
-        again: float | None = None,
+        self, k: int, events: Sequence[PathEvent], search: LoadSearch | None, again: float | None
     ) -> Snap:
-        job, number, into, landed, s, what = self.record.falls[k]
-        web, found = job.web, job.web.nodes[number]
-        problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
-        before, after = found.point[:-1], into.at_the_snap(landed, s, found.s)
-        one, two = problem.expand(before) + 0.0, after_in.expand(after) + 0.0
-        event = min(
-            events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
-        )
+        job, way, _, into, landed, s, what = self.record.falls[k]
+        found = job.web.nodes[way.node]
+        one = job.problem.expand(found.point[:-1]) + 0.0
+        two = into.problem.expand(into.at_the_snap(landed, s, found.s)) + 0.0
+        far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
+        event = events[far.index(min(far))]
         if job.hinges and (over := job.hinges.over(two)):
             self.record.alarms.append(
                 f"after the snap at load {found.s:.6g} {over} would bear more than they yield at: where it ends is not "
@@ -464,24 +456,19 @@ class FollowedLoad:
 
     def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
-        web, on_path = self.web, position(self.web, landed, s)
-        begun = given(web, landed, s)
-        same: Equilibrium | None = None
-        if on_path is not None:
-            frame = on_path[1]
-            same = web.arcs[on_path[0]].at(at, web.tally)
-        elif begun is not None:
-            frame = web.nodes[begun].halves[0].frame
-        else:
+        web, begun = self.web, given(self.web, landed, s)
+        on_path = holding(web, landed, s)
+        if not on_path and begun is None:
             return landed
+        same = web.arcs[on_path[0][0]].at(at, web.tally) if on_path else None
+        frame = on_path[0][1] if on_path else web.nodes[begun or 0].halves[0].frame
         curve = EquilibriumCurve(web.line, frame.hold, web.tally)
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
     def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
-        job, _, into, landed, s, _ = self.record.falls[k]
-        _, way, toward, *_ = next(w for w in self.record.ways if w.snap == k + 1)
+        job, way, toward, into, landed, s, _ = self.record.falls[k]
         both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
         found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)

@@ -9,6 +9,8 @@ from origami_nlp.io import ShortRepr, Unbounded
 
 PITCHFORK = "pitchfork"
 """Why a leg ends where stable states branch off, along which the load goes on."""
+YIELDS, HOLDS = "yields", "unloads"
+"""Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
 COLLAPSE = "collapses"
 """Why a leg ends where hinges yield and nothing stable goes on."""
 
@@ -137,3 +139,8 @@ class Leg(ShortRepr):
     symmetry: str = ""
     stiffness: Unbounded = math.nan
     moved: tuple[float, ...] = ()
+
+    @property
+    def span(self) -> str:
+        """From which load to which."""
+        return f"{self.points[0].t:.6g} to {self.points[-1].t:.6g}"

@@ -30,13 +30,14 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import Driver
 from origami_nlp.loading.records import (
     COLLAPSE,
+    HOLDS,
     PITCHFORK,
+    YIELDS,
     ConfirmedSnap,
     Leg,
     LoadPoint,
     Snap,
 )
-from origami_nlp.loading.yielding import HOLDS, YIELDS
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene
@@ -145,40 +146,24 @@ class LoadPath(Report, Viewable):
     def table(self) -> Table:
         """Return one row an event, in order of the load."""
         on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
-        rows = [
-            [
-                str(e.id) + ("*" if e.id in on else ""),
-                e.type,
-                f"{e.t:{'.12g' if e.located else '.6g'}}",
-                e.contact or "-",
-                f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}",
-                "" if e.located else "not located",
-            ]
-            for e in self.events
-        ]
-        what = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
-        heads = ["event", "type", f"load{self._unit}", "contact", what, ""]
-        if all(e.located for e in self.events):
-            heads, rows = heads[:-1], [row[:-1] for row in rows]
+        all_located = all(e.located for e in self.events)
+        rows = []
+        for e in self.events:
+            load = f"{e.t:{'.12g' if e.located else '.6g'}}"
+            where = f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}"
+            row = [f"{e.id}{'*' * (e.id in on)}", e.type, load, e.contact or "-", where]
+            rows.append(row if all_located else [*row, "not located" * (not e.located)])
+        what = "angle [rad]" if self.is_angle else "position [m]"
+        heads = ["event", "type", f"load{self.in_unit}", "contact", what, ""][: 6 - all_located]
         title = f"all events, * on the path, {self.low:.6g} to {self.high:.6g} {self.driver.unit}"
         return Table(heads, rows, title.rstrip(), "rlrLrl"[: len(heads)], framed=False, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
         """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
-        table = Table(
-            (
-                f"load{self._unit}",
-                "what happens",
-                re.sub(" of .*? \\[", " [", self._head),
-                "energy\nlost [J]",
-            ),
-            [*self._happenings()],
-            self.verdict,
-            "rLrr",
-            framed=False,
-            narrow=True,
-        )
-        yield table
+        place = re.sub(" of .*? \\[", " [", self.where)
+        heads = f"load{self.in_unit}", "what happens", place, "energy\nlost [J]"
+        rows = [*self._happenings()]
+        yield Table(heads, rows, self.verdict, "rLrr", framed=False, narrow=True)
         if math.isfinite(self.start_stiffness):
             yield f"stiffness at the start: {self.start_stiffness:.5g} {self.stiffness_unit}"
         for number, snap in enumerate(self.snaps, start=1):
@@ -191,7 +176,7 @@ class LoadPath(Report, Viewable):
         yield from self._moved()
         for number, snap in enumerate(self.snaps, start=1):
             if snap.confirmed is not None and not all(snap.confirmed.found):
-                yield Words(_searches(number, snap.confirmed, self.driver.unit), "bold")
+                yield Words(self._searches(number, snap.confirmed), "bold")
         yield from (Words(line, "bold") for line in self.alarms)
         if self.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
@@ -200,21 +185,21 @@ class LoadPath(Report, Viewable):
     @property
     def verdict(self) -> str:
         """What the state does under the load, in a sentence."""
-        unit = f" {self.driver.unit}" if self.driver.unit else ""
+        unit = f" {self.driver.unit}".rstrip()
         state = f"state #{self.state}" if self.state else "a state"
         words = f"{self.label}: {state} under {self.driver.name}"
-        fallen = next((leg for leg in self.legs if leg.why == COLLAPSE), None)
-        if fallen:
-            return f"{words} collapses at {fallen.points[-1].t:.6g}{unit}: hinges yield"
+        for leg in self.legs:
+            if leg.why == COLLAPSE:
+                return f"{words} collapses at {leg.points[-1].t:.6g}{unit}: hinges yield"
         if not self.snaps:
             last = [leg for leg in self.legs if leg.why not in GOES_ON]
             ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in last) or "0"
-            stops = any(leg.why not in ("range", *GOES_ON) for leg in self.legs)
-            return f"{words} does not snap, loaded to {ends}{unit}{', where it is left' * stops}"
-        at = [f"{snap.t:.6g}" for snap in self.snaps[:MOST_NAMED]]
-        more = len(self.snaps) - len(at)
-        words += f" snaps at {' and '.join(at)}{f' and {more} more loads' if more else ''}{unit}"
-        return f"{words}, losing {self.dissipated:.6g} J{' in all' if len(self.snaps) > 1 else ''}"
+            left = ", where it is left" * any(leg.why != "range" for leg in last)
+            return f"{words} does not snap, loaded to {ends}{unit}{left}"
+        at = " and ".join(f"{snap.t:.6g}" for snap in self.snaps[:MOST_NAMED])
+        more, all_ = len(self.snaps) - MOST_NAMED, " in all" * (len(self.snaps) > 1)
+        at += f" and {more} more loads" if more > 0 else ""
+        return f"{words} snaps at {at}{unit}, losing {self.dissipated:.6g} J{all_}"
 
     @property
     def start_stiffness(self) -> float:
@@ -224,22 +209,30 @@ class LoadPath(Report, Viewable):
     @property
     def stiffness_unit(self) -> str:
         """The unit of `start_stiffness`, of the load over what it works on."""
-        over = "rad" if self.driver.coordinate.endswith("[rad]") else "m"
-        return f"{self.driver.unit or 1}/{over}"
+        return f"{self.driver.unit or 1}/{'rad' if self.is_angle else 'm'}"
 
     @property
-    def _unit(self) -> str:
+    def in_unit(self) -> str:
+        """The unit of the load, for a head."""
         return f" [{self.driver.unit}]" if self.driver.unit else ""
 
     @property
-    def _head(self) -> str:
-        """What the load works on, in degrees where it is an angle."""
+    def is_angle(self) -> bool:
+        """Whether the load works on an angle, which is shown in degrees."""
+        return self.driver.coordinate.endswith("[rad]")
+
+    @property
+    def where(self) -> str:
+        """What the load works on, as it is shown."""
         return self.driver.coordinate.replace("[rad]", "[deg]")
 
+    def shown(self, value: Any) -> Any:
+        """Return what the load works on, as it is shown."""
+        return np.degrees(value) + 0.0 if self.is_angle else value
+
     def _place(self, *values: float) -> str:
-        """Write what the load works on, in degrees where it is an angle."""
-        angle = self.driver.coordinate.endswith("[rad]")
-        return " to ".join(f"{math.degrees(v) + 0.0:.2f}" if angle else f"{v:.6g}" for v in values)
+        form = ".2f" if self.is_angle else ".6g"
+        return " to ".join(f"{self.shown(v):{form}}" for v in values)
 
     def _happenings(self) -> Iterator[Sequence[Cell]]:
         """Return a row for each start, contact, snap and end on the path, in its order."""
@@ -255,18 +248,19 @@ class LoadPath(Report, Viewable):
                     continue
                 said = event.words(growing=last.t >= first.t)
                 yield f"{event.t:.6g}", said, self._place(point.angle), ""
+            ending: Cell = WHY.get(leg.why, leg.why)
+            place, lost = self._place(last.angle), ""
             if leg.why == PITCHFORK:
                 onward = self.legs[number].symmetry
                 words = f"pitchfork: symmetry {leg.symmetry} breaks to {onward}"
-                said = words if onward != leg.symmetry else "pitchfork: stable states branch off"
-                yield f"{last.t:.6g}", said, self._place(last.angle), ""
-            elif leg.snap is None and leg.why not in GOES_ON:
-                yield f"{last.t:.6g}", WHY.get(leg.why, leg.why), self._place(last.angle), ""
+                ending = words if onward != leg.symmetry else "pitchfork: stable states branch off"
             elif leg.snap is not None:
                 snap = self.snaps[leg.snap - 1]
                 words = SNAP_WORDS.get(snap.type) or EVENT_WORDS.get(snap.type, snap.type)
-                bold = Words(f"snap {leg.snap}: {words}", "bold")
-                yield f"{snap.t:.6g}", bold, self._place(*snap.angle), f"{snap.released:.6g}"
+                ending = Words(f"snap {leg.snap}: {words}", "bold")
+                place, lost = self._place(*snap.angle), f"{snap.released:.6g}"
+            if leg.why not in GOES_ON:
+                yield f"{last.t if leg.snap is None else snap.t:.6g}", ending, place, lost
             arrived = last.t
 
     def _on(self, leg: Leg) -> Iterator[tuple[LoadPoint, PathEvent]]:
@@ -287,13 +281,12 @@ class LoadPath(Report, Viewable):
             return
         group = self.scene.group.name
         judged = [leg for leg in self.legs if leg.full_space]
-        if judged and all(leg.full_space == "stable" for leg in judged):
+        lost = [leg for leg in judged if leg.full_space != "stable"]
+        if judged and not lost:
             yield f"stable without the symmetry {group} too: judged at ends and middle of each part"
-        for leg in judged:
-            if leg.full_space != "stable":
-                a, b = leg.points[0].t, leg.points[-1].t
-                start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
-                yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
+        for leg in lost:
+            start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
+            yield f"load {leg.span}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
         kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
         words = f"states keep the symmetry {' and then '.join(kept)}"
         yield f"{words}; --symmetry none follows those that break it as well"
@@ -304,11 +297,10 @@ class LoadPath(Report, Viewable):
             goes_on = after is not None and after.points[0].t == leg.points[-1].t
             if leg.moved and not goes_on:
                 moved = {i: m for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED}
-                each = ", ".join(
-                    f"{i}: {math.degrees(m):+.4g}" for i, m in [*moved.items()][:MOST_ANGLES]
-                )
-                more = f" and {len(moved) - MOST_ANGLES} more" if len(moved) > MOST_ANGLES else ""
-                words = f"have moved, of crease {each}{more} [deg]" if moved else "have not moved"
+                each = [f"{i}: {math.degrees(m):+.4g}" for i, m in moved.items()]
+                most, more = ", ".join(each[:MOST_ANGLES]), len(each) - MOST_ANGLES
+                most += f" and {more} more" if more > 0 else ""
+                words = f"have moved, of crease {most} [deg]" if each else "have not moved"
                 yield f"rest angles at load {leg.points[-1].t:.6g} {words}"
         if self.plastic_work:
             yield f"plastic work {self.plastic_work:.6g} J"
@@ -318,22 +310,31 @@ class LoadPath(Report, Viewable):
             at = [p.angle for p in leg.points]
             if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm:
                 yield (
-                    f"load {leg.points[0].t:.6g} to {leg.points[-1].t:.6g} does no work: {self._head} stays "
-                    f"{self._place(at[0])}, which no free motion changes to first order"
+                    f"load {leg.span} does no work: {self.where} stays {self._place(at[0])}, which no free motion "
+                    "changes to first order"
                 )
 
     def _details(self) -> Iterator[Table | Cell]:
         """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""
         if self.events:
             yield self.table()
-        unit = f" {self.driver.unit}" if self.driver.unit else ""
+        unit = f" {self.driver.unit}".rstrip()
         for number, snap in enumerate(self.snaps, start=1):
             yield f"snap {number}, event {snap.event}: lands on {snap.kind}: {snap.certificate}"
             if snap.restabilises is not None:
                 yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
             if snap.confirmed is not None:
-                yield f"   {_searches(number, snap.confirmed, self.driver.unit)}"
+                yield f"   {self._searches(number, snap.confirmed)}"
         yield Words(f"{self.steps} steps", "dim")
+
+    def _searches(self, number: int, c: ConfirmedSnap) -> str:
+        """Say whether the states before and after a snap are among those that searches beside it find."""
+        before, after = ("is among them" if f else "is NOT among them" for f in c.found)
+        (few, many), (t, beyond), unit = c.minima, c.t, self.driver.unit
+        return (
+            f"search beside snap {number}: {few} minima at {t:.6g} {unit}, the state before it {before}; "
+            f"{many} known at {beyond:.6g} {unit}, the one after {after}"
+        )
 
     def states(self) -> Iterator[tuple[str, tuple[float, ...], dict[str, Any]]]:
         """Yield the stable states of all legs in order.
@@ -356,24 +357,14 @@ class LoadPath(Report, Viewable):
 
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""
-        ends = [leg.points[k].fold_angles for leg in self.legs for k in (0, -1)]
-        states = [np.array(phi) for phi in dict.fromkeys(map(tuple, ends))]
-        return state_parts(self.driver.origami, states)
+        ends = dict.fromkeys(leg.points[k].fold_angles for leg in self.legs for k in (0, -1))
+        return state_parts(self.driver.origami, [np.array(phi) for phi in ends])
 
     def _rows(self) -> Iterator[dict[str, object]]:
         load = "_".join(["t", *self.driver.unit.split()])
-        place = "angle_rad" if self.driver.coordinate.endswith("[rad]") else "position_m"
+        place = "angle_rad" if self.is_angle else "position_m"
         for number, leg in enumerate(self.legs, start=1):
             for p in leg.points:
                 row: dict[str, object] = {"leg": number, load: p.t, place: p.angle}
                 row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
                 yield row | angle_columns(p.fold_angles)
-
-
-def _searches(number: int, c: ConfirmedSnap, unit: str) -> str:
-    """Say whether the states before and after a snap are among those that a search knows beside it."""
-    words = ["is among them" if f else "is NOT among them" for f in c.found]
-    return (
-        f"search beside snap {number}: {c.minima[0]} minima at {c.t[0]:.6g} {unit}, the state before it {words[0]}; "
-        f"{c.minima[1]} known at {c.t[1]:.6g} {unit}, the one after {words[1]}"
-    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,14 @@ from origami_nlp.continuation import (
     SpecialPoint,
 )
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import BRANCHES, Driver, descend_beyond
-from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED
+from origami_nlp.loading.driver import Driver
+from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED, first_largest
+from origami_nlp.pattern_states import classified, contact_descent, descend, singular_beside
 
+BRANCHES = ("branching", "breaks-symmetry")
+"""Events at which states lose stability without a limit point."""
+OFF_BRANCH = 1e-3
+"""How far beside such a state a descent begins [rad]."""
 LEAST_SPAN = 1e-3
 """A snap at a load of less than this share of the whole range is stepped over by shares of that."""
 OVER = (1e-5, 1e-4, 1e-3)
@@ -43,21 +49,17 @@ class StableSegment:
     why: str
 
 
-def position(web: BifurcationDiagram, x: np.ndarray, s: float) -> tuple[int, Equilibrium] | None:
-    """Return the arc that holds the stable state x at s, and the state there; None where none does."""
-    for k, frame in web.states_at(s):
-        if not frame.index and np.abs(frame.state - x).max() <= SETTLED:
-            return k, frame
-    return None
+def holding(web: BifurcationDiagram, x: np.ndarray, s: float) -> list[tuple[int, Equilibrium]]:
+    """Return the arcs that hold the stable state x at s, and the state there."""
+    stable = [(k, f) for k, f in web.states_at(s) if not f.index]
+    return [(k, f) for k, f in stable if np.abs(f.state - x).max() <= SETTLED]
 
 
 def given(web: BifurcationDiagram, x: np.ndarray, s: float) -> int | None:
     """Return the node at which the state x was given at s; None where it was not."""
-    point = np.append(x, s)
-    for k, node in enumerate(web.nodes):
-        if node.halves and np.abs(node.point - point).max() <= SETTLED:
-            return k
-    return None
+    begun = [(k, node.point) for k, node in enumerate(web.nodes) if node.halves]
+    near = (k for k, point in begun if np.abs(point - np.append(x, s)).max() <= SETTLED)
+    return next(near, None)
 
 
 def walk(
@@ -73,19 +75,25 @@ def walk(
     None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the way
     goes on there. across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.
     """
-    ahead = _ahead(web, start, s, toward)
-    if not ahead:
-        begun = given(web, start, s)
+
+    def ahead() -> list[int]:
+        arcs = [(k, _far(web, k, toward)) for k, _ in holding(web, start, s)]
+        return [k for k, far in arcs if (far - s) * toward > SETTLED * abs(toward)]
+
+    arcs = ahead()
+    if not arcs:
+        begun, known = given(web, start, s), holding(web, start, s)
         if begun is not None and web.resume(begun, toward):
             return walk(web, start, s, toward, end, across)
-        known = position(web, start, s)
-        if known is None:
+        if not known:
             return None
-        node = web.arcs[known[0]].end
-        near = min((web.arcs[known[0]].start, node), key=lambda k: abs(web.nodes[k].s - s))
-        if not web.resume(near, toward) or not (ahead := _ahead(web, start, s, toward)):
-            return StableSegment((known[1],), near, _why(web, near, end))
-    k = ahead[0]
+        number, frame = known[0]
+        ends = web.arcs[number].start, web.arcs[number].end
+        near = min(ends, key=lambda k: abs(web.nodes[k].s - s))
+        arcs = ahead() if web.resume(near, toward) else []
+        if not arcs:
+            return StableSegment((frame,), near, _why(web, near, end))
+    k = arcs[0]
     here = web.arcs[k].at(s, web.tally)
     frames = [] if here is None else [here]
     while True:
@@ -116,14 +124,6 @@ def leaves_flat(web: BifurcationDiagram, node: int) -> bool:
     if found.type != "singular" or found.point[:-1].any():
         return False
     return classify(State(web.line.at(found.s), found.point[:-1])).verdict != "minimum"
-
-
-def _ahead(web: BifurcationDiagram, start: np.ndarray, s: float, toward: float) -> list[int]:
-    """Return the arcs of stable states that lead on from a state."""
-    arcs = [
-        k for k, f in web.states_at(s) if not f.index and np.abs(f.state - start).max() <= SETTLED
-    ]
-    return [k for k in arcs if _far(web, k, toward) * toward > s * toward + SETTLED * abs(toward)]
 
 
 def _onward(web: BifurcationDiagram, node: int, arc: int, toward: float) -> list[int]:
@@ -159,16 +159,46 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
 def release(
     web: BifurcationDiagram, node: SpecialPoint, toward: float
 ) -> tuple[np.ndarray, float, Classification] | str:
-    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
-    point, why = node.point, ""
-    span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
-    # states that branch off are distinguished from those that do not by the square root of the share
-    for share in OVER[node.type in BRANCHES :]:
-        s = float(point[-1]) + toward * share * span
-        end = descend_beyond(web.line, s, node, 10 * share, web.steps.until)
-        if not isinstance(end, str):
-            return end[0], s, end[1]
-        why = end or why
+    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none.
+
+    By the kernel; on sheets too large for it, and where nothing touches, by steps in the null space of closure.
+    """
+    phi, why, line = node.point[:-1], "", web.line
+    posed: Any = line.problem
+    span = max(abs(node.s), LEAST_SPAN * (web.high - web.low))
+    lower = classify(State(line.at(node.s), phi)).lower if node.type == "slides" else None
+    posed.until = web.steps.until
+    try:
+        # states that branch off are distinguished from those that do not by the square root of the share
+        for share in OVER[node.type in BRANCHES :]:
+            s = node.s + toward * share * span
+            problem: Any = line.at(s)
+            starts = [phi]
+            if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
+                soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
+                if soft is not None:
+                    aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
+                    starts = [phi + aside, phi - aside]
+            elif (
+                node.type == "slides"
+            ):  # lower states are beside where a facet ends, unless others hold
+                starts = [] if lower is None else [lower]
+            for start in starts:
+                end = None
+                if problem.sparse and all(c.is_limit for c in node.held):
+                    end = descend(problem, start)
+                    crossed = any(map(problem.crossings.find, (*end.path, end.phi)))
+                    end = None if crossed else end
+                end = end or contact_descent(problem, start)
+                if np.abs(end.phi - phi).max() <= 10 * share:
+                    continue
+                what = classified(problem, end.phi)
+                beside = singular_beside(problem, end.phi)
+                if end.arrived and what.verdict == "minimum" and beside is None:
+                    return end.phi, s, what
+                why = what.reason if end.arrived else end.why
+    finally:
+        posed.until = math.inf
     return why or "no lower state was reached"
 
 

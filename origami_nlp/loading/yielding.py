@@ -17,12 +17,15 @@ import numpy as np
 
 from origami_nlp.bifurcation import PathEvent
 from origami_nlp.continuation import Equilibrium, ParameterLine
+from origami_nlp.errors import OptionError
 from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.job import FollowedLoad, Run
+from origami_nlp.loading.records import COLLAPSE, HOLDS, YIELDS
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
 
-YIELDS, HOLDS = "yields", "unloads"
-"""Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
+MOST_STAGES = 100
+"""Of one path, one way: more are taken for a mistake."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +55,29 @@ class YieldingHinges:
     since: np.ndarray
 
     @staticmethod
-    def of(driver: Driver, given: Any) -> YieldingHinges:
-        """Return the hinges of what is loaded before anything has yielded."""
+    def of(driver: Driver, given: Any, phi: np.ndarray, state: int) -> YieldingHinges:
+        """Return the hinges of what is loaded before anything has yielded; phi: at load 0, of a number or 0.
+
+        Raises
+        ------
+        OptionError
+            If a hinge bears more than its yield torque there.
+        """
         scene, stated = driver.scene, driver.origami
         k = np.array(stated.stiffness, float)
         none = np.zeros(len(k))
         rest = np.array(scene.rest_angles if scene else stated.rest, float)
         preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
-        return YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        hinges = YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        borne = np.abs(hinges.torque(phi))
+        for i in np.flatnonzero(borne > most)[:1].tolist():
+            raise OptionError(
+                f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
+                f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges have "
+                "after yielding"
+            )
+        return hinges
 
     @property
     def yielding(self) -> np.ndarray:
@@ -172,3 +189,81 @@ def creases_named(which: np.ndarray) -> str:
     numbers = (np.flatnonzero(which) + 1).tolist()
     head = "crease " if len(numbers) == 1 else "creases "
     return head + ", ".join(map(str, numbers)) if numbers else ""
+
+
+def go_yielding(
+    path: FollowedLoad, x: np.ndarray, t: float, end: float, hinges: YieldingHinges
+) -> tuple[np.ndarray, YieldingHinges] | None:
+    """Load the state x [N] from t to `end`, hinges all elastic at first; return where it arrives, None before that."""
+    toward, kept = 1.0 if end > t else -1.0, path.record
+    for _ in range(MOST_STAGES):
+        job = _begin(path, x, t, toward, hinges)
+        if job is None:
+            return None
+        kept.jobs.append(job)
+        ways, falls = len(kept.ways), len(kept.falls)
+        job.go(x, t, end, once=True)
+        if len(kept.ways) == ways:
+            return None
+        run = _cut(kept.ways[ways], job.hinges, kept.alarms)
+        kept.ways[ways:] = [run]
+        del kept.falls[falls + (run.snap is not None) :]
+        x, t = run.segment.frames[-1].state, run.segment.frames[-1].s
+        kept.work += job.hinges.work(x)
+        hinges = job.hinges.at(x)
+        if run.segment.why == "range":
+            return x, hinges
+        if run.segment.why not in (YIELDS, HOLDS):
+            return None
+    kept.alarms.append(f"more than {MOST_STAGES} times a hinge yields or turns back")
+    return None
+
+
+def _begin(
+    path: FollowedLoad, x: np.ndarray, t: float, toward: float, hinges: YieldingHinges
+) -> FollowedLoad | None:
+    """Return what is followed from a state on, with the hinges that go on yielding; None where it collapses."""
+    full = hinges.full(x)
+    yielding, seen = full != 0, set[bytes]()
+    while yielding.tobytes() not in seen:
+        seen.add(yielding.tobytes())
+        job = path.stage(replace(hinges, since=np.where(yielding, x, np.nan)))
+        job.begin(x, t, toward, follow=False)
+        ahead = [h.frame for node in job.web.nodes for h in node.halves]
+        ahead = [frame for frame in ahead if frame.ahead * toward > 0 and not frame.index]
+        if not ahead:
+            if not full.any():
+                return job  # the path itself says why
+            break
+        rates = full * ahead[0].tangent[:-1]
+        # a hinge that stays neither yields nor falls: it is left as it was taken
+        onward = np.where(np.abs(rates) <= SETTLED, yielding, rates > 0) & (full != 0)
+        if (onward == yielding).all():
+            return job
+        yielding = onward
+    if path.record.ways:
+        path.record.ways[-1] = path.record.ways[-1].ending(COLLAPSE)
+    path.record.alarms.append(
+        f"at load {t:.6g} {creases_named(full)} yield{'' if np.count_nonzero(full) > 1 else 's'} and no stable "
+        "state goes on: the state collapses; how far hinges yield then is decided by its speed, and is not followed"
+    )
+    return None
+
+
+def _cut(run: Run, hinges: YieldingHinges, alarms: list[str]) -> Run:
+    """Cut a run where a hinge turns back at a contact, which no function of the states between shows."""
+    frames = run.segment.frames
+    on = np.flatnonzero(hinges.yielding)
+    side = np.sign(hinges.torque(frames[0].state))[on]
+    for k, frame in enumerate(frames):
+        crease = hinges.beyond_law(frame.state)
+        if crease is not None:
+            alarms.append(
+                f"the law of crease {crease}, whose rest angle has moved, is not known at load {frame.s:.6g}: give "
+                "extrapolate = 'linear' in the law, or stops"
+            )
+            return run.ending("stopped: law not known", max(k, 1))
+        rates = side * frame.tangent[:-1][on] * np.sign(frame.ahead * run.toward)
+        if k > 1 and (rates < -SETTLED).any() and frame.ahead:
+            return run.ending(HOLDS, k)
+    return run

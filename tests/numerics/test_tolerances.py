@@ -30,7 +30,7 @@ BESIDE_THE_TABLE = {
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
+        landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
         minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN
