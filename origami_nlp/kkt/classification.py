@@ -27,7 +27,6 @@ from origami_nlp.kkt.neighbourhood import (
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import CLOSURE_TOL, LEVEL, SETTLED, STATIONARY, UNPOLISHED
-from origami_nlp.problem import Problem
 
 AT_REST = CLOSURE_TOL**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
@@ -129,78 +128,42 @@ def _decide(state: State, accuracy: float) -> Classification:
     if lower is not None:
         return _refuted(lower)
     contacts = state.contacts
-    choices = contacts.combinations()
-    # Too many pieces meet: judge larger sets that ignore facet pairs.  What is a minimum of them is one of ours;
-    # anything else is decided by looking at neighbours.
-    relaxed = choices is None
-    if contacts.complete and (choices is None or len(choices) > 1):
-        whole = judge_branch(state.on(contacts.base), accuracy)
-        if whole.verdict != "minimum":
-            lower = follow_descent(state, whole)
-            if lower is not None:
-                return _refuted(lower)
-    if not contacts.complete:
+    if contacts.branches or not contacts.complete:
         judged, failed = judge_by_splitting(state, accuracy)
         if isinstance(judged, DescentWitness):
             return _refuted(judged)
         return _by_search(state, failed) if failed else _of_larger(state, judged)
-    if choices is None:
-        judged, failed = judge_by_splitting(state, accuracy)
-        if isinstance(judged, DescentWitness):
-            return _refuted(judged)
-        if failed:
-            return _by_search(state, failed)
-    else:
-        judged = [judge_branch(state.on(rows), accuracy) for rows in choices]
+    one = judge_branch(state.on(contacts.base), accuracy)
     # where closure keeps its rank and no contact is closed, closed states are a manifold that nothing bounds
-    real = [
-        b
-        for b in judged
-        if b.tangent is not None
-        and ((b.regular and not b.rows) or tangent_is_feasible(state, b.tangent, b.held))
-    ]
-    thickest = max(b.cone_dimension for b in judged)
-    if not real and thickest == 1 and not relaxed:
-        return _isolated(
-            state,
-            judged[0],
-            "isolated: the linearised contacts leave single directions, and facets cross at once "
-            "along each of them (a check, not a proof)",
-        )
-    if not real and thickest > 1 and any(b.verdict != "minimum" for b in judged):
-        # no piece that the linearised contacts allow is followed by states: isolated, or beyond first order
-        return _by_search(state, judged)
-    decisive = real or judged  # without a real piece every cone is a point: isolated
-    verdicts = {b.verdict for b in decisive}
-    if "saddle" in verdicts or "not stationary" in verdicts:
-        worst = next(b for b in decisive if b.verdict in ("saddle", "not stationary"))
-        d = worst.direction
-        if d is not None:
-            d = d / np.linalg.norm(d) if d.any() else None
-        missing = worst.multipliers.residual
+    real = one.tangent is not None and (
+        (one.regular and not one.rows) or tangent_is_feasible(state, one.tangent, one.held)
+    )
+    if not real and one.verdict != "minimum":
+        # the set that the linearised contacts allow is not followed by states: isolated, or beyond first order
+        return _by_search(state, [one])
+    if one.verdict in ("saddle", "not stationary"):
+        d, missing = one.direction, one.multipliers.residual
+        d = None if d is None or not d.any() else d / np.linalg.norm(d)
         return Classification(
-            worst.verdict, None, worst.certificate, 0, stationarity=missing, descent=d
+            one.verdict, None, one.certificate, 0, stationarity=missing, descent=d
         )
-    if "undecided" in verdicts:
-        return _by_search(state, judged)
-    dimension = max((b.cone_dimension for b in real), default=0)
+    if one.verdict == "undecided":
+        return _by_search(state, [one])
+    dimension = one.cone_dimension if real else 0
     if real and not state.regular:
         if _is_isolated(state):
-            return _isolated(state, decisive[0], BY_SECOND_ORDER)
+            return _isolated(state, one, BY_SECOND_ORDER)
         dimension = dimension_nearby(state, contacts.base)
-    certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
-    if 0 < dimension < state.kernel.shape[1]:
-        certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     return Classification(
         "minimum",
-        _kind(decisive),
-        certificate + (_of_branches(len(decisive)) if len(decisive) > 1 else ""),
+        _kind([one]),
+        one.certificate,
         dimension,
-        forces_of(state, decisive[0]),
-        tuple((model.scale * decisive[0].eigenvalues).tolist()),
+        forces_of(state, one),
+        tuple((model.scale * one.eigenvalues).tolist()),
         # nothing has to balance where closure itself leaves no way down
-        math.nan if decisive[0].level == 5 else decisive[0].multipliers.residual,
-        mode=_softest_mode(decisive[0], model.root),
+        math.nan if one.level == 5 else one.multipliers.residual,
+        mode=_softest_mode(one, model.root),
     )
 
 
@@ -292,19 +255,6 @@ def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classificat
     return Classification("minimum", "degenerate", reason, 0, forces)
 
 
-def _held_words(model: Problem, branches: list[BranchJudgement]) -> str:
-    """Name the contacts that every neighbouring state keeps closed."""
-    held = set.intersection(*(set(b.held) for b in branches))
-    words = []
-    for row in sorted(held):
-        if row.is_limit:
-            creases = ", ".join(map(str, model.creases_of(row.index)))
-            words.append(f"phi_{{{creases}}} = {'+' if row.side > 0 else '-'}pi")
-        else:
-            words.append(model.name(row))
-    return " and ".join(words) or "their contacts"
-
-
 def _of_branches(count: int) -> str:
     return f" (on each of the {count} pieces of the feasible set that meet here)"
 
@@ -331,15 +281,13 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
             forces_of(state, judged[0]),
             stationarity=0.0,
         )
-    # where contacts are incomplete directions of descent were followed when they were split
-    branches = judged if state.contacts.complete else []
-    lower = next(filter(None, (follow_descent(state, b) for b in branches)), None)
+    # where contacts are split, or incomplete, directions of descent were followed before
+    exact = state.contacts.complete and not state.contacts.branches
+    lower = follow_descent(state, judged[0]) if exact else None
     lower = lower or follow_lines(state)
     if lower is not None:
         return _refuted(lower)
-    if not state.contacts.complete:
-        return _not_decided(judged)
-    if model.equation_count > MOST_EQUATIONS:
+    if not exact or model.equation_count > MOST_EQUATIONS:
         return _not_decided(judged)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = sample_neighbourhood(state, rows)

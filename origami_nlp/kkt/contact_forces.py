@@ -148,7 +148,9 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
     both.  Of the multiplier the least is told: pieces come in no order.
     """
     every = (c.contact for piece in pieces for c in piece if c.contact is not None)
-    gaps = tuple(dict.fromkeys(c for c in every if not c.is_limit)) if not state.problem.sparse else ()
+    gaps = (
+        tuple(dict.fromkeys(c for c in every if not c.is_limit)) if not state.problem.sparse else ()
+    )
     slope: dict[Contact, object] = {}
     if gaps:
         along = state.on(gaps).slopes @ state.kernel

@@ -11,8 +11,8 @@ from origami_nlp.kkt.descent_witness import DescentWitness, follow_descent
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import INDEPENDENT
 
-MOST_SETS, MOST_FAILED = 100, 6
-"""Sets of pieces that are judged where more than 256 meet, and failures after which that stops."""
+MOST_SETS = 100
+"""Sets of pieces that are judged."""
 
 
 def judge_by_splitting(
@@ -42,17 +42,14 @@ def judge_by_splitting(
         passed = [
             k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
         ]
-        known = state.contacts.complete and rows == state.contacts.base  # was followed before
-        if not passed and not known and _is_new(b.direction, tried):
+        if not passed and _is_new(b.direction, tried):
             # what passes a choice leads through facets
             lower = follow_descent(state, b, partial(choices.open_along, free))
             if lower is not None:
                 return lower, []
         if not free or len(good) + len(failed) + len(pending) > MOST_SETS:
             failed.append(b)
-            if len(failed) == MOST_FAILED or not state.contacts.complete:
-                break
-            continue
+            break
         for option in choices.branches[passed[0] if passed else free[0]]:
             pending.append(tuple(dict.fromkeys((*rows, *option))))
     return good, failed
