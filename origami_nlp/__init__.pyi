@@ -35,23 +35,24 @@ from .pattern import (
     convert as convert,
     examples as examples,
     format_scene as format_scene,
+    from_mesh as from_mesh,
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,
     read_pattern as read_pattern,
     read_scene as read_scene,
 )
+from .pattern_problem import pose as pose
 from .pattern_states import (
     Mobility as Mobility,
     Motion as Motion,
     analyze_mobility as analyze_mobility,
     find_motion as find_motion,
 )
-from .problem import Model as Model
 from .proof import ProofOptions as ProofOptions
 from .results import (
     draw as draw,
-    load as load,
+    read_result as read_result,
     save as save,
     to_frame as to_frame,
     view as view,

@@ -1,4 +1,4 @@
-"""Any result by one name: `load` finds its class by the schema in the file, `to_frame` joins several.
+"""Any result by one name: `read_result` finds its class by the schema in the file, `to_frame` joins several.
 
 The methods of results (`display.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
 """
@@ -135,14 +135,14 @@ def save(result: Result, path: str | PathLike[str]) -> None:
     >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
     >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
     >>> o.save(result, path)
-    >>> [m.energy for m in o.load(path).minima] == [m.energy for m in result.minima]
+    >>> [m.energy for m in o.read_result(path).minima] == [m.energy for m in result.minima]
     True
     """
     check_type("result", result, Result)
     result.save(path)
 
 
-def load(path: str | PathLike[str]) -> Any:
+def read_result(path: str | PathLike[str]) -> Any:
     """Read a result that `save`, or a command with ``-o FILE.json``, has written, as the class of the file's schema.
 
     Parameters
@@ -167,7 +167,7 @@ def load(path: str | PathLike[str]) -> Any:
     >>> import os, tempfile, origami_nlp as o
     >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
     >>> o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).save(path)
-    >>> [m.full_space.verdict for m in o.load(path).minima]
+    >>> [m.full_space.verdict for m in o.read_result(path).minima]
     ['stable', 'stable']
     """
     data = read_data(path)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
     from origami_nlp.loading import LoadPath
     from origami_nlp.minima import MinimaResult
-    from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.pattern import Stated
     from origami_nlp.proof import ProofOptions
     from origami_nlp.starts import SearchOptions
 
@@ -40,53 +40,25 @@ _OF_A_SCENE = {
 """What only the one or the other takes, and why."""
 
 
-@overload
 def find_minima(
-    origami: Scene,
-    *,
-    seed: int = ...,
-    effort: str = ...,
-    options: SearchOptions | None = ...,
-    max_starts: int | None = ...,
-    fewest_starts: int | None = ...,
-    guesses: Sequence[np.ndarray] | None = ...,
-    full: bool | None = ...,
-    prove: bool | float | ProofOptions | None = ...,
-    seconds: float | None = ...,
-    escape: bool = ...,
-    noise: float | None = ...,
-    workers: int | None = ...,
-    progress: Callable[[int, int, int], None] | None = ...,
-    found: Callable[[float, np.ndarray], object] | None = ...,
-) -> MinimaResult: ...
-@overload
-def find_minima(
-    origami: Pattern | str | PathLike[str],
-    *,
-    seed: int = ...,
-    effort: str = ...,
-    options: SearchOptions | None = ...,
-    max_starts: int | None = ...,
-    starts: int | None = ...,
-    contact: str | None = ...,
-    prove: bool | float | ProofOptions | None = ...,
-    seconds: float | None = ...,
-    escape: bool = ...,
-    noise: float | None = ...,
-    progress: Callable[[int, int, str], object] | None = ...,
-    found: Callable[[float, np.ndarray], object] | None = ...,
-) -> MinimaResult: ...
-def find_minima(
-    origami: Scene | Pattern | str | PathLike[str],
+    origami: Stated,
     *,
     seed: int = 0,
     effort: str = "normal",
     options: SearchOptions | None = None,
     max_starts: int | None = None,
+    starts: int | None = None,
+    fewest_starts: int | None = None,
+    guesses: Sequence[np.ndarray] | None = None,
+    contact: str | None = None,
+    full: bool | None = None,
+    prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
-    **others: Any,
+    workers: int | None = None,
+    progress: Callable[..., object] | None = None,
+    found: Callable[[float, np.ndarray], object] | None = None,
 ) -> MinimaResult:
     """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
 
@@ -94,7 +66,7 @@ def find_minima(
     ----------
     origami
         A scene, which is one vertex, or a scene file; or a pattern with all its vertices coupled: itself, the name of
-        an example such as ``"miura:4x4"``, or a FOLD file.
+        an example such as ``"miura:4x4"``, a FOLD file, or what one holds as a dict.
     seed
         Of the random starts; the same seed gives the same answer.
     effort
@@ -113,13 +85,18 @@ def find_minima(
     prove
         Whether to prove that no minimum is missing: of a vertex, or of a strip of vertices of degree four.  None: where
         it is cheap.
-    others
-        ``progress`` (called with starts, minima, and how many of these one drawn start reached; of a pattern with what
-        the search is at) and ``found`` (called with energy and fold angles of each minimum as it is found).
-        Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``workers``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts
-        in a row that find nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``:
-        facets may cross).
+    starts
+        Of a pattern: random starts in a row that find nothing new, in place of the effort.
+    contact
+        Of a pattern: ``"full"``, or ``"fold-limits"``: facets may cross.
+    fewest_starts, guesses, full, workers
+        Of a scene, see `minima.find_minima`; full: judge each without the symmetry (None: up to 12 creases and 64
+        states).
+    progress
+        Called with starts, minima, and how many of these one drawn start reached; of a pattern with what the search is
+        at.
+    found
+        Called with energy and fold angles of each minimum as it is found.
 
     Returns
     -------
@@ -145,32 +122,32 @@ def find_minima(
     """
     until = check_until(seconds)
     from origami_nlp import minima, pattern_states
-    from origami_nlp.pattern import Scene
+    from origami_nlp.pattern import Scene, as_origami
 
-    stated: Any = origami
-    if not isinstance(origami, Scene):
-        from origami_nlp.pattern import as_origami
-
-        stated = as_origami(origami)
-    both: dict[str, Any] = {
-        "options": options,
-        "effort": effort,
-        "escape": escape,
-        "noise": noise,
+    stated = as_origami(origami)
+    asked: dict[str, Any] = {"max_starts": max_starts, "prove": prove}
+    asked |= {"progress": progress, "found": found}
+    of_scene = {
+        "fewest_starts": fewest_starts,
+        "guesses": guesses,
+        "full": full,
+        "workers": workers,
     }
-    given = {"max_starts": max_starts, **others}
-    both |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
+    of_pattern: dict[str, Any] = {"starts": starts, "contact": contact}
+    find: Any
     if isinstance(stated, Scene):
-        refuse("scene", _OF_A_PATTERN, **given)
-        find: Any = minima.find_minima
+        refuse("scene", _OF_A_PATTERN, **of_pattern)
+        find, asked = minima.find_minima, asked | of_scene
     else:
-        refuse("pattern", _OF_A_SCENE, **given)
-        if "contact" in both:
-            both["contact"] = _facets_apart(both["contact"])
-        find = pattern_states.find_states
+        refuse("pattern", _OF_A_SCENE, **of_scene)
+        find, asked = pattern_states.find_states, asked | of_pattern
+        if contact is not None:
+            asked["contact"] = _facets_apart(contact)
+    asked = {name: value for name, value in asked.items() if value is not None}
+    asked |= {"seed": seed, "effort": effort, "options": options, "escape": escape, "noise": noise}
     # importing and reading took some of it
     left = None if seconds is None else max(until - time.monotonic(), 0.0)
-    return find(stated, seconds=left, **both)  # type: ignore[no-any-return]
+    return find(stated, seconds=left, **asked)  # type: ignore[no-any-return]
 
 
 def _facets_apart(contact: object) -> bool:
@@ -182,7 +159,7 @@ def _facets_apart(contact: object) -> bool:
 
 
 def classify(
-    origami: State | Scene | Pattern | str | PathLike[str],
+    origami: State | Stated,
     fold_angles: Sequence[float] | np.ndarray | None = None,
     *,
     polished: bool = True,
@@ -214,7 +191,7 @@ def classify(
     >>> found = o.find_minima("metasheet:4x4", starts=2)
     >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
     >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
-    ('minimum', 2, 'edge-edge')
+    ('minimum', 1, 'edge-edge')
     """
     from origami_nlp import kkt
     from origami_nlp.pattern import as_origami

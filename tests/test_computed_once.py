@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.io import to_plain
+from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions, prove
 from tests import computed_once
 from tests.computed_once import PANELS, by_minima, by_scene, once, panel_result

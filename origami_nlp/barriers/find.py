@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from os import PathLike
 
 from origami_nlp.arguments import (
     check_callback,
@@ -25,7 +24,7 @@ from origami_nlp.barriers.result import Barriers
 from origami_nlp.barriers.traced import vertex_barriers
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima
-from origami_nlp.pattern import Pattern, Scene, as_origami
+from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Model
 
@@ -36,7 +35,7 @@ SEARCHING = 0.5
 
 
 def find_barriers(
-    origami: Scene | Pattern | str | PathLike[str],
+    origami: Stated,
     result: MinimaResult | None = None,
     *,
     seed: int = 0,

@@ -508,7 +508,7 @@ def pattern_family(stated: Any, parameter: ParameterRange) -> Family:
     if all(name in options for name in names):
         return Family(
             parameter,
-            lambda t: examples.pattern(stated, **dict.fromkeys(names, t)),
+            lambda t: examples.pattern(stated, **dict[str, Any](dict.fromkeys(names, t))),
             example=stated,
         )
     problem = as_pattern(stated, "origami")

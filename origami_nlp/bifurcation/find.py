@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from os import PathLike
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -38,6 +37,7 @@ from origami_nlp.continuation import (
     BifurcationDiagram,
     ContinuationOptions,
     Equilibrium,
+    GeometryLine,
     ParameterLine,
 )
 from origami_nlp.critical import find_critical_points
@@ -45,7 +45,7 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, PatternSearchReport, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.pattern import Pattern, Scene, Vertex, as_origami
+from origami_nlp.pattern import Scene, Stated, Vertex, as_origami
 from origami_nlp.proof import ProofOptions
 from origami_nlp.space import find_space
 
@@ -62,7 +62,7 @@ JUDGING = 0.1
 
 
 def follow(
-    origami: Scene | Pattern | str | PathLike[str],
+    origami: Stated,
     parameter: str | ParameterRange,
     *,
     checks: int = 3,
@@ -238,7 +238,7 @@ class _Survey:
         self._euler: dict[Vertex, int] = {}
 
     @cached_property
-    def _full_line(self) -> ParameterLine | None:
+    def _full_line(self) -> ParameterLine | GeometryLine | None:
         if not self._full:
             return None
         few = 2 if self.family.still else SAMPLES

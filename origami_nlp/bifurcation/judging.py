@@ -72,7 +72,7 @@ def _judged(frame: Equilibrium) -> tuple[str, str]:
 
 
 def breaking_eigenvalue(
-    frame: Equilibrium, line: ParameterLine, scene: Scene, touching: Touching
+    frame: Equilibrium, line: ParameterLine | GeometryLine, scene: Scene, touching: Touching
 ) -> float:
     """Return the smallest stiffness across the symmetry, in the space without it, with loaded contacts held.
 

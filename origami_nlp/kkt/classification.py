@@ -99,9 +99,9 @@ def classify(state: State, *, polished: bool = True) -> Classification:
 
     Examples
     --------
-    >>> from origami_nlp import Model, State, classify, examples
+    >>> from origami_nlp import State, classify, examples, pose
     >>> scene = examples.degree6("pi/3", ratio=1)
-    >>> classify(State(Model(scene), scene.rest_angles[:4])).verdict
+    >>> classify(State(pose(scene), scene.rest_angles[:4])).verdict
     'not admissible'
     """
     if not polished:

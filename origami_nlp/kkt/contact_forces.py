@@ -155,8 +155,8 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
     if gaps:
         along = state.on(gaps).slopes @ state.kernel
         weight = [state.problem.weight(c) for c in gaps]
-        for c, row, w in zip(gaps, along, weight, strict=True):
-            slope[c] = (np.round(row / w, SAME) + 0.0).tobytes()
+        for gap, row, w in zip(gaps, along, weight, strict=True):
+            slope[gap] = (np.round(row / w, SAME) + 0.0).tobytes()
     found: dict[object, list[tuple[int, ContactForce]]] = {}
     for k, contacts in enumerate(pieces):
         for c in contacts:

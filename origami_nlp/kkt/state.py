@@ -53,8 +53,8 @@ class State:
 
     Examples
     --------
-    >>> from origami_nlp import Model, State, examples
-    >>> flat = State(Model(examples.degree6("pi/3", ratio=1)), [0.0, 0.0, 0.0, 0.0])
+    >>> from origami_nlp import State, examples, pose
+    >>> flat = State(pose(examples.degree6("pi/3", ratio=1)), [0.0, 0.0, 0.0, 0.0])
     >>> flat.regular, flat.refused, flat.contacts.base
     (False, '', ())
     """
@@ -271,7 +271,7 @@ class Stratum:
     >>> state = o.State(result.model, result.model.reduce(result.minima[0].fold_angles))
     >>> stratum = state.on(state.contacts.base)
     >>> stratum.dimension, stratum.jacobian.shape, bool((abs(stratum.imbalance) < 1e-9).all())
-    (2, (2, 4), True)
+    (2, (3, 4), True)
     """
 
     def __init__(self, state: State, contacts: tuple[Contact, ...]) -> None:

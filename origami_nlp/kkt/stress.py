@@ -74,7 +74,7 @@ def find_stress(state: State, held: Iterable[int] = ()) -> Stress:
     4
     >>> vertex = o.Vertex((1.0, 2.0, 1.5, 2 * math.pi - 4.5))
     >>> scene = o.Scene(vertex, (1.0,) * 4, (0.5,) * 4, "none", "fold-limits")
-    >>> find_stress(o.State(o.Model(scene), np.zeros(4))).states
+    >>> find_stress(o.State(o.pose(scene), np.zeros(4))).states
     1
     """
     held = sorted(held)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from os import PathLike
 
 from origami_nlp.arguments import (
     check_flag,
@@ -21,7 +20,7 @@ from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yielding import YieldingHinges, go_yielding
 from origami_nlp.minima import JudgedState
-from origami_nlp.pattern import Pattern, Scene, as_origami
+from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import Work
 
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
@@ -30,7 +29,7 @@ _OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
 
 
 def load_path(
-    origami: Scene | Pattern | str | PathLike[str],
+    origami: Stated,
     load: int | Sequence[int] | Work | None = None,
     *,
     to: float | str = "snap",

@@ -7,6 +7,7 @@ from .angles import (
 from .bending import with_bending as with_bending
 from .cells import Cell as Cell, make_cell as make_cell
 from .coercion import (
+    Stated as Stated,
     as_origami as as_origami,
     as_pattern as as_pattern,
     as_scene as as_scene,
@@ -105,6 +106,7 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
+from .mesh import from_mesh as from_mesh
 from .pattern_file import (
     face_oddities as face_oddities,
     frame_pattern as frame_pattern,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,14 +13,18 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError, SceneError
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
-from origami_nlp.pattern.pattern_file import read_pattern
+from origami_nlp.pattern.fold_file import frame_of
+from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 from origami_nlp.pattern.vertex import Vertex
 
+Stated = Scene | Pattern | Mapping[str, Any] | str | PathLike[str]
+"""How an origami may be stated: itself, FOLD data as a dict, the name of an example, or a file."""
 
-def as_origami(stated: Scene | Pattern | str | PathLike[str]) -> Scene | Pattern:
+
+def as_origami(stated: Stated) -> Scene | Pattern:
     """Return what is folded, one vertex as a scene or a whole pattern, however it is stated.
 
     Parameters
@@ -51,9 +57,7 @@ def as_origami(stated: Scene | Pattern | str | PathLike[str]) -> Scene | Pattern
     return as_pattern(stated, "origami")
 
 
-def as_scene(
-    stated: Scene | Pattern | str | PathLike[str], asked: str = "this", instead: str = ""
-) -> Scene:
+def as_scene(stated: Stated, asked: str = "this", instead: str = "") -> Scene:
     """Return the one vertex that a question is asked of, however it is stated.
 
     Parameters
@@ -124,13 +128,16 @@ def _equal_scene(pattern: Pattern) -> Scene | None:
     return Scene(vertex, *springs, "none", "full", name=pattern.name, limits=limits, laws=laws)
 
 
-def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> Pattern:
+def as_pattern(
+    stated: Pattern | Mapping[str, Any] | str | PathLike[str], name: str = "pattern"
+) -> Pattern:
     """Return a pattern, however it is stated.
 
     Parameters
     ----------
     stated
-        The pattern itself, the name of an example with its size, such as ``"miura:4x6"``, or a FOLD file.
+        The pattern itself, the name of an example with its size, such as ``"miura:4x6"``, a FOLD file, or what one
+        holds as a dict.
     name
         Of the argument, for what is said of a wrong one.
 
@@ -156,6 +163,8 @@ def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> 
         return examples.pattern(stated)
     if isinstance(stated, str | PathLike):
         return read_pattern(Path(stated))
+    if isinstance(stated, Mapping):
+        return frame_pattern(frame_of(stated))
     check_type(name, stated, Pattern)
     return stated
 

@@ -8,6 +8,7 @@ programs add keys with a namespace).  Vertices, edges and frames are numbered fr
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -241,6 +242,21 @@ def parse_fold(
         )
         frames = [replace(one, notes=(*one.notes, others)) for one in frames]
     return tuple(frames)
+
+
+def frame_of(data: Mapping[str, Any]) -> Frame:
+    """Read the first frame with geometry of FOLD data that are held as a dict; arrays may be those of NumPy.
+
+    Raises
+    ------
+    FoldFileError
+        If it holds what JSON does not, or as `parse_fold`.
+    """
+    try:
+        text = json.dumps(dict(data), default=lambda array: array.tolist())
+    except (AttributeError, TypeError, ValueError, RecursionError) as error:
+        raise FoldFileError(f"FOLD dict: {error}: give lists, numbers, strings") from None
+    return parse_fold(text, "first")[0]
 
 
 def _inherited(raw: list[Any]) -> list[dict[str, Any]]:

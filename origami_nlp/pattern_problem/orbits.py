@@ -188,7 +188,7 @@ class Orbits:
             made = ContactPair("edge-edge", (i, j), (p, q, r, s), sign)
             return (made.facets, made.corners, sign), made
         sign *= self._sign(i, four[1:])
-        corners = (four[0], *self._triangles[i])
+        corners: Any = (four[0], *self._triangles[i])
         if touch.type == "vertex-face":
             made = ContactPair("vertex-face", (i, j), corners, sign)
             return (made.facets, made.corners, sign), made
@@ -196,7 +196,7 @@ class Orbits:
         if k >= 0:
             turn, shift = self._moves[k, touch.facets[1]]
             points = {name: turn @ point + shift for name, point in points.items()}
-        places = {name: tuple(point.tolist()) for name, point in points.items()}
+        places: dict[str, Any] = {name: tuple(point.tolist()) for name, point in points.items()}
         made = replace(touch, facets=(i, j), corners=corners, sign=sign, **places)
         at = (points["place"].round(DIGITS) + 0.0).tolist()
         return (made.facets, made.corners, *at, sign), made

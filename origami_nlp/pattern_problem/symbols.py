@@ -163,7 +163,7 @@ class Symbols:
             normal, off = ca.cross(b - a, f - e), e - a
         else:
             b, c, d = (self._corner(i) for i in touch.corners[1:])
-            flat = isinstance(touch, CoplanarContact)
-            of = ca.SX(ca.DM(np.array(touch.place))) if flat else self._corner(touch.corners[0])
+            on = touch.place if isinstance(touch, CoplanarContact) else None
+            of = self._corner(touch.corners[0]) if on is None else ca.SX(ca.DM(np.array(on)))
             normal, off = ca.cross(c - b, d - b), seen(of) - b
         return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)

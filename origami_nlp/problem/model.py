@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -345,9 +346,9 @@ class Model(PosedProblem):
         """Name the facets and creases that touch in a contact that is closed at x [n]."""
         return contact_words(self, contact, lambda: self.rays(x))
 
-    def margin(self, contact: Contact, x: np.ndarray) -> float | None:
-        """None: which contacts meet inside each other is what `closed` says."""
-        return None
+    def margin(self, contact: Contact, x: np.ndarray) -> float:
+        """inf: which contacts meet inside each other is what `closed` says."""
+        return math.inf
 
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce) -> tuple[Contact, ...]:
         """Guess which contacts an answer x [n] of a solver closes: slack smaller than force, or both tiny.

@@ -23,9 +23,10 @@ class Problem(Protocol):
     `redundant` its rows depend on each other as a rule.
     """
 
-    multiplicity: np.ndarray
     scale: float
 
+    @property
+    def multiplicity(self) -> np.ndarray: ...  # noqa: D102
     @property
     def parameters(self) -> Parameters: ...  # noqa: D102
     @property
@@ -54,10 +55,9 @@ class Problem(Protocol):
     def every_gap(self) -> tuple[Contact, ...]: ...  # noqa: D102
     @property
     def gaps(self) -> tuple[Contact, ...]: ...  # noqa: D102
-    @property
-    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]: ...  # noqa: D102
 
     def expand(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def reduce(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def energy(self, x: np.ndarray) -> float: ...  # noqa: D102
     def energies(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> float: ...  # noqa: D102
@@ -98,15 +98,13 @@ class Problem(Protocol):
     def name(self, contact: Contact) -> str: ...  # noqa: D102
     def weight(self, contact: Contact) -> float: ...  # noqa: D102
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
-    def margin(self, contact: Contact, x: np.ndarray) -> float | None: ...  # noqa: D102
+    def margin(self, contact: Contact, x: np.ndarray) -> float: ...  # noqa: D102
     def guess(  # noqa: D102
         self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
     ) -> tuple[Contact, ...]: ...
     def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
     def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102
-    def varied(  # noqa: D102
-        self, parameters: Parameters, sector_angles: np.ndarray | None = None
-    ) -> Any: ...
+    def varied(self, parameters: Parameters) -> Any: ...  # noqa: D102
     def drift(  # noqa: D102
         self,
         x: np.ndarray,

@@ -42,7 +42,7 @@ def test_the_barrier_of_a_yoshimura(tmp_path):
     out = tmp_path / "barriers.json"
     done = run("barriers", "yoshimura:2x2", "-o", out)
     assert done.code == 0 and "at most" in done.out
-    found = o.load(out)
+    found = o.read_result(out)
     (p,) = found.passes
     flat = float(found.result.pattern.energy(np.zeros(found.result.pattern.creases)))
     assert 0.372453 < p.energy <= flat * (1 + 1e-12) and not p.is_lowest

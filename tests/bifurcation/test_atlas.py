@@ -320,7 +320,7 @@ def test_the_number_of_minima_changes_only_at_events(seed):
 
 def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
     o.save(atlas, tmp_path / "atlas.json")
-    back = o.load(tmp_path / "atlas.json")
+    back = o.read_result(tmp_path / "atlas.json")
     assert back.to_dict() == atlas.to_dict() and back.events == atlas.events
     assert back.intervals == atlas.intervals
     assert len(draw_atlas(back).axes) == len(draw_atlas(atlas).axes)

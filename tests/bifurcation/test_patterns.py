@@ -79,7 +79,7 @@ def test_angles_of_a_miura_are_those_of_its_closed_form(tmp_path):
             reported += 1
     assert reported == 4
     atlas.save(tmp_path / "a.json")
-    back = o.load(tmp_path / "a.json")
+    back = o.read_result(tmp_path / "a.json")
     assert back.to_dict() == atlas.to_dict() and back.family.example == "miura:2x3"
     frames = atlas.to_fold()["file_frames"]
     assert len(frames) == sum(len(b.points) for b in atlas.branches)

@@ -25,6 +25,7 @@ from origami_nlp.chart import (
 )
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.kkt import State
+from origami_nlp.problem import Model
 from tests.computed_once import PANELS, panel_boundary, thinned
 from tests.independent.arcs import nearest_touch
 
@@ -74,7 +75,7 @@ def test_lines_are_where_admissibility_ends(name):
 
 @pytest.mark.parametrize("name", ["pi/4", "octagon"])
 def test_corners_met_by_newton_are_where_bisection_ends(monkeypatch, name):
-    model, line = o.Model(SCENES[name]), max(boundary(name).lines, key=lambda line: line.length)
+    model, line = Model(SCENES[name]), max(boundary(name).lines, key=lambda line: line.length)
     middle = model.reduce(line.fold_angles[len(line.s) // 2])
     held = State(model, middle).on(line.rows)
     met = boundary_walk.walk(held)

@@ -11,19 +11,19 @@ import pytest
 import typer
 
 from origami_nlp import (
-    Model,
     Scene,
     Vertex,
     examples,
     find_bifurcation_set,
     find_minima,
     follow,
-    load,
     load_path,
+    read_result,
 )
 from origami_nlp.cli import app
 from origami_nlp.cli.timed import ENDED, bounded
 from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
 
@@ -146,7 +146,7 @@ def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path,
     else:
         states = [p for b in data["branches"] for p in b["points"]]
         assert 5 < len(states) <= 12
-        assert load(out).interrupted
+        assert read_result(out).interrupted
 
 
 def test_states_of_a_path_that_was_cut_are_those_of_the_whole_one(monkeypatch):

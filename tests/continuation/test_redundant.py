@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from origami_nlp.continuation.redundant import RedundantSystem, system_at
 from scipy.linalg import null_space
 
 import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
-from origami_nlp.continuation.redundant import RedundantSystem, system_at
 from origami_nlp.continuation.system import Hold
 from origami_nlp.loading import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque

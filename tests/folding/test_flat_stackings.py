@@ -9,7 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex
+from origami_nlp import Scene, Vertex
+from origami_nlp.problem import Model
 from tests.independent.flat_stackings import assignments
 
 VERTICES = {

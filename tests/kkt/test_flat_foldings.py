@@ -8,8 +8,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify
+from origami_nlp import Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
+from origami_nlp.problem import Model
 from tests.independent.sheet import PatternProblem
 from tests.independent.stands import judge
 

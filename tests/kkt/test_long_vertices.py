@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
+from origami_nlp import Scene, State, Vertex, examples, find_minima
 from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
-from origami_nlp.problem import Contact
+from origami_nlp.problem import Contact, Model
 from tests.computed_once import panel_result
 from tests.independent.rotations import about
 

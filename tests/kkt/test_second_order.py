@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.optimize import nnls
 
-from origami_nlp import Model, Scene, State, Vertex, classify, find_minima
+from origami_nlp import Scene, State, Vertex, classify, find_minima
 from origami_nlp.kkt.second_order import (
     extreme_rays,
     generators,
     has_no_level_direction,
     level_directions,
 )
+from origami_nlp.problem import Model
 from tests.independent.rotations import project
 
 

@@ -6,9 +6,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify
+from origami_nlp import Scene, State, Vertex, classify
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge, list_branches
+from origami_nlp.problem import Model
 from tests.independent.rigid import Rigid
 from tests.independent.trigonometry import quadrilateral
 from tests.patterns import grid, metasheet, wheel

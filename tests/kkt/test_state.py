@@ -9,10 +9,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify, examples
+from origami_nlp import Scene, State, Vertex, classify, examples
 from origami_nlp.kkt import newton, project
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact, Problem
+from origami_nlp.problem import Contact, Model, Problem
 from tests.computed_once import panel_result, states
 from tests.patterns import strip, wheel
 

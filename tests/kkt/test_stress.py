@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from origami_nlp import Model, Scene, Vertex
+from origami_nlp import Scene, Vertex
 from origami_nlp.kkt import State, find_stress, project
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import descend, judge
+from origami_nlp.problem import Model
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6

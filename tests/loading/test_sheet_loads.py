@@ -380,7 +380,7 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     pattern, start = folded_miura(3, 3)
     path = o.load_path(pattern, [1, 2], to=1.0, state=start)
     o.save(path, tmp_path / "load.json")
-    back = o.load(tmp_path / "load.json")
+    back = o.read_result(tmp_path / "load.json")
     assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)

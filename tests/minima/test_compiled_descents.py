@@ -12,14 +12,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
 from origami_nlp.minima import compiled
 from origami_nlp.minima.compiled_projection import project_many
 from origami_nlp.minima.descents import Descents
 from origami_nlp.numerics import CLOSURE_TOL, ROUNDED, SWITCH
 from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
-from origami_nlp.problem import OPEN, Contact
+from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="no C compiler, or it is switched off")

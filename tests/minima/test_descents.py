@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
 from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.pattern import Relabelling, canonical_labels
-from origami_nlp.problem import OPEN, Contact, random_strata
+from origami_nlp.problem import OPEN, Contact, Model, random_strata
 from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
 

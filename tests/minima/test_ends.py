@@ -7,13 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify, find_minima
+from origami_nlp import Scene, State, Vertex, classify, find_minima
 from origami_nlp.kkt import Solve, polish
 from origami_nlp.minima import record, search
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import pose
+from origami_nlp.problem import Model
 from origami_nlp.starts import CORNER, Rounds, contact_starts, model_strata, options_of
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds

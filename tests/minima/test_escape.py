@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, find_minima, load
+from origami_nlp import Scene, Vertex, examples, find_minima, read_result
 from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
+from origami_nlp.problem import Model
 from tests.computed_once import panel_result
 from tests.kernels.answers import generic
 
@@ -272,7 +273,7 @@ def test_noise_makes_shallow_states_of_a_waterbomb_and_they_are_told_apart(tmp_p
     assert f"{6 - len(shallow)} stable states, and {len(shallow)} shallow" in words
     assert "survives" in result.table().heads and "<= 0 " not in result.report(verbose=True)
     result.save(tmp_path / "noisy.json")
-    again = load(tmp_path / "noisy.json")
+    again = read_result(tmp_path / "noisy.json")
     assert [m.escape for m in again.minima] == [m.escape for m in result.minima]
     assert [m.survival for m in again.minima] == [m.survival for m in result.minima]
 

@@ -265,7 +265,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     file = tmp_path / "found.json"
     code, out, err = run("minima", "metasheet:3x3", "-o", file)
     assert code == 130 and "interrupted" in err and f"written: {file}" in out
-    again = o.load(file)
+    again = o.read_result(file)
     assert again.search.interrupted and len(again.minima) == len(found.minima)
 
 

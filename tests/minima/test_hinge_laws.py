@@ -32,7 +32,7 @@ from origami_nlp.pattern import (
     table,
     well,
 )
-from origami_nlp.problem import compile_structure, pose_apart
+from origami_nlp.problem import Model, compile_structure, pose_apart
 from origami_nlp.starts import OtherWells
 
 EPS = np.finfo(float).eps
@@ -124,7 +124,7 @@ def test_far_origins_and_stiff_hinges_change_no_list():
 def test_casadi_has_the_same_pieces():
     v = Vertex.from_degrees((70, 80, 120, 90))
     laws = (double_well(1.0, 1.0), None, detent(0.3, 6), one_sided(4.0, 1.0))
-    model = o.Model(Scene(v, (1,) * 4, (0.2,) * 4, "none", laws=laws))
+    model = Model(Scene(v, (1,) * 4, (0.2,) * 4, "none", laws=laws))
     functions, own = compile_structure(model.structure), model.parameters.laws
     # the pieces where a state is, and whole laws for solvers that go elsewhere
     whole = pose_apart(model.structure, (), own.laws)
@@ -142,7 +142,7 @@ def test_casadi_has_the_same_pieces():
         assert np.allclose(bent[0], model.parameters.hessian(x), atol=1e-11)
         assert model.energy(x) == pytest.approx(model.scene.energy(x), rel=1e-13)
     # other laws are other numbers of the same functions
-    other = o.Model(replace(model.scene, laws=(detent(1.0, 4), None, *(linear(1.0),) * 2)))
+    other = Model(replace(model.scene, laws=(detent(1.0, 4), None, *(linear(1.0),) * 2)))
     before = compile_structure.cache_info().misses
     assert other.functions is functions and compile_structure.cache_info().misses == before
     assert build_warm(other.structure, (), 1e-7) is build_warm(model.structure, (), 1e-7)
@@ -238,7 +238,7 @@ def test_no_top_of_wells_is_a_minimum():
     for _ in range(30):
         law = double_well(rng.uniform(0.1, 5), rng.uniform(0.3, 2.5))
         scene = Scene(four, (1,) * 4, (0,) * 4, "none", laws=(law,) * 4)
-        at_flat = o.classify(State(o.Model(scene), np.zeros(4)))
+        at_flat = o.classify(State(Model(scene), np.zeros(4)))
         assert at_flat.verdict != "minimum"
         sheet = two.with_laws([law, linear(1.0)])
         assert o.classify(sheet, [0.0, 0.0]).verdict != "minimum"
@@ -282,7 +282,7 @@ def test_files_keep_laws(tmp_path):
     sheet = strip(2).with_laws([laws[0], None])
     result = o.find_minima(sheet)
     o.save(result, tmp_path / "result.json")
-    again = o.load(tmp_path / "result.json")
+    again = o.read_result(tmp_path / "result.json")
     assert again.pattern.laws == sheet.laws
     o.write_fold(result, tmp_path / "states.fold")
     read = o.read_pattern(tmp_path / "states.fold")
@@ -380,7 +380,7 @@ def test_what_does_not_know_laws_says_so():
     loaded = replace(scene, symmetry="none", preload=(0.1,) * 6)
     x = np.linspace(-0.5, 0.6, 6)
     assert loaded.energy(x) == pytest.approx(scene.energy(x) - 0.1 * x.sum())
-    assert o.Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
+    assert Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
 
 
 def test_symmetric_minima_with_laws():
@@ -391,7 +391,7 @@ def test_symmetric_minima_with_laws():
     )
     assert scene.group.name != "none"
     kept = o.find_minima(scene, escape=False)
-    whole = o.Model(replace(scene, symmetry="none"))
+    whole = Model(replace(scene, symmetry="none"))
     again = [o.classify(State(whole, np.array(m.fold_angles))).verdict for m in kept.minima]
     assert "minimum" in again and "undecided" not in again
     with pytest.raises(o.OrigamiError, match="not shared"):

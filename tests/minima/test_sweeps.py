@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex
+from origami_nlp import Scene, Vertex
 from origami_nlp.minima import descents as descents_module
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.recursive_newton import sweep
-from origami_nlp.problem import random_strata
+from origami_nlp.problem import Model, random_strata
 from origami_nlp.starts import Samples
 
 

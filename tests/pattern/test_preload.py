@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from origami_nlp import (
-    Model,
     Scene,
     Vertex,
     examples,
@@ -20,6 +19,7 @@ from origami_nlp import (
 )
 from origami_nlp.errors import FoldFileError, SceneError, SymmetryError
 from origami_nlp.pattern import PRELOAD_KEY, canonical_labels, scene_from_dict, scene_to_dict
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.sweep import parse_sweep
 

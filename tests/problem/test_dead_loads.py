@@ -9,7 +9,6 @@ import pytest
 
 from origami_nlp import (
     Load,
-    Model,
     Scene,
     Vertex,
     find_barriers,
@@ -20,6 +19,7 @@ from origami_nlp import (
 )
 from origami_nlp.errors import OptionError, SceneError, SceneFileError, SymmetryError
 from origami_nlp.kkt import project
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from tests.independent.rotations import fold
 

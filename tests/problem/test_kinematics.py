@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex
-from origami_nlp.problem import OPEN, Kinematics
+from origami_nlp import Scene, Vertex
+from origami_nlp.problem import OPEN, Kinematics, Model
 
 ROUNDING = 2e-13  # third derivatives of products of up to 16 turns, over sines of sectors
 

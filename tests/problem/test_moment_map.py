@@ -6,8 +6,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex
-from origami_nlp.problem import Kinematics, MomentMap, compile_structure, kinematics
+from origami_nlp import Scene, Vertex
+from origami_nlp.problem import Kinematics, Model, MomentMap, compile_structure, kinematics
 
 
 def draw(n, seed=0, *, contact="fold-limits", flat=True):

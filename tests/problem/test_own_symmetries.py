@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex
+from origami_nlp import Scene, Vertex
 from origami_nlp.kkt import project
+from origami_nlp.problem import Model
 
 h = math.pi / 2
 SCENES = {

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 
-from origami_nlp import Model, Scene, Vertex, examples
-from origami_nlp.problem import Kinematics
+from origami_nlp import Scene, Vertex, examples
+from origami_nlp.problem import Kinematics, Model
 
 KAWASAKI, CROSS, SIXTY = (60, 80, 120, 100), (90,) * 4, (60,) * 6
 PAIRS, TWIST = (50, 60, 70, 110, 70), (90, 45, 90, 135)

@@ -7,7 +7,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, examples
+from origami_nlp import Scene, examples
+from origami_nlp.problem import Model
 from origami_nlp.proof import isolated
 from origami_nlp.proof.blow_up import Site, rows_of
 from tests.proof.fifty_digits import multiply

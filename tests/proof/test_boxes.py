@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from benchmarks import family_scene
-from origami_nlp import Model, find_minima
+from origami_nlp import find_minima
 from origami_nlp.pattern import examples
-from origami_nlp.problem import random_strata
+from origami_nlp.problem import Model, random_strata
 from origami_nlp.proof import prove
 from origami_nlp.proof.boxes import joined, prune, strata
 from origami_nlp.proof.complete import pose

@@ -8,8 +8,9 @@ import pytest
 from mpmath import mp, mpf
 
 from benchmarks import family_scene
-from origami_nlp import Model, Scene, find_minima
+from origami_nlp import Scene, find_minima
 from origami_nlp.pattern import Vertex, examples
+from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions, prove
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose

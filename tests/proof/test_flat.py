@@ -7,8 +7,9 @@ import pytest
 from mpmath import mp, mpf
 
 from benchmarks import family_scene
-from origami_nlp import Model, Scene
+from origami_nlp import Scene
 from origami_nlp.pattern import Vertex
+from origami_nlp.problem import Model
 from origami_nlp.proof import chains, prove
 from origami_nlp.proof.flat import ClosedDirections, flat_lemma, no_minimum
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion

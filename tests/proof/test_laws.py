@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Model, Scene, Vertex, examples
+from origami_nlp import Scene, Vertex, examples
 from origami_nlp.pattern import (
     HingeLaw,
     detent,
@@ -25,6 +25,7 @@ from origami_nlp.pattern import (
     table,
     well,
 )
+from origami_nlp.problem import Model
 from origami_nlp.proof import (
     certificate_from_dict,
     certificate_of,

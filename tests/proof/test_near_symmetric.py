@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from origami_nlp import Model, Scene, Vertex, find_minima
+from origami_nlp import Scene, Vertex, find_minima
+from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose

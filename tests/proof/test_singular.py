@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples
+from origami_nlp import Scene, Vertex, examples
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.problem import Kinematics
+from origami_nlp.problem import Kinematics, Model
 from origami_nlp.proof import isolated, pose, prove
 from origami_nlp.proof.blow_up import Site
 from origami_nlp.proof.singular import RADII

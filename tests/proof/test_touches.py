@@ -8,8 +8,9 @@ import pytest
 from mpmath import mp, mpf
 
 from benchmarks import family_scene
-from origami_nlp import Model, Scene, State, classify, find_minima
+from origami_nlp import Scene, State, classify, find_minima
 from origami_nlp.pattern import Vertex, examples
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.affine import variables
 from origami_nlp.proof.angles import Angles

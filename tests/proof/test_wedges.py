@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from origami_nlp import Model, Scene
+from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.problem import Kinematics, random_strata
+from origami_nlp.problem import Kinematics, Model, random_strata
 from origami_nlp.proof.affine import variables
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.complete import pose

@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, Vertex, examples, starts
+from origami_nlp import Scene, Vertex, examples, starts
 from origami_nlp.folding import fold_vertex
 from origami_nlp.pattern import double_well, linear, polynomial
 from origami_nlp.pattern_problem import PatternProblem, find_labels
+from origami_nlp.problem import Model
 
 SECTORS = (50.0, 75.0, 40.0, 65.0, 80.0, 50.0)
 SCENE = Scene(

@@ -6,9 +6,9 @@ import time
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, find_minima
+from origami_nlp import Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
-from origami_nlp.problem import MomentMap
+from origami_nlp.problem import Model, MomentMap
 from origami_nlp.starts.moments import Moments, find_zeros
 
 

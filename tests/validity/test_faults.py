@@ -354,7 +354,7 @@ def test_results_print_save_and_load(flat, tmp_path):
     seen = o.check(bad)
     path = tmp_path / "seen.json"
     seen.save(path)
-    again = o.load(path)
+    again = o.read_result(path)
     assert again.faults == seen.faults and again.verdict == "faults"
     assert json.loads(path.read_text())["verdict"] == "faults"
     assert len(seen.to_frame()) == len(seen.faults) and "faults" in str(seen)

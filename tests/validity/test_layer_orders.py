@@ -101,7 +101,7 @@ def test_orders_are_written_as_frames_that_a_check_accepts(tmp_path):
     assert o.layer_orders("miura:2x2").to_frame().empty
     path = tmp_path / "orders.json"
     found.save(path)
-    again = o.load(path)
+    again = o.read_result(path)
     assert (again.count, again.components) == (found.count, found.components)
 
 
