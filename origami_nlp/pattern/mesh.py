@@ -1,0 +1,99 @@
+"""A pattern of a mesh: points, the facets that they bound, and which sides of these are creases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern.fold_file import frame_of
+from origami_nlp.pattern.pattern_file import frame_pattern
+from origami_nlp.pattern.polygons import sides_of
+from origami_nlp.pattern.sheet import Pattern
+
+Side = tuple[int, int]
+
+
+def from_mesh(
+    vertices: Sequence[Sequence[float]] | np.ndarray,
+    faces: Sequence[Sequence[int]],
+    assignment: Mapping[Side, str] | str = "U",
+    *,
+    stiffness: float | Sequence[float] | np.ndarray = 1.0,
+    rest_angles: float | Sequence[float] | np.ndarray = math.pi,
+) -> Pattern:
+    """Make a pattern of a mesh: every side that two faces share is a crease.
+
+    Parameters
+    ----------
+    vertices
+        [V, 2] of a flat sheet, or [V, 3]; points out of one plane are those of a folded form, which is measured.
+    faces
+        Vertices of each, from 0, all of one sense; counter-clockwise where the sheet is flat.
+    assignment
+        Of a side, by its two vertices, the letter of FOLD: ``"M"``, ``"V"``, ``"U"``, ``"F"`` (no crease),
+        ``"C"`` (a cut).  Sides that are not named are ``"U"``; or one letter for all.
+    stiffness
+        Of each crease [N m/rad], in the order of the creases of the pattern (by their vertices), or one for all.
+    rest_angles
+        Likewise [rad].  One for all is a size: valleys rest at it, mountains at less it, others flat.
+
+    Returns
+    -------
+    Pattern
+        `Pattern.ends` has the vertices of each crease.
+
+    Raises
+    ------
+    FoldFileError
+        If the faces are no sheet of rigid facets.
+    OptionError, AngleError
+        If there are not as many numbers as creases, or a side of `assignment` is none of the mesh.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> square = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5)]
+    >>> faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    >>> letters = {(0, 4): "M", (1, 4): "V", (2, 4): "M", (3, 4): "M"}
+    >>> pattern = o.from_mesh(square, faces, letters, stiffness=2.0, rest_angles=1.5)
+    >>> pattern.stiffness.tolist(), pattern.rest.tolist()
+    ([2.0, 2.0, 2.0, 2.0], [-1.5, 1.5, -1.5, -1.5])
+    """
+    sides = sides_of([tuple(map(int, f)) for f in faces])
+    letter = {s: "U" if len(around) > 1 else "B" for s, around in sides.items()}
+    if isinstance(assignment, str):
+        letter = {s: assignment if known == "U" else known for s, known in letter.items()}
+    else:
+        for (a, b), stated in assignment.items():
+            if (min(a, b), max(a, b)) not in sides:
+                raise OptionError(
+                    f"assignment[{(a, b)}]: vertices {a} and {b} are no side of a face"
+                )
+            letter[min(a, b), max(a, b)] = stated
+    points = np.asarray(vertices, float)
+    flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
+    edges = sorted(letter)
+    known: dict[str, Any] = {
+        "vertices_coords": points.tolist(),
+        "faces_vertices": [list(map(int, f)) for f in faces],
+        "edges_vertices": [list(e) for e in edges],
+        "edges_assignment": [letter[e] for e in edges],
+        "frame_classes": ["creasePattern" if flat else "foldedForm"],
+    }
+    size = float(rest_angles) if np.ndim(rest_angles) == 0 else math.pi  # type: ignore[arg-type]
+    k = float(stiffness) if np.ndim(stiffness) == 0 else 1.0  # type: ignore[arg-type]
+    made = frame_pattern(frame_of(known), stiffness=k, rest_angle=size, rest_from="file")
+    if np.ndim(rest_angles):
+        made = replace(made, rest=check_angles("rest_angles", rest_angles, made.creases, one=True))
+    if np.ndim(stiffness):
+        each = np.asarray(stiffness, float)
+        if each.shape != (made.creases,) or not (each > 0).all():
+            raise OptionError(f"stiffness = {shown(stiffness)} must be {made.creases} numbers > 0")
+        made = replace(made, stiffness=each)
+    return made
