@@ -32,7 +32,7 @@ OVER = (1e-5, 1e-4, 1e-3)
 rest at a certified minimum."""
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
-WALL = ("refused", "singular", "touches")
+WALL = ("refused", "singular", "touches", "closes")
 """Where nothing is known of what lies beyond."""
 
 
@@ -147,11 +147,7 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
         return "range"
     if found.type in (LATE, *web.stops):
         return found.type
-    if (
-        found.type in WALL
-        or (found.type == "slides" and not found.located)
-        or found.type == "closes"
-    ):
+    if found.type in WALL or (found.type == "slides" and not found.located):
         return f"stopped: {found.why or 'closure or contacts lose rank'}"
     return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"
 
