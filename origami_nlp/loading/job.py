@@ -88,7 +88,7 @@ class Fall(NamedTuple):
 
 
 @dataclass
-class Record:
+class PathRecord:
     """What was followed of one load path.
 
     jobs: spaces, or stages of hinges that yield, in which something was.
@@ -114,11 +114,11 @@ class FollowedLoad:
         steps: ContinuationOptions | None,
         until: float,
         hinges: Any = None,
-        record: Record | None = None,
+        record: PathRecord | None = None,
     ) -> None:
         self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
         self._given, self.root = (low, high, full, steps, until), self
-        self.record = record or Record([] if hinges else [self])
+        self.record = record or PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
