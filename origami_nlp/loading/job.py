@@ -33,10 +33,10 @@ from origami_nlp.continuation import (
     find_one_sided_branches,
     is_equilibrium,
 )
-from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.errors import OUT_OF_TIME, OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.confirming import confirm
-from origami_nlp.loading.driver import IDENTITY, Driver, LoadSearch, image_of, kept_by
+from origami_nlp.loading.driver import IDENTITY, Driver, Search, image_of, kept_by
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
@@ -148,11 +148,6 @@ class FollowedLoad:
     def stage(self, hinges: Any) -> FollowedLoad:
         """Return a stage of a path with hinges that yield."""
         return FollowedLoad(self.driver, *self._given, hinges, self.record)
-
-    @property
-    def beyond(self) -> FollowedLoad:
-        """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
-        return self.keeping(IDENTITY)
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -281,8 +276,9 @@ class FollowedLoad:
             return self, node
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
         if way.why == "breaks-symmetry" or flat:
-            phi = self.beyond.problem.reduce(self.problem.expand(node.point[:-1]))
-            return self.beyond, replace(node, point=np.append(phi, node.s))
+            into = self.keeping(IDENTITY)
+            phi = into.problem.reduce(self.problem.expand(node.point[:-1]))
+            return into, replace(node, point=np.append(phi, node.s))
         return None
 
     def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
@@ -321,7 +317,7 @@ class FollowedLoad:
         problem: Any = (self.root._full or self.web.line).at(t)
         return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
 
-    def path(self, state: int, search: LoadSearch | None) -> LoadPath:
+    def path(self, state: int, search: Search | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes.
 
         Of hinges that yield other states than those of the path belong to no path.
@@ -406,7 +402,7 @@ class FollowedLoad:
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
     def _snap(
-        self, k: int, events: Sequence[PathEvent], search: LoadSearch | None, again: float | None
+        self, k: int, events: Sequence[PathEvent], search: Search | None, again: float | None
     ) -> Snap:
         job, way, _, into, landed, s, what = self.record.falls[k]
         found = job.web.nodes[way.node]
@@ -467,12 +463,13 @@ class FollowedLoad:
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
-    def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
+    def _confirmed(self, k: int, search: Search) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
         job, way, toward, into, landed, s, _ = self.record.falls[k]
         both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
-        found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
-        if search.cut:
+        try:
+            return confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
+        except OutOfTime:
             self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
-        return found
+            return None
