@@ -27,6 +27,7 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import CLOSURE_TOL, EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.starts import BATCH, Projected
 
@@ -103,8 +104,9 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
 
 
 def _solved(model: Model, start: np.ndarray) -> tuple[Any, Any]:
-    state = polish(model, solve_without_crossing(model, start, Record(model)))
-    return state, classify(State(model, state.x), polished=state.converged)
+    problem = pose(model.scene)
+    state = polish(model, solve_without_crossing(model, start, Record(problem)))
+    return state, classify(State(problem, state.x), polished=state.converged)
 
 
 def flat_starts() -> Iterator[Outcome]:

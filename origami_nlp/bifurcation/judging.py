@@ -14,6 +14,7 @@ from origami_nlp.continuation import (
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
+    GeometryLine,
     Hold,
     ParameterLine,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.continuation import BifurcationDiagram
-from origami_nlp.loading.driver import Driver, LoadSearch
+from origami_nlp.loading.driver import Driver, Search
 from origami_nlp.loading.records import ConfirmedSnap
 from origami_nlp.loading.stable_path import StableSegment, walk
 from origami_nlp.numerics import SETTLED
@@ -19,9 +19,9 @@ def confirm(
     led: tuple[BifurcationDiagram, StableSegment],
     landed: tuple[BifurcationDiagram, np.ndarray, float],
     toward: float,
-    search: LoadSearch,
+    search: Search,
 ) -> ConfirmedSnap | None:
-    """Search on both sides of a snap for the states that a path has there; None where that cannot be, or was cut.
+    """Search on both sides of a snap for the states that a path has there; None where that cannot be.
 
     led: the way to the snap, in its diagram.  landed: the state after it, known at a load.
     """
@@ -37,9 +37,9 @@ def confirm(
     minima, known = [], []
     for load, state in ((t, before), (beyond, after)):
         origami = driver.at(load)
-        found = [] if origami is None else [m.phi for m in search.minima(origami)]
-        if origami is None or search.cut:
+        if origami is None:
             return None
+        found = [m.phi for m in search(origami)]
         minima.append(len(found))
         known.append(state is not None and any(np.abs(x - state).max() <= SETTLED for x in found))
     return ConfirmedSnap((t, beyond), (minima[0], minima[1]), (known[0], known[1]))

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
@@ -26,36 +26,29 @@ STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
+Search: TypeAlias = Callable[[Scene | Pattern], tuple[JudgedState, ...]]
+"""Returns the minima of an origami, or raises `OutOfTime`."""
 
 
-@dataclass(eq=False)
-class LoadSearch:
-    """Searches for stable states with what is left of the time.
+def search_minima(
+    options: dict[str, Any], until: float, origami: Scene | Pattern
+) -> tuple[JudgedState, ...]:
+    """Return the minima of an origami, by a search with some options.
 
-    Attributes
-    ----------
-    options
-        Of `find_minima`.
-    until
-        Value of `time.monotonic` at which the time is over.
-    cut
-        Whether the last one ended for it.
+    Raises
+    ------
+    OutOfTime
+        If `time.monotonic` comes to `until` before it is through.
     """
-
-    options: dict[str, Any]
-    until: float
-    cut: bool = False
-
-    def minima(self, origami: Scene | Pattern) -> tuple[JudgedState, ...]:
-        """Return the minima of an origami."""
-        left = None if self.until == math.inf else max(self.until - time.monotonic(), 0.0)
-        asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **self.options}
-        if isinstance(origami, Scene):
-            result = find_minima(origami, full=False, **asked)
-        else:
-            result = find_states(origami, **asked)
-        self.cut = result.search.stopped_by == "time"
-        return tuple(result.minima)
+    left = None if until == math.inf else max(until - time.monotonic(), 0.0)
+    asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **options}
+    if isinstance(origami, Scene):
+        result = find_minima(origami, full=False, **asked)
+    else:
+        result = find_states(origami, **asked)
+    if result.search.stopped_by == "time":
+        raise OutOfTime
+    return tuple(result.minima)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +209,7 @@ class Driver:
         rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: LoadSearch) -> tuple[Driver, int, np.ndarray]:
+    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
         The path keeps the winding of its first state.
@@ -224,9 +217,10 @@ class Driver:
         number, driver = 0, self
         if not isinstance(state, JudgedState):
             number = check_whole("state", state, 1)
-            found = search.minima(self.at(0.0))
-            if search.cut:
-                raise OptionError(CUT)
+            try:
+                found = search(self.at(0.0))
+            except OutOfTime:
+                raise OptionError(CUT) from None
             if not found:
                 raise OptionError("no stable state was found at load 0")
             state = found[check_whole("state", state, 1, len(found)) - 1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from origami_nlp.arguments import (
     check_flag,
@@ -15,7 +16,7 @@ from origami_nlp.arguments import (
 )
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
-from origami_nlp.loading.driver import IDENTITY, LoadSearch, driver_of
+from origami_nlp.loading.driver import IDENTITY, driver_of, search_minima
 from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yielding import YieldingHinges, go_yielding
@@ -119,7 +120,8 @@ def load_path(
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
-    search = LoadSearch(asked, check_until(seconds))
+    until = check_until(seconds)
+    search = partial(search_minima, asked, until)
     driver, number, x = driver.begin(state, search)
     hinges = None
     if yield_torque is not None:
@@ -127,7 +129,7 @@ def load_path(
         hinges = YieldingHinges.of(driver, yield_torque, x, number)
         driver, full, confirm = driver.keeping(IDENTITY), False, False
     low, high = min(0.0, *ends), max(0.0, *ends)
-    job = FollowedLoad(driver, low, high, full, options, search.until, hinges)
+    job = FollowedLoad(driver, low, high, full, options, until, hinges)
     try:
         for end in ends:
             if hinges:

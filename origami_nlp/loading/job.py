@@ -28,15 +28,16 @@ from origami_nlp.continuation import (
     ContinuationOptions,
     Equilibrium,
     EquilibriumCurve,
+    GeometryLine,
     ParameterLine,
     SpecialPoint,
     find_one_sided_branches,
     is_equilibrium,
 )
-from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.errors import OUT_OF_TIME, OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.confirming import confirm
-from origami_nlp.loading.driver import IDENTITY, Driver, LoadSearch, image_of, kept_by
+from origami_nlp.loading.driver import IDENTITY, Driver, Search, image_of, kept_by
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
@@ -88,7 +89,7 @@ class Fall(NamedTuple):
 
 
 @dataclass
-class Record:
+class PathRecord:
     """What was followed of one load path.
 
     jobs: spaces, or stages of hinges that yield, in which something was.
@@ -114,11 +115,11 @@ class FollowedLoad:
         steps: ContinuationOptions | None,
         until: float,
         hinges: Any = None,
-        record: Record | None = None,
+        record: PathRecord | None = None,
     ) -> None:
         self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
         self._given, self.root = (low, high, full, steps, until), self
-        self.record = record or Record([] if hinges else [self])
+        self.record = record or PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         self._full = driver.keeping(IDENTITY).line() if symmetric else None
         self._known, self._touching = dict[Equilibrium, float](), Touching()
@@ -148,11 +149,6 @@ class FollowedLoad:
     def stage(self, hinges: Any) -> FollowedLoad:
         """Return a stage of a path with hinges that yield."""
         return FollowedLoad(self.driver, *self._given, hinges, self.record)
-
-    @property
-    def beyond(self) -> FollowedLoad:
-        """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
-        return self.keeping(IDENTITY)
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -280,8 +276,9 @@ class FollowedLoad:
             return self, node
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
         if way.why == "breaks-symmetry" or flat:
-            phi = self.beyond.problem.reduce(self.problem.expand(node.point[:-1]))
-            return self.beyond, replace(node, point=np.append(phi, node.s))
+            into = self.keeping(IDENTITY)
+            phi = into.problem.reduce(self.problem.expand(node.point[:-1]))
+            return into, replace(node, point=np.append(phi, node.s))
         return None
 
     def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
@@ -320,7 +317,7 @@ class FollowedLoad:
         problem: Any = (self.root._full or self.web.line).at(t)
         return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
 
-    def path(self, state: int, search: LoadSearch | None) -> LoadPath:
+    def path(self, state: int, search: Search | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes.
 
         Of hinges that yield other states than those of the path belong to no path.
@@ -405,7 +402,7 @@ class FollowedLoad:
         return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
 
     def _snap(
-        self, k: int, events: Sequence[PathEvent], search: LoadSearch | None, again: float | None
+        self, k: int, events: Sequence[PathEvent], search: Search | None, again: float | None
     ) -> Snap:
         job, way, _, into, landed, s, what = self.record.falls[k]
         found = job.web.nodes[way.node]
@@ -432,7 +429,7 @@ class FollowedLoad:
             None if search is None else self._confirmed(k, search),
         )
 
-    def _stable_end(self, of: ParameterLine, node: SpecialPoint) -> float | None:
+    def _stable_end(self, of: ParameterLine | GeometryLine, node: SpecialPoint) -> float | None:
         """Return the load at which stable states of more symmetry end at a node of a space of less."""
         if self._full is None:
             return None
@@ -466,12 +463,13 @@ class FollowedLoad:
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
-    def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
+    def _confirmed(self, k: int, search: Search) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
         job, way, toward, into, landed, s, _ = self.record.falls[k]
         both = set(job.driver.elements) & set(into.driver.elements)
         wider = job if job is into else job.keeping(tuple(sorted(both)))
-        found = confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
-        if search.cut:
+        try:
+            return confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
+        except OutOfTime:
             self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
-        return found
+            return None

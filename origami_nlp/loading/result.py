@@ -227,7 +227,18 @@ class LoadPath(Report, Viewable):
         return self.driver.coordinate.replace("[rad]", "[deg]")
 
     def shown(self, value: Any) -> Any:
-        """Return what the load works on, as it is shown."""
+        """Return what the load works on, as it is shown.
+
+        Parameters
+        ----------
+        value
+            In radians, where it is an angle, or m.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            In degrees, where it is an angle.
+        """
         return np.degrees(value) + 0.0 if self.is_angle else value
 
     def _place(self, *values: float) -> str:

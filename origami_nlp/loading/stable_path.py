@@ -13,6 +13,7 @@ from origami_nlp.continuation import (
     LATE,
     BifurcationDiagram,
     Equilibrium,
+    GeometryLine,
     ParameterLine,
     SpecialPoint,
 )
@@ -32,7 +33,7 @@ OVER = (1e-5, 1e-4, 1e-3)
 rest at a certified minimum."""
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
-WALL = ("refused", "singular", "touches")
+WALL = ("refused", "singular", "touches", "closes")
 """Where nothing is known of what lies beyond."""
 
 
@@ -147,11 +148,7 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
         return "range"
     if found.type in (LATE, *web.stops):
         return found.type
-    if (
-        found.type in WALL
-        or (found.type == "slides" and not found.located)
-        or found.type == "closes"
-    ):
+    if found.type in WALL or (found.type == "slides" and not found.located):
         return f"stopped: {found.why or 'closure or contacts lose rank'}"
     return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"
 
@@ -211,7 +208,9 @@ def stiffness_at(frame: Equilibrium, root: np.ndarray, driver: Driver) -> float:
 
 
 def restabilises(
-    web: BifurcationDiagram, node: int, ends: Callable[[ParameterLine, SpecialPoint], float | None]
+    web: BifurcationDiagram,
+    node: int,
+    ends: Callable[[ParameterLine | GeometryLine, SpecialPoint], float | None],
 ) -> float | None:
     """Return the load at which the unstable states that begin at a snap become stable again.
 

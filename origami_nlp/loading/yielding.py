@@ -9,8 +9,8 @@ plasticity: a hinge yields forwards or its torque falls, not both).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -98,11 +98,8 @@ class YieldingHinges:
 
     def stored(self, phi: np.ndarray) -> np.ndarray:
         """Energy that hinges store at states [..., N] above what they would without having yielded, [...]."""
-        now, before = (
-            energy_with_laws(x, self.stiffness, self.rest, self.laws)
-            for x in (self._elastic(phi), np.asarray(phi))
-        )
-        return now - before
+        given = self.stiffness, self.rest, self.laws
+        return energy_with_laws(self._elastic(phi), *given) - energy_with_laws(phi, *given)
 
     def work(self, phi: np.ndarray) -> float:
         """Plastic work since the stage began, at a state [N]."""
@@ -130,19 +127,17 @@ class YieldingHinges:
         return replace(event, contact=creases_named(which))
 
     @property
-    def events(self) -> list[tuple[str, Callable[[Equilibrium], float]]]:
+    def events(self) -> list[tuple[str, Any]]:
         """Functions of a state that are zero where a hinge begins to yield, or turns back."""
 
-        def room(i: int) -> Callable[[Equilibrium], float]:
-            return lambda f: 1.0 - float((self.torque(f.state)[i] / self.most[i]) ** 2)
-
-        def rate(i: int) -> Callable[[Equilibrium], float]:
-            return lambda f: float(f.tangent[i])
-
-        elastic = np.isfinite(self.most) & ~self.yielding
-        return [(YIELDS, room(i)) for i in np.flatnonzero(elastic).tolist()] + [
-            (HOLDS, rate(i)) for i in np.flatnonzero(self.yielding).tolist()
+        elastic = np.flatnonzero(np.isfinite(self.most) & ~self.yielding).tolist()
+        on = np.flatnonzero(self.yielding).tolist()
+        return [(YIELDS, partial(self._room, i)) for i in elastic] + [
+            (HOLDS, partial(_rate, i)) for i in on
         ]
+
+    def _room(self, i: int, at: Equilibrium) -> float:
+        return 1.0 - float((self.torque(at.state)[i] / self.most[i]) ** 2)
 
     def line(self, driver: Driver) -> ParameterLine:
         """Return the problems over the load in this stage; every crease is a variable."""
@@ -150,9 +145,7 @@ class YieldingHinges:
         p, on = line.start, self.yielding
         held = self.torque(np.zeros(len(on)))
         # of springs preload is part of the rest angle, beside laws it is a load
-        linear = (
-            np.array([law is None for law in self.laws]) if self.laws else np.ones(len(on), bool)
-        )
+        linear = np.array([law is None for law in self.laws or [None] * len(on)])
         torque = np.where(on, np.where(linear, self.preload, 0.0) - held, 0.0) / line.problem.scale
         laws = p.laws
         if laws is not None:
@@ -176,12 +169,14 @@ class YieldingHinges:
         """Return the first crease (1-based) whose law, moved with its rest angle, is not known at a state, or None."""
         angle = self._elastic(phi)
         for i, law in enumerate(self.laws):
-            if (
-                law is not None
-                and not law.breaks[0] - SETTLED <= angle[i] <= law.breaks[-1] + SETTLED
-            ):
+            low, high = (law.breaks[0], law.breaks[-1]) if law else (-np.inf, np.inf)
+            if not low - SETTLED <= angle[i] <= high + SETTLED:
                 return i + 1
         return None
+
+
+def _rate(i: int, at: Equilibrium) -> float:
+    return float(at.tangent[i])
 
 
 def creases_named(which: np.ndarray) -> str:

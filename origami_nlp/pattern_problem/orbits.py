@@ -171,7 +171,8 @@ class Orbits:
 
     def _image(self, touch: ContactPair, k: int) -> tuple[tuple[Any, ...], ContactPair]:
         """Return the image k of a contact, -1 for itself, in the one way of those that say the same, and its key."""
-        sign, (i, j), four = touch.sign, touch.facets, touch.corners
+        sign, (i, j) = touch.sign, touch.facets
+        four: Any = touch.corners
         if k >= 0:
             by = self.images[k]
             sign, (i, j) = sign * by.turns, by.facets_of(i, j)

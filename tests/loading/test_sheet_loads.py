@@ -219,26 +219,6 @@ def test_the_load_falls_back_to_zero_and_no_further():
         assert all(p.t * leg.points[0].t >= 0 for p in leg.points)
 
 
-@pytest.mark.slow
-def test_the_load_falls_back_from_a_snap():
-    """Of a vertex, followed by another program from the state that the snap lands on."""
-    scene = o.examples.degree6("5*pi/12", ratio=1)
-    pattern = wheel(scene.vertex.sector_angles)
-    pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
-    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
-    one = o.load_path(scene, 1, to=-0.2, unload=True, **quick)
-    start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.load_path(pattern, 1, state=start, unload=True, confirm=False)
-    there, again = path.legs[:2]
-    assert (there.why, again.why, again.toward) == ("snap", "snap", 1)
-    last = next(k for k, leg in enumerate(one.legs) if leg.toward == 1)
-    assert again.points[-1].t == pytest.approx(one.legs[last].points[-1].t, abs=1e-10)
-    assert path.legs[2].points[-1].t == 0.0
-    assert path.legs[2].points[-1].fold_angles == pytest.approx(
-        one.legs[-1].points[-1].fold_angles, abs=1e-9
-    )
-
-
 # ---------------------------------------------------------------- what a load works on
 
 
