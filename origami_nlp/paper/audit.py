@@ -284,7 +284,7 @@ def _audit_one(
 
 def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) -> Audited:
     """Follow an admissible state downhill and say what it is in its panel."""
-    model = pose(result.scene)
+    model, chart = pose(result.scene), Model(result.scene)
     exact = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
     start = np.clip(project(model, x, ())[0], -model.bound, model.bound)
     try:
@@ -300,14 +300,14 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
             return replace(base, cause="isolated")
         return base
     hit = int(np.argmin(near))
-    here, there = chart_point(model, start), chart_point(model, exact[hit])
+    here, there = chart_point(chart, start), chart_point(chart, exact[hit])
     steps = max(abs(a - b) for a, b in zip(here, there, strict=True)) / step
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact")
     if lower_dimensional_at(State(model, start)):
         return replace(base, cause="on a handle")
-    return replace(base, cause="chart edge" if chart_ends(model, start, step) else "grid jag")
+    return replace(base, cause="chart edge" if chart_ends(chart, start, step) else "grid jag")
 
 
 def _one_each(audited: list[Audited]) -> tuple[Audited, ...]:
