@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.bifurcation.family import family_of
+from origami_nlp.bifurcation.family import family_of, pattern_family
 from origami_nlp.bifurcation.parameter_range import parse_parameter_range
-from origami_nlp.bifurcation.patterns import pattern_family
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import (
     detent,
