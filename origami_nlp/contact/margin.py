@@ -180,7 +180,7 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
         Whether to re-solve just below and just above the critical load.
     """
     model = state.problem
-    choices = state.contacts.combinations()
+    choices = state.choices.pieces()
     if choices is None:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
     if choices == [()]:
