@@ -83,7 +83,7 @@ def known_state(
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:
     """Compare every minimum of a result whose KKT system is regular with its 50-digit solution."""
-    model = result.model
+    model = Model(result.scene)
     angles, energies, pushes = [0.0], [0.0], [0.0]
     for m in result.minima:
         x = model.reduce(np.array(m.fold_angles))

@@ -160,7 +160,7 @@ class Known:
 
 def largest_error(result: MinimaResult) -> float:
     """Return the largest error of a fold angle against 50 digits [rad], of minima that have a reference."""
-    model, errors = result.model, [0.0]
+    model, errors = Model(result.scene), [0.0]
     for m in result.minima:
         x = model.reduce(np.array(m.fold_angles))
         try:

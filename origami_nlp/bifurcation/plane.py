@@ -7,13 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.bifurcation.family import (
-    Family,
-    family_of,
-    linear_numbers,
-    same_problem,
-    sector_line,
-)
+from origami_nlp.bifurcation.alike import linear_numbers, same_problem, sector_line
+from origami_nlp.bifurcation.family import Family, family_of
 from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.continuation import Line, ParameterLine
 from origami_nlp.errors import OptionError

@@ -268,7 +268,7 @@ class Stratum:
     --------
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
-    >>> state = o.State(result.model, result.model.reduce(result.minima[0].fold_angles))
+    >>> state = result.state_of(result.minima[0])
     >>> stratum = state.on(state.contacts.base)
     >>> stratum.dimension, stratum.jacobian.shape, bool((abs(stratum.imbalance) < 1e-9).all())
     (2, (3, 4), True)

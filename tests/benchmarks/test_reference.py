@@ -97,7 +97,7 @@ def test_references_close_and_balance_in_the_whole_vertex(scene):
     result = find_minima(scene, max_starts=40, prove=False, escape=False)
     checked = 0
     for m in result.minima:
-        model = result.model
+        model = Model(scene)
         x = model.reduce(np.array(m.fold_angles))
         rows = model.closed(x).combinations()[0]
         reference = solve_reference(model, x, rows)
@@ -141,7 +141,7 @@ def test_thin_sets_have_references_too():
     thin = [m for m in result.minima if m.local_dimension == 1]
     assert thin
     for m in thin:
-        model = result.model
+        model = Model(scene)
         x = model.reduce(np.array(m.fold_angles))
         rows = model.closed(x).combinations()[0]
         reference = solve_reference(model, x, rows)

@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
-from origami_nlp.bifurcation.family import same_problem
+from origami_nlp.bifurcation.alike import same_problem
 from origami_nlp.continuation import line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import HingeLaw, double_well, linear, with_places

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.bifurcation.family import family_of
+from origami_nlp.bifurcation.family import family_of, pattern_family
 from origami_nlp.bifurcation.parameter_range import parse_parameter_range
-from origami_nlp.bifurcation.patterns import pattern_family
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import (
     detent,
@@ -24,6 +23,7 @@ from origami_nlp.pattern import (
     table,
     well,
 )
+from origami_nlp.pattern_problem import pose
 from tests.bifurcation.test_hinges import ALL, SECTORS, scene
 from tests.independent import scan_four
 
@@ -53,9 +53,8 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
     family = family_of(plain, parse_parameter_range(f"laws.both.sum[2].{key}={low!r}:{high!r}"))
     line, h = family.line, 1e-6
     p = line.at(t)
-    torque, _ = p.drift(x, np.zeros(p.equation_count), (), line.slope(t))
+    moved, _ = line.drift(p, t, x, np.zeros(p.equation_count), ())
     ends = [line.at(t + s).parameters.torque(x) for s in (-h, h)]
-    moved = torque + line.moved_torque(p, t, x)
     assert moved == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
     assert np.abs(moved[[1, 3]]).max() == 0
     kind, numbers = law.stated
@@ -145,13 +144,13 @@ def test_wells_of_a_pattern_are_moved():
     )
     line, x = family.line, np.array([0.3, 0.7, -0.4, 0.2])
     t, h = 0.7, 1e-6
-    torque, _ = line.at(t).drift(x, np.zeros(line.problem.equation_count), (), line.slope(t))
+    moved, _ = line.drift(line.at(t), t, x, np.zeros(line.problem.equation_count), ())
     ends = [line.at(t + s).parameters.torque(x) for s in (-h, h)]
-    moved = torque + line.moved_torque(line.at(t), t, x)
     assert moved == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
-    posed = family.problem(family.scene(t)).parameters
-    scale = line.problem.scale / family.problem(family.scene(t)).scale
-    assert line.at(t).parameters.torque(x) * scale == pytest.approx(posed.torque(x), rel=1e-12)
+    posed = pose(family.scene(t))
+    scale = line.problem.scale / posed.scale
+    there = posed.parameters.torque(x)
+    assert line.at(t).parameters.torque(x) * scale == pytest.approx(there, rel=1e-12)
 
 
 def test_what_is_no_number_of_a_law_is_refused():

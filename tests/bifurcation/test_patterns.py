@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 import origami_nlp as o
-from origami_nlp.bifurcation import PatternLine, parse_parameter_range, pattern_family
+from origami_nlp.bifurcation import parse_parameter_range, pattern_family
+from origami_nlp.continuation import GeometryLine
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import scene_pattern
 
@@ -63,7 +64,7 @@ def miura_torque(alpha, k, rest, large, t):
 def test_angles_of_a_miura_are_those_of_its_closed_form(tmp_path):
     """Its vertices move: closure itself changes along the family."""
     atlas = o.follow("miura:2x3", "alpha=57deg:61deg", **FEW)
-    assert isinstance(atlas.family.line, PatternLine) and not atlas.alarms
+    assert isinstance(atlas.family.line, GeometryLine) and not atlas.alarms
     reported = 0
     for alpha in np.radians([57, 58.3, 60.1, 61]):
         pattern = o.examples.pattern("miura:2x3", alpha=alpha)
@@ -91,7 +92,7 @@ def test_closure_is_differentiated_along_a_line_of_moving_vertices():
     line, s = family.line, 1.0
     x = np.full(12, 0.3)
     nu = np.random.default_rng(0).normal(size=line.problem.equation_count)
-    torque, moved = line.at(s).drift(x, nu, (), line.slope(s))
+    torque, moved = line.drift(line.at(s), s, x, nu, ())
     h = 1e-6
     a, b = line.at(s - h), line.at(s + h)
     assert moved == pytest.approx((b.rows(x).closure - a.rows(x).closure) / (2 * h), abs=1e-8)

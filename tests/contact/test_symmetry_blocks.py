@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 import origami_nlp as o
 from origami_nlp.contact import breaking_stiffnesses, find_contacts
 from origami_nlp.minima import full_scene, group_average, hessian_spectra
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 SCENE = o.examples.degree6("5*pi/12", ratio=1)
 LOADED = o.examples.degree8("pi/4", symmetry="D1", contact="fold-limits")
@@ -18,7 +18,7 @@ OPTIONS = {"max_starts": 32, "prove": False, "escape": False}
 
 def test_without_loaded_contacts_it_is_the_breaking_block_of_the_spectrum():
     for minimum in o.find_minima(SCENE, **OPTIONS).minima:
-        state = o.State(Model(full_scene(SCENE)), np.array(minimum.fold_angles))
+        state = o.State(pose(full_scene(SCENE)), np.array(minimum.fold_angles))
         wanted = hessian_spectra(state, SCENE)[1]
         assert wanted and breaking_stiffnesses(state, SCENE) == pytest.approx(wanted, rel=1e-12)
 
@@ -26,7 +26,7 @@ def test_without_loaded_contacts_it_is_the_breaking_block_of_the_spectrum():
 def test_loaded_contacts_stay_closed():
     scene, seen = replace(LOADED, preload=(-0.4, *[0] * 7)), set()
     for pinned in find_contacts(o.find_minima(scene, **OPTIONS), check=False).states:
-        state = o.State(Model(full_scene(scene)), np.array(pinned.minimum.fold_angles))
+        state = o.State(pose(full_scene(scene)), np.array(pinned.minimum.fold_angles))
         piece = state.on(state.pieces[0])
         moments = piece.multiplier_set.smallest
         loaded = [c for c, m in zip(piece.contacts, moments, strict=True) if m > 1e-9]

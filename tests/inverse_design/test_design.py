@@ -27,6 +27,7 @@ from origami_nlp.inverse_design import (
 from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import DEFINITE, EQUAL, POSITIVE, smatrix
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from tests.inverse_design.questions import built, question
 
@@ -61,7 +62,7 @@ def test_states_of_a_design_are_minima(n, seed, count, pinned, flat):
     targets, posed = built(n, seed, count, pinned, flat, preload=count > 1)
     scene = scene_of(targets, springs_of(posed))
     for placed in targets.placed:
-        found = classify(State(Model(scene), placed.state.x))
+        found = classify(State(pose(scene), placed.state.x))
         assert found.verdict == "minimum", found.reason
         assert placed.moved < 1e-9
     assert held_by_hand(targets, scene)

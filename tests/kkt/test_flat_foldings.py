@@ -10,8 +10,8 @@ import pytest
 
 from origami_nlp import Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
-from origami_nlp.problem import Model
-from tests.independent.sheet import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, pose
+from tests.independent.sheet import PatternProblem as Sheet
 from tests.independent.stands import judge
 
 SECTORS = {
@@ -31,8 +31,8 @@ def scene(name: str) -> Scene:
     return Scene(Vertex(SECTORS[name]), *springs, "none", "full")
 
 
-def flat_states(model: Model) -> list[np.ndarray]:
-    return [math.pi * np.array(s) for s in itertools.product((1.0, -1.0), repeat=model.size)]
+def flat_states(problem: PatternProblem) -> list[np.ndarray]:
+    return [math.pi * np.array(s) for s in itertools.product((1.0, -1.0), repeat=problem.size)]
 
 
 @pytest.mark.parametrize("name", COUNTS)
@@ -41,7 +41,7 @@ def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
 ) -> None:
     """Next to no piece is judged and no linear program solved."""
     claim = scene(name)
-    model = Model(claim)
+    problem = pose(claim)
     pieces = 0
     old = classification.judge_branch
 
@@ -52,7 +52,7 @@ def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
 
     monkeypatch.setattr(classification, "judge_branch", counted)
     monkeypatch.setattr("origami_nlp.numerics.linear._programme", None)
-    whats = {tuple(x): classify(State(model, x)) for x in flat_states(model)}
+    whats = {tuple(x): classify(State(problem, x)) for x in flat_states(problem)}
     verdicts = [w.verdict for w in whats.values()]
     assert verdicts.count("not stationary") == COUNTS[name]
     assert verdicts.count("not admissible") == len(verdicts) - COUNTS[name]
@@ -64,8 +64,8 @@ def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
     "name", [n if n == "Miura" else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
 )
 def test_a_judge_of_its_own_refutes_them_as_well(name: str) -> None:
-    model = Model(scene(name))
-    refuted = [x for x in flat_states(model) if not model.refuses(x)]
+    problem, stated = pose(scene(name)), scene(name)
+    refuted = [x for x in flat_states(problem) if not problem.refuses(x)]
     for x in refuted[:: max(1, len(refuted) // 3)]:
-        assert classify(State(model, x)).verdict == "not stationary"
-        assert judge(PatternProblem.of(model.scene), x, 60).false
+        assert classify(State(problem, x)).verdict == "not stationary"
+        assert judge(Sheet.of(stated), x, 60).false

@@ -17,7 +17,7 @@ from origami_nlp.kkt.second_order import (
     has_no_level_direction,
     level_directions,
 )
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.independent.rotations import project
 
 
@@ -138,7 +138,7 @@ def test_a_fold_limit_that_moves_to_second_order_alone_holds_nothing(off):
     x = np.array([1.0, off, -math.pi, -off, -1.0, -math.pi])
     torque = np.array([-0.3, -0.07, -0.3, -0.07, -0.3, -1.1])
     scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, tuple(x - torque), "none", "fold-limits")
-    found = classify(State(Model(scene), x))
+    found = classify(State(pose(scene), x))
     assert found.verdict == "not stationary"
     # states beside it by closure alone: the energy falls in proportion to the distance
     rng, sectors = np.random.default_rng(0), np.full(6, math.pi / 3)

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, State, Vertex, classify
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.pattern_states import find_states, judge, list_branches
-from origami_nlp.problem import Model
 from tests.independent.rigid import Rigid
 from tests.independent.trigonometry import quadrilateral
 from tests.patterns import grid, metasheet, wheel
@@ -25,7 +24,7 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
     k, rest = rng.uniform(0.5, 2, 4), at_limit[rng.integers(16)] + rng.uniform(-2.5, 2.5, 4)
     pattern = pattern.with_springs(list(k), list(np.clip(rest, -3.0, 3.0)))
     problem = PatternProblem(pattern)
-    vertex = Model(Scene(Vertex(sectors), tuple(k), tuple(pattern.rest), "none", "fold-limits"))
+    vertex = pose(Scene(Vertex(sectors), tuple(k), tuple(pattern.rest), "none", "fold-limits"))
     beside_shut = [(s * (math.pi - 1e-3), dart) for s in (1, -1) for dart in (False, True)]
     curves = [np.array([x, *quadrilateral(sectors, x, dart)]) for x, dart in beside_shut]
     assert max(problem.residual(x) for x in curves) < 1e-9

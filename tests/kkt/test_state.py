@@ -11,7 +11,7 @@ import pytest
 
 from origami_nlp import Scene, State, Vertex, classify, examples
 from origami_nlp.kkt import newton, project
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact, Model, Problem
 from tests.computed_once import panel_result, states
 from tests.patterns import strip, wheel
@@ -23,7 +23,7 @@ SCENES = {
     "rotation": Scene(Vertex((math.pi / 3,) * 6), (1.0, 2.0) * 3, (0.4, -0.3) * 3, symmetry="C3"),
     "no contact": examples.degree6("pi/3", 1, contact="none"),
 }
-PROBLEMS = {name: lambda s=scene: Model(s) for name, scene in SCENES.items()}
+PROBLEMS = {name: lambda s=scene: pose(s) for name, scene in SCENES.items()}
 PROBLEMS["pattern"] = lambda: PatternProblem(strip(3))
 
 
@@ -81,7 +81,7 @@ def test_saddles_are_told_from_minima(kind: str) -> None:
 
     def problem(k: np.ndarray, rest: np.ndarray) -> Problem:
         if kind == "vertex":
-            return Model(Scene(Vertex(SECTORS), tuple(k), tuple(rest), "none", "fold-limits"))
+            return pose(Scene(Vertex(SECTORS), tuple(k), tuple(rest), "none", "fold-limits"))
         return PatternProblem(wheel(SECTORS).with_springs(list(k), list(rest)), contact=False)
 
     rng, seen, free = np.random.default_rng(0), Counter(), problem(np.ones(5), np.zeros(5))

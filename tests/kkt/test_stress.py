@@ -7,10 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.kkt import State, find_stress, project
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.kkt import State, find_stress
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.pattern_states import descend, judge
-from origami_nlp.problem import Model
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6
@@ -138,12 +137,12 @@ def test_a_vertex_has_a_stress_where_its_closure_loses_rank():
         sectors = rng.uniform(0.5, 1.5, degree)
         vertex = Vertex(tuple(2 * math.pi * sectors / sectors.sum()))
         k, rest = rng.uniform(0.5, 2, degree), rng.uniform(-1, 1, degree)
-        model = Model(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits"))
-        phi, residual = project(model, rest)
+        model = pose(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits"))
+        phi, residual = model.project(rest)
         assert residual < 1e-12
         folded, flat = (find_stress(State(model, x)) for x in (phi, np.zeros(degree)))
         assert (folded.states, flat.states) == (0, 1)
-        _, j = model.closure(phi)
+        j = model.closure.jacobian(phi)
         torque = k * (phi - rest)
         best = np.linalg.lstsq(j.T, torque, rcond=None)[0]
         assert folded.multipliers == pytest.approx(best, abs=1e-9)

@@ -4,13 +4,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from origami_nlp.continuation.redundant import RedundantSystem, system_at
 from scipy.linalg import null_space
 
 import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
-from origami_nlp.continuation.system import Hold
-from origami_nlp.loading import Driver
+from origami_nlp.continuation.system import BorderedSystem, Hold
+from origami_nlp.loading import PatternDriver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import descend
 
@@ -23,15 +22,13 @@ def systems():
     start = descend(problem, problem.project(0.5 * pattern.rest)[0]).phi
     out = []
     for work in (Torque(pattern, (2,)), Pull(pattern, (0, 15))):
-        line = Driver(work).line()
-        hold = Hold((), tuple(range(line.problem.equation_count)))
-        out.append((line, hold, system_at(line, np.append(start, 0.3), hold)))
+        line = PatternDriver(work).line()
+        out.append((line, BorderedSystem(line, np.append(start, 0.3), Hold())))
     return out
 
 
 def test_direction_and_steps_solve_the_equations_that_dependent_rows_leave():
-    for _, _, system in systems():
-        assert isinstance(system, RedundantSystem)
+    for _, system in systems():
         j, n = system.jacobian, len(system.imbalance)
         assert np.linalg.matrix_rank(j, 1e-8) < len(j)
         z = null_space(j, rcond=1e-8)
@@ -50,10 +47,10 @@ def test_direction_and_steps_solve_the_equations_that_dependent_rows_leave():
 
 def test_drift_is_the_derivative_by_the_load():
     h = 1e-6
-    for line, hold, system in systems():
+    for line, system in systems():
         s = 0.3
         ahead, behind = (
-            system_at(line, np.append(system.x, s + d), hold, system.multipliers).imbalance
+            BorderedSystem(line, np.append(system.x, s + d), Hold(), system.multipliers).imbalance
             for d in (h, -h)
         )
         slope = (ahead - behind) / (2 * h) / line.weight
@@ -61,7 +58,7 @@ def test_drift_is_the_derivative_by_the_load():
 
 
 def test_a_point_beside_the_curve_comes_back_to_it():
-    for line, hold, system in systems():
-        curve = EquilibriumCurve(line, hold, o.continuation.Tally())
+    for line, system in systems():
+        curve = EquilibriumCurve(line, Hold(), o.continuation.Tally())
         found = curve.at(np.append(system.x, 0.0), 0.0, np.append(np.zeros(len(system.x)), 1.0))
         assert found is not None and found.system.residual < 1e-12 and found.index == 0
