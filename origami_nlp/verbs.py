@@ -191,7 +191,7 @@ def classify(
     >>> found = o.find_minima("metasheet:4x4", starts=2)
     >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
     >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
-    ('minimum', 1, 'edge-edge')
+    ('minimum', 2, 'edge-edge')
     """
     from origami_nlp import kkt
     from origami_nlp.pattern import as_origami

@@ -159,6 +159,9 @@ def _along(
     if found is None:
         return
     others = tuple(c for c in piece if c not in hold.contacts)
+    state = system.seen
+    alike = () if state.problem.sparse else state.choices.alike(hold.contacts)
+    alike = tuple(c for c in alike if not c.is_limit and c not in hold.contacts)
     slopes, moved = opening_rates(curve, point, others)
     first = line.problem.equation_count
     weak = system.multipliers[first:] <= BALANCED * system.size
@@ -175,7 +178,7 @@ def _along(
         # a weak multiplier that stays zero to first order says nothing
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
         curve.given[:] = [frame]  # a tangent near by spares a factorisation or two a step
-        half = goes_on(curve, OneSidedBranch(frame, signed), others)
+        half = goes_on(curve, OneSidedBranch(frame, signed), others, alike)
         if half is not None:
             yield half
 
@@ -221,19 +224,23 @@ def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[O
 
 
 def goes_on(
-    curve: EquilibriumCurve, half: OneSidedBranch, others: tuple[Contact, ...] = ()
+    curve: EquilibriumCurve,
+    half: OneSidedBranch,
+    others: tuple[Contact, ...] = (),
+    alike: tuple[Contact, ...] = (),
 ) -> OneSidedBranch | None:
     """Return the half-branch if a short step in this direction ends at an equilibrium; None if not.
 
     others: contacts of its piece that it does not hold.  One that a step passes to second order only, as where facets
-    that lie on each other begin to overlap, is held too, from the end of that step on.
+    that lie on each other begin to overlap, is held too, from the end of that step on.  alike: contacts that say the
+    same to first order as those that it holds, and may say more beyond.
     """
     for h in TRIALS:
         moved = advance(curve, half.frame, h)
         if moved is None or not is_equilibrium(moved[0]):
             continue
         frame = moved[0]
-        held = _overlapping(curve, frame, others)
+        held = _overlapping(curve, frame, others, alike)
         if held is None and any(_opening(frame, c) < -FOLLOWED for c in others):
             return None
         frame = held or frame
@@ -252,13 +259,16 @@ def _opening(frame: Equilibrium, contact: Contact) -> float:
 
 
 def _overlapping(
-    curve: EquilibriumCurve, frame: Equilibrium, others: tuple[Contact, ...]
+    curve: EquilibriumCurve,
+    frame: Equilibrium,
+    others: tuple[Contact, ...],
+    alike: tuple[Contact, ...],
 ) -> Equilibrium | None:
     """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
 
     Signs of forces show what openings of third order in the step cannot: which contacts would be passed without them.
     """
-    at_limit = tuple(c for c in others if _opening(frame, c) < FOLLOWED)
+    at_limit = tuple(c for c in (*others, *alike) if _opening(frame, c) < FOLLOWED)
     hold = frame.hold
     for more in dict.fromkeys((at_limit, *((c,) for c in at_limit))):
         if not more or len(more) > frame.system.free:

@@ -53,6 +53,11 @@ class Choices:
             out |= self._bit.get(c, 0)
         return out
 
+    def alike(self, rows: Iterable[Contact]) -> tuple[Contact, ...]:
+        """Return the contacts that say to first order what some of these say."""
+        said = self.said(rows)
+        return tuple(c for c, bit in self._bit.items() if said & bit)
+
     def _independent(self, branches: Branches) -> Branches:
         """Leave out choices that follow from others to first order."""
         # options stay as they are: of two that agree to first order either may allow more to second order

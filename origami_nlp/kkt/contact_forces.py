@@ -15,8 +15,8 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import BALANCED, INPUT_TOL, NONZERO
 from origami_nlp.problem import STOP, Contact
 
-SAME = 9
-"""Decimals in which slopes of one contact agree."""
+SAME = 1e-9
+"""Slopes and places of one contact agree to this, over the size of the paper."""
 OMIT = {"omit": True}
 """Of a field that is written to files only where it is not its default."""
 
@@ -144,29 +144,31 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
 def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple[ContactForce, ...]:
     """Return the contacts of several pieces, each once, with the range of its multiplier on all of them.
 
-    Contacts of the same slope along closed motions are one, told in two ways: that of a corner on a facet stands for
-    both.  Of the multiplier the least is told: pieces come in no order.
+    Contacts that meet at one place, with the same slope along closed motions, are one, told in two ways: that of a
+    corner on a facet stands for both.  Of the multiplier the least is told: pieces come in no order.
     """
+    p, x = state.problem, state.x
     every = (c.contact for piece in pieces for c in piece if c.contact is not None)
-    gaps = (
-        tuple(dict.fromkeys(c for c in every if not c.is_limit)) if not state.problem.sparse else ()
-    )
-    slope: dict[Contact, object] = {}
+    gaps = tuple(dict.fromkeys(c for c in every if not c.is_limit)) if not p.sparse else ()
+    same: dict[Contact, Contact] = {}
     if gaps:
-        along = state.on(gaps).slopes @ state.kernel
-        weight = [state.problem.weight(c) for c in gaps]
-        for gap, row, w in zip(gaps, along, weight, strict=True):
-            slope[gap] = (np.round(row / w, SAME) + 0.0).tobytes()
+        along = state.on(gaps).slopes @ state.kernel / np.array([[p.weight(c)] for c in gaps])
+        seen = np.hstack([along, [p.meeting(c, x) for c in gaps]])
+        for gap, row in zip(gaps, seen, strict=True):
+            first = int(np.flatnonzero(np.abs(seen - row).max(axis=1) <= SAME)[0])
+            same[gap] = gaps[first]
     found: dict[object, list[tuple[int, ContactForce]]] = {}
     for k, contacts in enumerate(pieces):
         for c in contacts:
-            key = slope.get(c.contact, c.contact) if c.contact else c.text
+            key = same.get(c.contact, c.contact) if c.contact else c.text
             found.setdefault(key, []).append((k, c))
     out = []
-    for same in found.values():
-        ends = [e for _, c in same for e in c.multiplier_range]
-        ends += [0.0] * (len({k for k, _ in same}) < len(pieces))
-        first = min((c for _, c in same), key=lambda c: (len(c.corners) > 0, c.text))
-        least = min(c.multiplier for _, c in same)
-        out.append(replace(first, multiplier=least, multiplier_range=(min(ends), max(ends))))
+    for one in found.values():
+        ends = [e for _, c in one for e in c.multiplier_range]
+        ends += [0.0] * (len({k for k, _ in one}) < len(pieces))
+        first_told = min((c for _, c in one), key=lambda c: (len(c.corners) > 0, c.text))
+        least, low, high = min(c.multiplier for _, c in one), min(ends), max(ends)
+        # pieces know to rounding what is unique
+        spread = (low, high) if high - low > BALANCED * (1.0 + abs(high)) else (least, least)
+        out.append(replace(first_told, multiplier=least, multiplier_range=spread))
     return tuple(out)

@@ -13,6 +13,7 @@ from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.second_order import generators, level_directions
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
+    DEEP,
     FOLLOWED,
     INDEPENDENT,
     LEVEL,
@@ -96,6 +97,10 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Descen
             y, residual = _put_back(state, x + step * d, branch)
         except ArithmeticError:
             return None  # sides of facets that run along each other have no gap
+        if FOLLOWED < residual <= 0.01 * DEEP:
+            y, residual = project(
+                model, y
+            )  # contacts that bend are not all closed: whether facets cross decides
         if residual > FOLLOWED:
             return None  # what cannot be closed together misses by more further out
         if not 0.1 * step < np.linalg.norm(y - x) < 3 * step:

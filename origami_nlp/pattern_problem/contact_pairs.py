@@ -132,6 +132,15 @@ class ContactPair:
         """Return its four points in space, [4, 3]."""
         return at.points(np.array(self.owners), np.array(self.corners))
 
+    def place_in_space(self, at: FoldedGeometry) -> np.ndarray:
+        """Return where its features meet, [3]: its corner, or the point of one side that is nearest to the other."""
+        p = self.points(at)
+        if self.type != "edge-edge":
+            return p[0]
+        u, v = p[1] - p[0], p[3] - p[2]
+        w = cross(u, v)
+        return p[0] + u * float(cross(p[2] - p[0], v) @ w) / float(w @ w)
+
     def gap(self, at: FoldedGeometry) -> float:
         """Return the distance along the common normal, positive where facets are apart [unit of the corners].
 

@@ -318,6 +318,10 @@ class PatternContacts(PatternEquations):
             return ()
         return tuple((np.array(touch.place) + self.origin).tolist())
 
+    def meeting(self, contact: Contact, x: np.ndarray) -> np.ndarray:
+        """Return where the features of a gap meet at a state, [3], over the sheet's size."""
+        return self.touch(contact).place_in_space(self.placed(x)) / self.crossings.size
+
     def margin(self, contact: Contact, x: np.ndarray) -> float:
         """How far inside each other the features of a contact are at a state, over their size; see `Features`."""
         touch = None if contact.is_limit else self.touch(contact)

@@ -346,6 +346,10 @@ class Model(PosedProblem):
         """Name the facets and creases that touch in a contact that is closed at x [n]."""
         return contact_words(self, contact, lambda: self.rays(x))
 
+    def meeting(self, contact: Contact, x: np.ndarray) -> np.ndarray:
+        """Zero: features of a vertex meet along rays."""
+        return np.zeros(3)
+
     def margin(self, contact: Contact, x: np.ndarray) -> float:
         """inf: which contacts meet inside each other is what `closed` says."""
         return math.inf

@@ -98,6 +98,7 @@ class Problem(Protocol):
     def name(self, contact: Contact) -> str: ...  # noqa: D102
     def weight(self, contact: Contact) -> float: ...  # noqa: D102
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
+    def meeting(self, contact: Contact, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def margin(self, contact: Contact, x: np.ndarray) -> float: ...  # noqa: D102
     def guess(  # noqa: D102
         self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
