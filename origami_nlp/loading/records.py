@@ -17,17 +17,16 @@ COLLAPSE = "collapses"
 
 @dataclass(frozen=True)
 class ConfirmedSnap:
-    """A search before a snap, which knows nothing of the path, and where its minima lead beyond.
+    """Searches before and after a snap, which know nothing of the path.
 
     Attributes
     ----------
     t
-        Loads before the snap, where the search is, and after it.
+        Loads before the snap and after it, at which is searched.
     minima
-        How many minima it found before, and to how many after those lead that are not the state of the path. Where the
-        state after the snap is none of these, or of patterns: how many a second search found there.
+        How many minima each search found.
     found
-        Whether the state before the snap, and the one after it, is among them.
+        Whether the state of the path before the snap, and the one after it, is among them.
     """
 
     t: tuple[float, float]

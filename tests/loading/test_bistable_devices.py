@@ -1,5 +1,6 @@
 """Snap loads of bistable vertices: through the flat state, beyond a pitchfork, and at one; by hand and by SciPy."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from scipy.optimize import minimize
 
 from origami_nlp import draw, examples, load_path
-from origami_nlp.continuation import ContinuationOptions
+from origami_nlp.loading.driver import STEPS
 from tests.independent.rotations import fold
 
 
@@ -170,7 +171,7 @@ def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_p
     growth,
 ):
     """Branchings are roots of a system that is regular there: steps of the tracer do not show (they did: 1e-5 rad)."""
-    scene, steps = examples.waterbomb_base(), ContinuationOptions(growth=growth)
+    scene, steps = examples.waterbomb_base(), replace(STEPS, growth=growth)
     found = load_path(scene, 1, to=0.14, confirm=False, options=steps)
     usual = path("waterbomb_base", 1, 0.14)
     rows = {row[0].rstrip("*"): row for row in found.table().rows}
