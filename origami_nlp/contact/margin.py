@@ -38,7 +38,7 @@ from origami_nlp.kkt import (
     polish,
     project,
 )
-from origami_nlp.minima import Record, solve_without_crossing
+from origami_nlp.minima import solve_beside
 from origami_nlp.numerics import (
     BALANCED,
     CARRIES,
@@ -400,9 +400,9 @@ def _resolve(
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
     by: Literal["IPOPT", "descent"] = "IPOPT"
-    answer = polish(loaded, solve_without_crossing(loaded, start, Record(loaded)))
-    y = answer.x
-    if np.linalg.norm(y - near) > FARTHEST and not model.refuses(start):
+    dead = loaded.parameters.dead is not None  # forces in space have no symbols
+    y = start if dead else polish(loaded, *solve_beside(loaded, start, rows)).x
+    if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
         by, y = "descent", follow(loaded, start).end
     there = State(loaded, y).on(rows)
     gap = abs(

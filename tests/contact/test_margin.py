@@ -63,7 +63,7 @@ def pinned(result: MinimaResult) -> list[np.ndarray]:
 
 
 def held(model: PatternProblem, x: np.ndarray) -> tuple[Contact, ...]:
-    choices = model.closed(x).combinations()
+    choices = State(model, x).pieces
     assert choices
     return choices[0]
 
