@@ -49,6 +49,7 @@ from .ipopt import (
     build_solver as build_solver,
     confirm_posed as confirm_posed,
     gaps_of as gaps_of,
+    solve_beside as solve_beside,
 )
 from .marks import (
     Drawn as Drawn,

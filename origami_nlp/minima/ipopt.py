@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -13,8 +14,10 @@ import numpy as np
 from origami_nlp.kkt import Solve, Stratum
 from origami_nlp.numerics import CLOSURE_TOL, DEPENDENT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import HingeLaw
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import (
     PLANE_ROWS,
+    Contact,
     Nlp,
     Pairs,
     Problem,
@@ -187,6 +190,28 @@ def tolerance_for(model: Problem) -> float:
         CLOSURE_TOL,
         TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness))),
     )
+
+
+def solve_beside(
+    problem: PatternProblem, start: np.ndarray, contacts: Sequence[Contact]
+) -> tuple[Solve, tuple[Contact, ...]]:
+    """Minimise the energy from a state `start` [n], where gaps of contacts stay open; return those that press too."""
+    symbols = problem.symbols()
+    posed = _built(symbols.nlp(start, contacts), OPTIONS, tolerance_for(problem))
+    limits = problem.fold_limits
+    bounds = {"lbx": limits.low, "ubx": limits.high, "lbg": posed.lower, "ubg": posed.upper}
+    out = posed.solver(x0=start, p=symbols.values, **bounds)
+    stats, found = posed.solver.stats(), {k: np.asarray(v).ravel() for k, v in out.items()}
+    x, g, pull = found["x"], found["g"], found["lam_x"]
+    violation = float(np.maximum(posed.lower - g, g - posed.upper).max(initial=0.0))
+    gaps = [c for c in contacts if not c.is_limit]
+    first = len(g) - len(gaps)
+    open_by = {c: (g[first + k], found["lam_g"][first + k]) for k, c in enumerate(gaps)}
+    open_by |= {c: (c.at - c.side * x[c.index], pull[c.index]) for c in contacts if c.is_limit}
+    # of gap and force, whose product is IPOPT's barrier, the larger one is no remains of it
+    pressed = tuple(c for c in contacts if abs(open_by[c][1]) > open_by[c][0])
+    ended = Solve(x, str(stats["return_status"]), int(stats["iter_count"]), violation, pull, None)
+    return ended, pressed
 
 
 def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:

@@ -63,7 +63,9 @@ def pinned(result: MinimaResult) -> list[np.ndarray]:
 
 
 def held(model: PatternProblem, x: np.ndarray) -> tuple[Contact, ...]:
-    return State(model, x).pieces[0]
+    choices = State(model, x).pieces
+    assert choices
+    return choices[0]
 
 
 @shared
