@@ -35,8 +35,10 @@ from origami_nlp.kkt import (
     follow,
     judge_branch,
     newton,
+    polish,
     project,
 )
+from origami_nlp.minima import solve_beside
 from origami_nlp.numerics import (
     BALANCED,
     CARRIES,
@@ -70,6 +72,9 @@ class MarginCheck:
     ----------
     factor
         Of the critical load.
+    by
+        ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because the loaded state is shallow,
+        ``descent`` (`kkt.follow`, which cannot jump).
     gap
         Opening of the contact in question [rad].
     multiplier
@@ -81,6 +86,7 @@ class MarginCheck:
     """
 
     factor: float
+    by: Literal["IPOPT", "descent"]
     gap: float
     multiplier: float
     moved: float
@@ -174,8 +180,8 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
         Whether to re-solve just below and just above the critical load.
     """
     model = state.problem
-    choices = state.pieces
-    if not state.few:
+    choices = state.choices.pieces()
+    if choices is None:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
     if choices == [()]:
         return _nothing(model, "none", "no contact is closed")
@@ -393,7 +399,11 @@ def _resolve(
     wanted[model.equation_count + i] = NEAR_CONTACT
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
-    y = follow(loaded, start).end
+    by: Literal["IPOPT", "descent"] = "IPOPT"
+    dead = loaded.parameters.dead is not None  # forces in space have no symbols
+    y = start if dead else polish(loaded, *solve_beside(loaded, start, rows)).x
+    if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
+        by, y = "descent", follow(loaded, start).end
     there = State(loaded, y).on(rows)
     gap = abs(
         float(there.openings[i])
@@ -404,7 +414,7 @@ def _resolve(
     ):  # the same touch may have been described by another row: read it as row i
         multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
     moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
-    return MarginCheck(factor, gap, multiplier, moved, gap <= CONTACT_TOL)
+    return MarginCheck(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
 
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:

@@ -169,6 +169,7 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
         first_told = min((c for _, c in one), key=lambda c: (len(c.corners) > 0, c.text))
         least, low, high = min(c.multiplier for _, c in one), min(ends), max(ends)
         # pieces know to rounding what is unique
-        spread = (low, high) if high - low > BALANCED * (1.0 + abs(high)) else (least, least)
+        one_number = math.isclose(low, high, rel_tol=BALANCED, abs_tol=BALANCED)
+        spread = (least, least) if one_number else (low, high)
         out.append(replace(first_told, multiplier=least, multiplier_range=spread))
     return tuple(out)

@@ -98,9 +98,9 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Descen
         except ArithmeticError:
             return None  # sides of facets that run along each other have no gap
         if FOLLOWED < residual <= 0.01 * DEEP:
-            y, residual = project(
-                model, y
-            )  # contacts that bend are not all closed: whether facets cross decides
+            # contacts that bend are not all closed: whether facets cross decides
+            y, left = project(model, y)
+            residual = float(left)
         if residual > FOLLOWED:
             return None  # what cannot be closed together misses by more further out
         if not 0.1 * step < np.linalg.norm(y - x) < 3 * step:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy as sp
@@ -13,9 +13,6 @@ import scipy as sp
 from origami_nlp.numerics import address
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import GapsInC, library
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern_problem.orbits import Orbits
 
 MOVES = 1e-3
 """A crease folded by more moves [rad]."""
@@ -39,7 +36,7 @@ class Poses:
         The facet that stays.
     """
 
-    def __init__(self, pattern: Pattern, orbits: Orbits | None = None) -> None:
+    def __init__(self, pattern: Pattern, orbits: Any = None) -> None:
         self.cell, self.orbits = pattern.cell, orbits
         pattern = self.pattern = pattern.spread
         n, f = pattern.creases, pattern.facets
