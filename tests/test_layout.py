@@ -35,8 +35,8 @@ BESIDE = ("symbolic", "benchmarks")
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
 VERTEX_STACK = frozenset(
-    "Model Structure compile_structure law_energy CreaseChain close_by close_three complete Gap separation_rows "
-    "FoldedRays Kinematics MomentChain MomentMap Nlp Pairs pose_apart pose_with_gaps separating_normal random_strata "
+    "Model Structure compile_structure CreaseChain close_by close_three complete Gap separation_rows "
+    "FoldedRays Kinematics MomentChain MomentMap Pairs pose_apart pose_with_gaps separating_normal random_strata "
     "vertex_candidates vertices Solvable".split()
 )
 """What poses one vertex in its own way; it leaves with its last reader."""

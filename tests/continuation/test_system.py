@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
 from origami_nlp.continuation.system import BorderedSystem, Hold
-from origami_nlp.loading import PatternDriver
+from origami_nlp.loading import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import descend
 
@@ -22,7 +22,7 @@ def systems():
     start = descend(problem, problem.project(0.5 * pattern.rest)[0]).phi
     out = []
     for work in (Torque(pattern, (2,)), Pull(pattern, (0, 15))):
-        line = PatternDriver(work).line()
+        line = Driver(work).line()
         out.append((line, BorderedSystem(line, np.append(start, 0.3), Hold())))
     return out
 
