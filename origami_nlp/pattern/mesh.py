@@ -65,35 +65,47 @@ def from_mesh(
     >>> pattern.stiffness.tolist(), pattern.rest.tolist()
     ([2.0, 2.0, 2.0, 2.0], [-1.5, 1.5, -1.5, -1.5])
     """
-    sides = sides_of([tuple(map(int, f)) for f in faces])
-    letter = {s: "U" if len(around) > 1 else "B" for s, around in sides.items()}
-    if isinstance(assignment, str):
-        letter = {s: assignment if known == "U" else known for s, known in letter.items()}
-    else:
-        for (a, b), stated in assignment.items():
-            if (min(a, b), max(a, b)) not in sides:
-                raise OptionError(
-                    f"assignment[{(a, b)}]: vertices {a} and {b} are no side of a face"
-                )
-            letter[min(a, b), max(a, b)] = stated
-    points = np.asarray(vertices, float)
+    try:
+        points = np.asarray(vertices, float)
+        rings = [tuple(int(v) for v in face) for face in faces]
+        stated = (
+            {} if isinstance(assignment, str) else {(a, b): x for (a, b), x in assignment.items()}
+        )
+        k, rest = np.asarray(stiffness, float), np.asarray(rest_angles, float)
+        if points.ndim != 2 or points.shape[1] not in (2, 3):
+            raise ValueError(f"vertices has shape {points.shape}")
+    except (TypeError, ValueError, AttributeError) as error:
+        raise OptionError(
+            f"a mesh is vertices [V, 2] or [V, 3], the vertices of each face, letters by pairs of vertices, and "
+            f"numbers: {error}"
+        ) from None
+    rest_of_all = assignment if isinstance(assignment, str) else "U"
+    letter = {s: rest_of_all if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
+    for (a, b), x in stated.items():
+        if (min(a, b), max(a, b)) not in letter:
+            raise OptionError(
+                f"assignment[{shown((a, b))}]: vertices {a} and {b} are no side of a face"
+            )
+        letter[min(a, b), max(a, b)] = x
     flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
     edges = sorted(letter)
     known: dict[str, Any] = {
         "vertices_coords": points.tolist(),
-        "faces_vertices": [list(map(int, f)) for f in faces],
+        "faces_vertices": [list(f) for f in rings],
         "edges_vertices": [list(e) for e in edges],
         "edges_assignment": [letter[e] for e in edges],
         "frame_classes": ["creasePattern" if flat else "foldedForm"],
     }
-    size = float(rest_angles) if np.ndim(rest_angles) == 0 else math.pi  # type: ignore[arg-type]
-    k = float(stiffness) if np.ndim(stiffness) == 0 else 1.0  # type: ignore[arg-type]
-    made = frame_pattern(frame_of(known), stiffness=k, rest_angle=size, rest_from="file")
-    if np.ndim(rest_angles):
-        made = replace(made, rest=check_angles("rest_angles", rest_angles, made.creases, one=True))
-    if np.ndim(stiffness):
-        each = np.asarray(stiffness, float)
-        if each.shape != (made.creases,) or not (each > 0).all():
+    made = frame_pattern(
+        frame_of(known),
+        stiffness=float(k) if k.ndim == 0 else 1.0,
+        rest_angle=math.pi if rest.ndim else float(rest),
+        rest_from="file",
+    )
+    if rest.ndim:
+        made = replace(made, rest=check_angles("rest_angles", rest, made.creases, one=True))
+    if k.ndim:
+        if k.shape != (made.creases,) or not (k > 0).all():
             raise OptionError(f"stiffness = {shown(stiffness)} must be {made.creases} numbers > 0")
-        made = replace(made, stiffness=each)
+        made = replace(made, stiffness=k)
     return made
