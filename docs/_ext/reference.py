@@ -26,7 +26,7 @@ TASKS = {
         "find_minima classify check_admissible MinimaResult JudgedState SearchOptions"
     ),
     "State a vertex or a pattern": (
-        "examples read_scene read_pattern read_fold_scene read_fold_scenes parse_scene format_scene "
+        "examples read_scene read_pattern from_mesh read_fold_scene read_fold_scenes parse_scene format_scene "
         "Scene Vertex Pattern Load"
     ),
     "Measured hinges": "fit_hinge HingeData MeasuredHinge",
@@ -40,11 +40,11 @@ TASKS = {
     ),
     "Springs for given states": "design inverse_design Design",
     "Other formats": "convert DrawingOptions WriteOptions",
-    "Draw, write, read": "draw draw_minima view save load to_frame write_fold write_mesh",
+    "Draw, write, read": "draw draw_minima view save read_result to_frame write_fold write_mesh",
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"
     ),
-    "Proofs, the model, what solvers see": "ProofOptions Model State Stratum",
+    "Proofs, the model, what solvers see": "ProofOptions pose State Stratum",
     "The source paper": "paper",
     "Errors and version": "OrigamiError __version__",
 }

@@ -12,11 +12,9 @@ from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED, INPUT_TOL, NONZERO
+from origami_nlp.numerics import BALANCED, INDEPENDENT, INPUT_TOL, NONZERO
 from origami_nlp.problem import STOP, Contact
 
-SAME = 1e-9
-"""Slopes and places of one contact agree to this, over the size of the paper."""
 OMIT = {"omit": True}
 """Of a field that is written to files only where it is not its default."""
 
@@ -155,7 +153,7 @@ def joined_forces(state: State, pieces: list[tuple[ContactForce, ...]]) -> tuple
         along = state.on(gaps).slopes @ state.kernel / np.array([[p.weight(c)] for c in gaps])
         seen = np.hstack([along, [p.meeting(c, x) for c in gaps]])
         for gap, row in zip(gaps, seen, strict=True):
-            first = int(np.flatnonzero(np.abs(seen - row).max(axis=1) <= SAME)[0])
+            first = int(np.flatnonzero(np.abs(seen - row).max(axis=1) <= INDEPENDENT)[0])
             same[gap] = gaps[first]
     found: dict[object, list[tuple[int, ContactForce]]] = {}
     for k, contacts in enumerate(pieces):

@@ -13,8 +13,8 @@ from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.second_order import generators, level_directions
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
-    DEEP,
     FOLLOWED,
+    HELD,
     INDEPENDENT,
     LEVEL,
     NONZERO,
@@ -97,7 +97,7 @@ def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> Descen
             y, residual = _put_back(state, x + step * d, branch)
         except ArithmeticError:
             return None  # sides of facets that run along each other have no gap
-        if FOLLOWED < residual <= 0.01 * DEEP:
+        if FOLLOWED < residual <= HELD:
             # contacts that bend are not all closed: whether facets cross decides
             y, left = project(model, y)
             residual = float(left)

@@ -74,6 +74,7 @@ from .tolerances import (
     EXPLORED as EXPLORED,
     FIRM as FIRM,
     FOLLOWED as FOLLOWED,
+    HELD as HELD,
     INDEPENDENT as INDEPENDENT,
     INPUT_TOL as INPUT_TOL,
     INSIDE as INSIDE,

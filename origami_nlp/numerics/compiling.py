@@ -18,6 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from origami_nlp.io import write_whole
+
 SWITCH = "ORIGAMI_NLP_COMPILED"
 """Environment variable: 0 compiles nothing."""
 FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off", "-ftree-vectorize")
@@ -129,7 +131,7 @@ def _library(
             subprocess.run(
                 command, input=text.encode(), check=True, capture_output=True, timeout=60
             )
-            _sum_of(made).write_text(hashlib.sha256(out.read_bytes()).hexdigest(), "ascii")
+            write_whole(_sum_of(made), hashlib.sha256(out.read_bytes()).hexdigest().encode())
             os.chmod(out, 0o700)
             os.replace(out, made)
     return ctypes.CDLL(str(made))

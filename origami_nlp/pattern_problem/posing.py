@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.folding import fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, cross
-from origami_nlp.pattern import Pattern, Scene, Vertex, dead_loads, make_pattern
+from origami_nlp.pattern import Pattern, Scene, Stated, Vertex, as_origami, dead_loads, make_pattern
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.orbits import orbits_of
 from origami_nlp.pattern_problem.poses import rotations
@@ -22,13 +22,13 @@ SHARES = np.linspace(0.0, 0.95, 39)
 """Of half a turn, by which creases of a vertex that does not lie flat are tried to be folded in its reference state."""
 
 
-def pose(origami: Scene | Pattern) -> PatternProblem:
+def pose(origami: Stated) -> PatternProblem:
     """Pose an origami as a nonlinear program: of a scene states that keep its symmetry, whichever way they wind.
 
     Parameters
     ----------
     origami
-        A vertex or a sheet with its springs, limits and loads.
+        A vertex or a sheet with its springs, limits and loads, however it is stated.
 
     Returns
     -------
@@ -43,9 +43,10 @@ def pose(origami: Scene | Pattern) -> PatternProblem:
     >>> problem.size, problem.multiplicity.tolist(), problem.closure.count
     (4, [1, 2, 2, 1], 3)
     """
-    if isinstance(origami, Pattern):
-        return PatternProblem(origami)
-    scene, n, paper = origami, origami.degree, one_vertex(origami)
+    scene = as_origami(origami)
+    if isinstance(scene, Pattern):
+        return PatternProblem(scene)
+    n, paper = scene.degree, one_vertex(scene)
     orbits = None
     if not scene.group.is_trivial:
         # crease i (0-based) runs to corner i + 1

@@ -61,8 +61,8 @@ class Kinematics:
     Examples
     --------
     >>> import numpy as np
-    >>> from origami_nlp import Model, examples
-    >>> from origami_nlp.problem import Kinematics
+    >>> from origami_nlp import examples
+    >>> from origami_nlp.problem import Kinematics, Model
     >>> model = Model(examples.degree6("pi/3", ratio=1))
     >>> at = Kinematics(model).fold(np.zeros((1, 4)))
     >>> Kinematics(model).closure(at)[0].shape

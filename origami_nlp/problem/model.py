@@ -86,7 +86,8 @@ class Model(PosedProblem):
 
     Examples
     --------
-    >>> from origami_nlp import Model, examples
+    >>> from origami_nlp import examples
+    >>> from origami_nlp.problem import Model
     >>> model = Model(examples.degree6("pi/3", ratio=1))
     >>> model.size, model.equation_count, model.dof
     (4, 2, 2)

@@ -65,8 +65,8 @@ class MomentMap:
     Examples
     --------
     >>> import numpy as np
-    >>> from origami_nlp import Model, Scene, Vertex
-    >>> from origami_nlp.problem import MomentMap
+    >>> from origami_nlp import Scene, Vertex
+    >>> from origami_nlp.problem import Model, MomentMap
     >>> scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
     >>> shot = MomentMap(Model(scene)).shoot(np.zeros((1, 3)))
     >>> shot.x.tolist(), bool((abs(shot.miss) < 1e-14).all())

@@ -69,7 +69,8 @@ def prove(
 
     Examples
     --------
-    >>> from origami_nlp import Model, Scene, Vertex
+    >>> from origami_nlp import Scene, Vertex
+    >>> from origami_nlp.problem import Model
     >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
     >>> scene = Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "fold-limits")
     >>> proof = prove(Model(scene))

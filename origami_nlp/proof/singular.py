@@ -92,7 +92,8 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     Examples
     --------
     >>> import math
-    >>> from origami_nlp import Model, Scene, Vertex
+    >>> from origami_nlp import Scene, Vertex
+    >>> from origami_nlp.problem import Model
     >>> vertex = Vertex.from_degrees((60, 80, 120, 100))
     >>> model = Model(Scene(vertex, (1, 2, 3, 4), (0.3, -1, 2, 0.5), "none", "fold-limits"))
     >>> isolated(model, [math.pi, -math.pi, -math.pi, -math.pi], (0, 0, 0, -1)).radius

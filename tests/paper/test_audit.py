@@ -68,14 +68,15 @@ def states_at(alpha: float, v: float, fold: float) -> list[np.ndarray]:
 
 def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not() -> None:
     alpha, fold = math.pi / 6, 1.1
-    model = Model(examples.degree8(alpha, 1.0))
+    scene = examples.degree8(alpha, 1.0)
+    model = Model(scene)
     for v in (-0.7, 0.6):
         for x in states_at(alpha, v, 0.5):
-            assert chart_point(model, x) == pytest.approx((v, 0.5), abs=1e-9)
+            assert chart_point(scene, model.expand(x)) == pytest.approx((v, 0.5), abs=1e-9)
     edge = math.asin(math.sin(2 * alpha) * math.sin(fold / 2) ** 2)
     for beyond in (0.3, 9):
         states = [x for s in (1, -1) for x in states_at(alpha, s * (edge + beyond * STEP), fold)]
-        assert states and all(chart_ends(model, x, STEP) == (beyond < 1) for x in states)
+        assert states and all(chart_ends(scene, x, STEP) == (beyond < 1) for x in states)
 
 
 @pytest.fixture(scope="module")
