@@ -44,8 +44,8 @@ DEPENDENT = 1e-10
 """Singular values of closure and contacts below this belong to constraints that are dependent all along a set: four
 decades above `ROUNDED`, and below the distance at which a singular state is still distinguished, `CONTACT_TOL`."""
 HELD = 1e-11
-"""Contacts that miss being closed together by this, over the size of the pattern, are closed: `DEEP` / 100, which is what
-facets that cross show."""
+"""Contacts that miss being closed together by this, over the size of the pattern, are closed: `DEEP` / 100, which
+is what facets that cross show."""
 CARRIES = 1e-10
 """Multipliers over the mean stiffness up to this carry nothing: what is left of torque at `STATIONARY`, ten times."""
 

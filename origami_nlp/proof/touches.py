@@ -44,6 +44,7 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, prune, strata
 from origami_nlp.proof.complete import (
@@ -421,7 +422,7 @@ def _verdict(
         point = replace(point, is_minimum=None)
     if point.is_minimum is not None:
         return point
-    what = classify(State(model, np.array(point.x)))
+    what = classify(State(pose(model.scene), np.array(point.x)))
     return replace(point, judged=f"{what.verdict}: {what.reason}")
 
 
