@@ -83,7 +83,7 @@ class ConeMinima(ShortRepr):
 
     @property
     def columns(self) -> list[Any]:
-        """The arrays (multiplicity: a tuple), in order."""
+        """The arrays in order, of which the multiplicity is a tuple."""
         return [getattr(self, f.name) for f in fields(self)]
 
     def where(self, keep: np.ndarray) -> ConeMinima:
