@@ -180,8 +180,8 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
         Whether to re-solve just below and just above the critical load.
     """
     model = state.problem
-    choices = state.choices.pieces()
-    if choices is None:
+    choices = state.pieces
+    if not state.few:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
     if choices == [()]:
         return _nothing(model, "none", "no contact is closed")

@@ -118,9 +118,8 @@ def _library(
     if not _is_trusted(made):
         says()
         cache.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _is_ours(
-            cache
-        ):  # somebody else may put files there: a folder that dies with the process
+        # where somebody else may put files: in a folder that dies with the process
+        if not _is_ours(cache):
             cache = Path(tempfile.mkdtemp(prefix="origami_nlp-"))
             atexit.register(shutil.rmtree, cache, ignore_errors=True)
             made = cache / made.name

@@ -60,7 +60,7 @@ def pose(origami: Stated) -> PatternProblem:
         orbits = replace(orbits, orbit=np.argsort(orbits.orbit[firsts])[orbits.orbit])
     problem = PatternProblem(paper, scene.contact == "full", orbits, scene.contact != "none")
     problem.told, problem.shape = vertex_words, partial(_shape_of, scene.vertex.flat)
-    problem.besides = tuple(_besides(scene))
+    problem.symmetry, problem.besides = scene.group.name, tuple(_besides(scene))
     k = problem.stiffness * problem.scale
     problem.scale = 2.0 ** round(math.log2(k.mean()))
     vars(problem).pop("springs")

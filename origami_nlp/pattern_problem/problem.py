@@ -58,6 +58,8 @@ class PatternProblem(PatternContacts, Energies):
         As given.
     besides
         What of the origami as stated is not modelled, and why.
+    symmetry
+        Group that states and loads keep, by its name; ``none``: any are states of it.
     shape
         Of one vertex: corners and fold angles of a reference state with given sector angles.
 
@@ -70,7 +72,6 @@ class PatternProblem(PatternContacts, Energies):
     'minimum'
     """
 
-    symmetry = "none"
     redundant = True
 
     def __init__(
@@ -81,6 +82,7 @@ class PatternProblem(PatternContacts, Energies):
         limited: bool = True,
     ) -> None:
         super().__init__(pattern, contact, orbits, limited)
+        self.symmetry = "none"
         self._load = np.zeros(self.size)
         self._dead: Any = None
         self.besides: tuple[tuple[str, str], ...] = ()

@@ -259,3 +259,13 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
         assert find_multipliers(b, c - 1.001 * distance * normal).residual > 1e-9
         for d in rng.normal(size=(20, 3)):  # no other direction leaves the cone earlier
             assert find_multipliers(b, c + 0.99 * distance * d / np.linalg.norm(d)).residual < 1e-9
+
+
+def test_a_margin_names_the_symmetry_that_its_loads_keep() -> None:
+    """Loads that break it are more: of all loads the margin is smaller, so that it must not be said of them."""
+    kept = margin_of("fold limit")
+    problem, x = state_of("fold limit")
+    scene = o.examples.degree6("5*pi/12", 100.0, symmetry="none")
+    free = load_margin(State(o.pose(scene), problem.expand(x)), check=False)
+    assert (kept.symmetry, free.symmetry) == ("D1", "none")
+    assert kept.status == free.status == "exact" and free.norm < 0.9 * kept.norm
