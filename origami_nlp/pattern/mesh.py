@@ -94,6 +94,7 @@ def from_mesh(
         "faces_vertices": [list(f) for f in rings],
         "edges_vertices": [list(e) for e in edges],
         "edges_assignment": [letter[e] for e in edges],
+        "file_title": "mesh",
         "frame_classes": ["creasePattern" if flat else "foldedForm"],
     }
     made = frame_pattern(

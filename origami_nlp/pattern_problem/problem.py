@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy as sp
 
-from origami_nlp.io import pick
+from origami_nlp.io import PrettyRepr, pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.closure import Closure
@@ -38,7 +38,7 @@ def _no_shape(sector_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     raise NotImplementedError("sector angles of a sheet are not varied")
 
 
-class PatternProblem(PatternContacts, Energies):
+class PatternProblem(PatternContacts, Energies, PrettyRepr):
     """The nonlinear program of a pattern (`problem.protocol.Problem`); states are n variables, its fold angles.
 
     Parameters
@@ -129,7 +129,9 @@ class PatternProblem(PatternContacts, Energies):
         left = list(self.besides)
         if self.orbits is not None:
             tied = len(self.orbits.orbit) - self.size
-            left.append((f"{tied} fold angles", "the symmetry ties them to the others"))
+            left.append(
+                (f"{tied} fold angles", f"the symmetry {self.symmetry} ties them to the others")
+            )
         if self.contact:
             left.append(("pairs of facets at a crease", "fold limits keep them apart"))
         else:
@@ -138,6 +140,10 @@ class PatternProblem(PatternContacts, Energies):
             left.append(("fold limits", "the contact asked for leaves them out"))
             left.append(("fold angles beyond 2 pi", "each further turn repeats the shape"))
         return tuple(left)
+
+    def __repr__(self) -> str:
+        counts = f"{self.size} fold angles, {self.equation_count} equalities"
+        return f"PatternProblem({self.pattern.title}: {counts}, symmetry {self.symmetry})"
 
     def __str__(self) -> str:
         n, loops = self.size, len(self.pattern.vertices) + len(self.pattern.holes)
