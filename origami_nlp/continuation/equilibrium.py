@@ -124,19 +124,32 @@ class EquilibriumCurve:
         """Metric of (x, s), [n + 1]."""
         return np.append(self.line.problem.root, self.line.weight)
 
-    def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> BorderedSystem:
+    def system(
+        self,
+        point: np.ndarray,
+        multipliers: np.ndarray | None = None,
+        span: np.ndarray | None = None,
+    ) -> BorderedSystem:
         """Evaluate the KKT system at (x, s)."""
         self.tally.evaluations += 1
-        return BorderedSystem(self.line, point, self.hold, multipliers)
+        return BorderedSystem(self.line, point, self.hold, multipliers, span)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
         return self._newton(point, lambda at, system: system.step(*row(at, system)))
 
     def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, BorderedSystem] | None:
+        # rows that are independent at the last frame; all of them where closure gains rank since
+        span = self.given[0].system.range if self.given else None
+        found = None if span is None else self._newton_in(point, move, span)
+        return self._newton_in(point, move, None) if found is None else found
+
+    def _newton_in(
+        self, point: np.ndarray, move: Move, span: np.ndarray | None
+    ) -> tuple[np.ndarray, BorderedSystem] | None:
         carried: np.ndarray | None = None
         for _ in range(self.corrector):
-            system = self.system(point, carried)
+            system = self.system(point, carried, span)
             step = move(point, system)
             if step is None:
                 return None
@@ -147,7 +160,7 @@ class EquilibriumCurve:
                 break
             point, carried = point + step, system.after
             if length <= DUPLICATE_TOL:  # its square is rounding
-                system = self.system(point, carried)
+                system = self.system(point, carried, span)
                 if system.missing <= self._least:
                     break
         else:

@@ -83,13 +83,12 @@ def root_between(
     length = step_length(a, b, curve.root)
     rounding = EPS * max(1.0, abs(value(a)), abs(value(b)))
     known: dict[float, Equilibrium | None] = {0.0: a, length: b}
-    last = [a]
 
     def at(h: np.ndarray) -> np.ndarray:
         frame = known.get(float(h[0]))
         if float(h[0]) not in known:
-            frame = known[float(h[0])] = curve.beside(a, float(h[0]), last[0])
-            last[0] = frame or last[0]
+            near = min((k for k, f in known.items() if f), key=lambda k: abs(k - float(h[0])))
+            frame = known[float(h[0])] = curve.beside(a, float(h[0]), known[near])
         v = np.nan if frame is None else value(frame)
         return np.array([0.0 if abs(v) <= rounding else v])
 

@@ -28,7 +28,7 @@ import scipy as sp
 
 from origami_nlp.continuation.line import Line
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import EPS, SETTLED, Factor, Normal, dense, null_space
+from origami_nlp.numerics import EPS, RANK, SETTLED, Factor, Normal, dense, null_space
 from origami_nlp.problem import Contact
 
 ASLANT = 10.0
@@ -67,6 +67,9 @@ class BorderedSystem:
         The contacts.
     multipliers
         Of closure and contacts, over `scale`, [m + r]; None: those of least squares.
+    span
+        Orthonormal columns [m + r, q]: Newton solves for these combinations of the rows.  Rows that depend on each
+        other at closed states are nearly independent beside them; None: all rows.
     """
 
     def __init__(
@@ -75,9 +78,10 @@ class BorderedSystem:
         point: np.ndarray,
         hold: Hold,
         multipliers: np.ndarray | None = None,
+        span: np.ndarray | None = None,
     ) -> None:
         x, s = point[:-1], float(point[-1])
-        self.line, self.hold, self.x = line, hold, x
+        self.line, self.hold, self.x, self.span = line, hold, x, span
         self.after: np.ndarray | None = None
         """Multipliers after the last step of Newton."""
         p: Any = line.at(s)
@@ -92,7 +96,7 @@ class BorderedSystem:
         gradient = local.gradient / root
         self.size = 1.0 + float(np.abs(gradient).max(initial=0.0))
         if multipliers is None:
-            multipliers = Normal(self.jacobian).multipliers(gradient)
+            multipliers = self._least_squares(gradient)
         self.multipliers = multipliers
         h = p.curvature(x, multipliers, hold.contacts)
         self.hessian = self._in_metric(self._in_metric(h).T)
@@ -120,12 +124,26 @@ class BorderedSystem:
         """What `kkt.classify` says of it."""
         return classify(self.seen)
 
+    def _least_squares(self, gradient: np.ndarray) -> np.ndarray:
+        if self.span is None:
+            return Normal(self.jacobian).multipliers(gradient)
+        return np.asarray(self.span @ Normal(self.span.T @ self.jacobian).multipliers(gradient))
+
     @cached_property
     def shortest_multipliers(self) -> np.ndarray:
         """Multipliers of smallest norm: those that Newton carries along say nothing of dependent rows, [m + r]."""
         return Normal(self.jacobian).multipliers(
             self.imbalance + self.jacobian.T @ self.multipliers
         )
+
+    @cached_property
+    def range(self) -> np.ndarray | None:
+        """Basis of the row space of closure here, and all contacts, [m + r, q]; None: of a large problem."""
+        if not isinstance(self.jacobian, np.ndarray):
+            return None
+        r = len(self.hold.contacts)
+        u, sizes, _ = np.linalg.svd(self.jacobian[: len(self.values) - r], full_matrices=False)
+        return np.asarray(sp.linalg.block_diag(u[:, sizes > RANK], np.eye(r)))
 
     @property
     def residual(self) -> float:
@@ -230,11 +248,13 @@ class BorderedSystem:
         """Factorise with one more row over (dy, w ds); return what solves for that and minus the change of nu."""
         # curvature that multipliers add beside singular states would let eps be taken back slowly
         size = max(1.0, float(abs(self.hessian).max()))
-        h, c = self.hessian / size, self.jacobian
+        h, c, moved, span = self.hessian / size, self.jacobian, self.moved, self.span
+        if span is not None:
+            c, moved = span.T @ c, span.T @ moved
         if isinstance(c, np.ndarray):
             matrix: Any = np.vstack([np.column_stack([h, self.drift / size]), row])
-            below: Any = np.column_stack([c, self.moved])
-            across: Any = np.vstack([c.T, np.zeros(len(self.values))])
+            below: Any = np.column_stack([c, moved])
+            across: Any = np.vstack([c.T, np.zeros(len(c))])
         else:
             top = sp.sparse.hstack(
                 [sp.sparse.csr_array(h), sp.sparse.csr_array(self.drift[:, None] / size)]
@@ -251,6 +271,7 @@ class BorderedSystem:
             top: np.ndarray, right: float, bottom: np.ndarray
         ) -> tuple[np.ndarray, np.ndarray] | None:
             want, left = np.append(top / size, right), math.inf
+            bottom = bottom if span is None else span.T @ bottom
             d, change = np.zeros(len(want)), np.zeros(len(bottom))
             for _ in range(REFINED):
                 more = factor.solve(want - matrix @ d - across @ change, bottom - below @ d)
@@ -258,7 +279,8 @@ class BorderedSystem:
                 before, left = left, float(np.abs(more[0]).max())
                 if not left < before or left <= EPS * float(np.abs(d).max()):
                     break
-            return (d, -size * change) if np.isfinite(d).all() else None
+            change = -size * (change if span is None else span @ change)
+            return (d, change) if np.isfinite(d).all() else None
 
         return solve
 

@@ -26,7 +26,7 @@ KERNELS: dict[str, dict[str, str]] = {
     "no AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"},
 }
 """Kernels of OpenBLAS, and NumPy without its code for AVX-512: what the environment asks for."""
-MEASURED = ("seconds", "iterations", "evaluations", "cost")
+MEASURED = ("seconds", "iterations", "cost")
 """Not compared: time, and how often solvers iterated until rounding stopped them."""
 SEARCHED = ("search", "hits")
 """How often descents ended where, and what they ended at that is no minimum: next to singular states rounding grows too
