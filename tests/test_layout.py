@@ -25,7 +25,7 @@ PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
-    "pattern_problem starts continuation display hinges chart proof "
+    "pattern_problem search starts continuation display hinges chart proof "
     "minima pattern_states contact critical barriers space landscape bifurcation inverse_design "
     "loading sweep validity results verbs paper cli __main__"
 ).split()

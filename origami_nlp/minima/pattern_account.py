@@ -12,6 +12,7 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.account import FEW_QUIET, SearchReport
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
+from origami_nlp.search import CLOSES_NOT
 
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
@@ -38,24 +39,14 @@ class PatternSearchReport(SearchReport):
         What of these was not enumerated, and why; empty where all were.
     curves, ended
         Curves of states with one degree of freedom; how many of them are closed, or end at fold limits.
-    not_traced
-        Starts whose curves were not traced any more: descents began there instead.
-    outside
-        Of the curves, those that only random starts led to.
     unclear
         Parts of steps along curves on which contact cannot be excluded.
     drawn
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
-    pressed, gave_up
-        Descents into contact; how many of them did not converge, by reason.
-    foreseen
-        Starts from which scouts (`pattern_problem.Scouts`) ended where earlier ones had, whose descents were followed.
-    of_vertex
-        Minima that the search for single vertices found, where there is but one.
+    stopped
+        Descents that ended at no stationary state, by reason.
     reached, alone
         Minima that the starts of each family of `by_source` led to, and those of them that no other family did.
-    cut
-        Families of starts from minima that ended before each minimum was gone on from.
     wells, resolved
         Wells of the energy along curves; how many of them were judged.
     coarse
@@ -73,17 +64,11 @@ class PatternSearchReport(SearchReport):
     not_enumerated: str = ""
     curves: int = 0
     ended: int = 0
-    not_traced: int = 0
-    outside: int = 0
     unclear: int = 0
     drawn: int = 0
-    pressed: int = 0
-    gave_up: dict[str, int] = field(default_factory=Counter)
-    foreseen: int = 0
-    of_vertex: int = 0
+    stopped: dict[str, int] = field(default_factory=Counter)
     reached: dict[str, int] = field(default_factory=dict)
     alone: dict[str, int] = field(default_factory=dict)
-    cut: tuple[str, ...] = ()
     wells: int = 0
     resolved: int = 0
     coarse: int = 0
@@ -130,7 +115,7 @@ class PatternSearchReport(SearchReport):
         """
         self.undecided = tuple(s for s in judged if s.verdict == "undecided")
         self.rejected = tuple(s for s in judged if s.verdict not in ("minimum", "undecided"))
-        self.feasible_starts = max(self.starts - self.open, 0)
+        self.feasible_starts = max(self.starts - self.open - self.stopped.get(CLOSES_NOT, 0), 0)
         ended = "rule" if self.quiet == starts else "cap"
         self.stopped_by = "time" if self.left_out else ended
         self.curves, self.ended = len(found), sum(c.complete for c in found)
@@ -167,25 +152,16 @@ class PatternSearchReport(SearchReport):
         if self.curves:
             yield from self._of_curves()
         yield (
-            f"{self.starts} starts: {self.open} failed to close, {self.flat} converged to the flat state, "
-            f"{self.stalled} did not converge"
+            f"{self.starts} starts: {self.flat} converged to the flat state, "
+            f"{self.open + self.stalled + sum(self.stopped.values())} to no stationary state"
         )
-        if self.of_vertex:
-            what = "minimum" if self.of_vertex == 1 else "minima"
-            yield (
-                f"one vertex: {self.of_vertex} {what} of the search for single vertices, judged as states of the sheet"
-            )
-        if self.pressed:
-            what = "descent" if self.pressed == 1 else "descents"
-            yield f"contact: {self.pressed} {what} along states that do not cross"
-        if self.foreseen:
-            yield f"{self.foreseen} starts not followed to the end: quick descents led to where earlier ones had led"
+        for why, many in self.stopped.items():
+            yield f"{many} of them: {why}"
         for family, starts in self.by_source.items():
             found, own = self.reached.get(family, 0), self.alone.get(family, 0)
             alone = f", {own} of them by no other family" if own else ""
             many = f"{found} minim{'um' if found == 1 else 'a'}"
-            more = ", of which more could be made" if family in self.cut else ""
-            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}{more}"
+            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}"
 
     def open_words(self) -> list[str]:
         """Say in a few lines what is not proved or not decided."""
@@ -199,15 +175,13 @@ class PatternSearchReport(SearchReport):
             yield self.not_enumerated
         if self.unclear:
             yield "contact cannot be excluded on some sub-intervals of the curves"
-        for why, many in self.gave_up.items():
-            yield f"not decided: {many} descents into contact did not converge, {why}"
         for why, many in self.failed.items():
             yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
         if self.resolved < self.wells:
             open_ = self.wells - self.resolved
             yield f"not decided: {open_} of {self.wells} wells of the energy along the curves"
         lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
-        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+        if self.curves and not (lost or self.left_out or self.failed):
             yield (
                 f"every well of the energy along the curves that are known was judged, {self.wells} in all; other "
                 "curves are sampled only: completeness is not proved"
@@ -240,6 +214,4 @@ class PatternSearchReport(SearchReport):
                 if lost
                 else (", each to its ends" if self.curves != 1 else " to its ends")
             )
-            + (f"; {self.outside} of them known from random starts only" if self.outside else "")
-            + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )

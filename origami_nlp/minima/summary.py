@@ -24,6 +24,7 @@ from origami_nlp.minima.stability import (
 )
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, ROUNDED
 from origami_nlp.pattern import Pattern, Scene, symmetries
+from origami_nlp.search import CLOSES_NOT
 
 MOST_LINES = 30
 """States of which the report has a line; the others are in its details."""
@@ -175,7 +176,7 @@ def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
     if n := len(search.undecided):
         return f"{n} state{'s'[: n > 1]} found, none certified"
     crossed = any(s.crossings for s in search.rejected)
-    gave_up = getattr(search, "gave_up", {})
+    gave_up = [why for why in getattr(search, "stopped", {}) if why != CLOSES_NOT]
     late = search.stopped_by == "time" or bool(search.left_out)
     if not gave_up and not late:
         return ""

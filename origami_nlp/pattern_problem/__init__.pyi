@@ -55,7 +55,6 @@ from .pop_signs import (
 from .poses import MOVES as MOVES, Poses as Poses
 from .posing import one_vertex as one_vertex, pose as pose
 from .problem import PatternProblem as PatternProblem
-from .scouts import Scouts as Scouts
 from .screws import Screws as Screws, find_screws as find_screws
 from .stacks import Stack as Stack, Unclear as Unclear
 from .symbols import Symbols as Symbols

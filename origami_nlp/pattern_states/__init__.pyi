@@ -3,7 +3,6 @@ from .clearance import Clearance as Clearance, Stretches as Stretches
 from .contact_descents import (
     contact_descent as contact_descent,
     contact_descent_off as contact_descent_off,
-    contact_descents_along as contact_descents_along,
 )
 from .curve import (
     ClosureCurve as ClosureCurve,

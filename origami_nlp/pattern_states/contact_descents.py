@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.kkt import KNOWN, STOPPED, follow
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
-from origami_nlp.pattern_states.clearance import Stretches
 from origami_nlp.pattern_states.descent import TRUST, Descended
 
 MOST_STEPS = 400
@@ -21,17 +20,11 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, do so closely."""
 UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
-LEFT = "it was left on its way"
-"""Why a descent ends where it was asked to."""
-SHORT = {"most_steps": 30, "most_rescues": 1, "most_ways": 16}
-"""Of a descent that may be left: where hundreds of pieces meet at a state of resch:1x2 one took 37 s for 0.1 s."""
 NEAR = 0.05
 """Largest change of a fold angle to a known minimum to which a straight way down is looked for [rad].  Minima of
 waterbomb:2x2 lie 0.009 to 0.08 rad apart in pairs: of 0.3 rad a search lost two of them."""
 APART = 0.02
 """Largest change of a fold angle between states on that way, about [rad]."""
-HALVINGS = 20
-"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
 SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
@@ -41,7 +34,6 @@ def contact_descent(
     phi: np.ndarray,
     keep: bool = False,
     known: np.ndarray | None = None,
-    leave: Callable[[np.ndarray], bool] | None = None,
 ) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
@@ -57,9 +49,6 @@ def contact_descent(
         Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
     known
         Minima that were judged before, [m, n]: they are not judged again.
-    leave
-        Asked of each state on the way, the start first, whether the descent ends there as `LEFT`.  It is a short one
-        then, of `SHORT` steps, which looks into few of the pieces that meet at a state.
 
     Returns
     -------
@@ -73,7 +62,6 @@ def contact_descent(
     minima = np.empty((0, problem.size)) if known is None else known
     asked = np.full(len(minima), 2 * NEAR)
     met: list[np.ndarray] = []
-    left: list[np.ndarray] = []
 
     def crowded(x: np.ndarray) -> bool:
         facing = problem.features.facing(problem.placed(x), REACH)
@@ -91,11 +79,6 @@ def contact_descent(
                 return True
         return False
 
-    def is_left(x: np.ndarray) -> bool:
-        if leave is not None and leave(x):
-            left.append(x)
-        return bool(left)
-
     many_facets = math.comb(problem.pattern.facets, 2) > MOST_PAIRS
     try:
         found = follow(
@@ -103,10 +86,10 @@ def contact_descent(
             phi,
             curved=True,
             longest=TRUST,
-            until=lambda x: arrives(x) or (many_facets and crowded(x)) or is_left(x),
+            until=lambda x: arrives(x) or (many_facets and crowded(x)),
             leads=leads if keep else None,
             known=lambda x: bool((np.abs(minima - x).max(axis=1) <= 10 * DUPLICATE_TOL).any()),
-            **({"most_steps": MOST_STEPS} if leave is None else SHORT),
+            most_steps=MOST_STEPS,
         )
     except np.linalg.LinAlgError:  # a ValueError as well
         raise
@@ -115,8 +98,6 @@ def contact_descent(
     if met:
         path = (*found.states, met[0])
         return Descended(met[0], True, len(path) - 1, "still", path=path)
-    if left:
-        return Descended(left[0], False, len(found.states) - 1, LEFT, path=tuple(found.states))
     arrived, why = found.what.verdict == "minimum", UNTOLD
     if arrived and found.what is not KNOWN:
         problem.kept("classified", found.end, lambda: found.what)
@@ -135,53 +116,6 @@ def _leads_down(problem: PatternProblem, phi: np.ndarray, to: np.ndarray) -> boo
         if residual > CLOSURE_TOL or energy >= before or problem.refuses(phi):
             return False
     return problem.scaled_energy(to) < energy
-
-
-def contact_descents_along(
-    problem: PatternProblem, stretches: Stretches, known: np.ndarray | None = None
-) -> Iterator[Descended]:
-    """Go down from every state of a curve whose neighbour crosses and is lower, or from where their facets touch.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    stretches
-        Of `Clearance.along`.
-    known
-        As of `contact_descent`.
-
-    Yields
-    ------
-    Descended
-        In the order of the curve.
-    """
-    states, crosses = stretches.states, stretches.crosses
-    for i in np.flatnonzero(crosses[:-1] != crosses[1:]):
-        free, crossed = (i + 1, i) if crosses[i] else (i, i + 1)
-        start, beyond = states[free], states[crossed]
-        if not _falls(problem, start, beyond):  # energy may fall again before facets touch
-            start = _last_free(problem, start, beyond)
-        if _falls(problem, start, beyond):
-            yield contact_descent(problem, start, known=known)
-
-
-def _falls(problem: PatternProblem, phi: np.ndarray, ahead: np.ndarray) -> bool:
-    """Return whether the energy falls from a closed state on the way to another one [n]."""
-    return bool(problem.torque(phi) @ problem.along(phi, ahead - phi) < 0)
-
-
-def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
-    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
-    for _ in range(HALVINGS):
-        middle, residual = problem.project(0.5 * (free + crossed))
-        if residual > CLOSURE_TOL:
-            break
-        if problem.crossings.find(middle):
-            crossed = middle
-        else:
-            free = middle
-    return free
 
 
 def contact_descent_off(

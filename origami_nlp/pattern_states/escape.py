@@ -36,7 +36,7 @@ from origami_nlp.pattern_problem import PatternProblem, image
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.terrain import PatternTerrain
 from origami_nlp.pattern_states.traced_passes import CurvePasses, curve_passes
-from origami_nlp.starts import creases_around
+from origami_nlp.search import creases_around
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought by descents."""

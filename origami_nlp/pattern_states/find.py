@@ -1,8 +1,7 @@
-"""Finds the stable states of a sheet: traced curves where one degree of freedom is left, descents elsewhere.
+"""Finds the stable states of a sheet: starts, descents, what is distinct, certified, and fed on; then curves.
 
-Curves leave flat-folded states, which are enumerated, and cross each other at states where closure loses rank, which
-are looked for along each; random starts, drawn by labels that do not depend on how creases are numbered, are for what
-is on none of them.
+Starts are drawn by labels that do not depend on how creases are numbered.  Where one degree of freedom is left, the
+curves through what was found are traced after the search, and each well of the energy along them is asked for.
 """
 
 from __future__ import annotations
@@ -18,7 +17,6 @@ from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
-    MEETINGS,
     Completeness,
     JudgedState,
     MinimaResult,
@@ -26,51 +24,55 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED, SETTLED
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
-from origami_nlp.pattern_problem import PatternProblem, find_labels
-from origami_nlp.pattern_states.branch_points import (
-    branch_directions,
-    closes_along,
-    into_family,
-    is_on_plane,
-    split,
-)
-from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, lowest_on, of_vertex
-from origami_nlp.pattern_states.contact_descents import (
-    UNTOLD,
-    contact_descent_off,
-    contact_descents_along,
-)
+from origami_nlp.pattern_problem import PatternProblem, find_labels, image
+from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
+from origami_nlp.pattern_states.closed import BESIDE_FLAT, close
+from origami_nlp.pattern_states.contact_descents import contact_descent_off
 from origami_nlp.pattern_states.curve import tangents
 from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
-from origami_nlp.pattern_states.descent import Descended, descend
+from origami_nlp.pattern_states.descent import descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
-from origami_nlp.pattern_states.from_minima import IMAGES, are_among
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
 from origami_nlp.pattern_states.judgement import (
+    classified,
     judge,
     judge_end,
     singular_beside,
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
-from origami_nlp.pattern_states.plane_faces import contact_descents_on_plane
+from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
-from origami_nlp.pattern_states.scouting import Scouting
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import (
-    OWN,
-    Given,
-    OtherWells,
-    SearchOptions,
-    families_in_turn,
-    options_of,
+from origami_nlp.search import (
+    Changed,
+    Follower,
+    Shares,
+    Start,
+    Strata,
+    Touch,
+    Uniform,
+    at_limits,
+    given,
+    hinge_rests,
+    other_wells,
 )
+from origami_nlp.starts import OWN, SearchOptions, options_of
 
 BRANCHES = "branch directions"
 """Out of the flat state and of others where curves meet, as starts."""
+GIVEN = "what the pattern gives"
+IMAGES = "images of minima under symmetries"
+LOWER = "beside a state that was refuted"
+SNAPPED = "minima with a hinge in another well"
+CURVES = "wells along curves"
+DRAWN = 10
+"""What a start counts, in evaluations of closure."""
+DEEP = 6
+"""Times that a lower state beside one that was refuted is gone on from."""
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 PROOF = "the proof that the list is complete"
@@ -155,7 +157,7 @@ def find_states(
     if contact:
         pattern.check_wide()
     search = _Search(pattern, contact, begin + seconds, asked)
-    starts, most = asked.random_starts(starts, max_starts, search.goes_ahead)
+    starts, most = asked.random_starts(starts, max_starts)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
@@ -178,7 +180,7 @@ def find_states(
     return search.result(pattern, starts)
 
 
-class _Search(Scouting):
+class _Search(Parts):
     """A search on its way."""
 
     def __init__(
@@ -187,17 +189,20 @@ class _Search(Scouting):
         super().__init__()
         self._since, self.options = time.perf_counter(), options
         self.labels, self.contact = find_labels(pattern), contact
-        self.problem = PatternProblem(self.labels.arranged(pattern))
+        self.problem = PatternProblem(self.labels.arranged(pattern), contact)
         self.problem.until = until
         self.problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
-        self.judged, self._traced = list[JudgedState](), 0
+        self.judged = list[JudgedState]()
         self.completeness: Completeness | None = None
-        self._planes: list[tuple[np.ndarray, np.ndarray]] = []
-        self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
+        self._changed = Changed(self.problem, self.labels)
+        kinds = [Uniform, Strata, Touch] if contact else [Uniform, Strata]
+        self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
+        self._met_at = list[np.ndarray]()
+        self._follow, self._rng = Follower(self.problem), np.random.default_rng(0)
 
     @property
     def proved(self) -> bool:
@@ -208,59 +213,143 @@ class _Search(Scouting):
         self, pattern: Pattern, rng: np.random.Generator, seed: int, starts: int, most: int
     ) -> None:
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
-        for start in Given(self.problem.pattern).states():
-            self.part(Given.name, self.explore, start, Given.name)
+        self._rng = rng
+        for start in given(self.problem.pattern):
+            self.part(GIVEN, self.explore, start, GIVEN)
         if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
-        if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
-            self.part("the search for single vertices", self.round_the_vertex, seed)
-        asked = self.options
-        self.part(OtherWells.name, self.snap, asked.most_popped * starts, asked.most_on * starts)
-        for k in range(min(asked.most_drawn * starts, most)):
-            if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
-                break
-        self.go_on(asked, starts, rng)
-        self.part(IMAGES, self.add_images)
+        self.part("random starts", self.draw, rng, starts, most)
+        self.part(CURVES, self.trace_curves)
 
-    def settle(self, phi: np.ndarray) -> None:
-        """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
-        if (closed := close(self.problem, phi)) is None or self.known(closed):
-            self.tally.open += closed is None
-            return
-        for side in (self._side, -self._side):
-            end = descend(self.problem, closed, side=side)
-            if not end.arrived and (better := stationary_beside(self.problem, end.phi)) is not None:
-                end = replace(end, phi=better, arrived=True)
-            if not end.arrived:
-                self.tally.stalled += 1
-            elif not self.known(end.phi):
-                self.add(judge_end(self.problem, end.phi, self.contact))
-            if (
-                self.contact
-                and (held := contact_descent_off(self.problem, end.path, self.known_minima))
-                is not None
-            ):
-                self.contact_descent(held)
-            if not end.saddles:
-                return
+    def draw(self, rng: np.random.Generator, starts: int, most: int) -> None:
+        """Make random starts, by what families led to and evenly, until so many led to nothing new."""
+        shares = Shares([family.name for family in self._families])
+        by_name = {family.name: family for family in self._families}
+        while self.tally.drawn < most and self.tally.quiet < starts:
+            self.problem.check_time()
+            name, before, counted = shares.next(), self.count()[0], self._follow.work
+            start = by_name[name].draw(rng)
+            shares.work[name] += DRAWN
+            if start is not None:
+                self.begin(name)
+                self.attempt(self.follow, start)
+            new = self.count()[0] - before
+            shares.work[name] += self._follow.work - counted
+            shares.new[name] += new
+            self.tally.drawn += start is not None
+            self.tally.quiet = 0 if new else self.tally.quiet + (start is not None)
 
-    def contact_descent(self, end: Descended) -> None:
-        """Judge where a descent into contact ended."""
-        self.tally.pressed += 1
-        if not end.arrived and end.why != UNTOLD:
-            self.tally.gave_up[end.why] += 1
+    def explore(self, start: np.ndarray, family: str) -> None:
+        """Follow a state from which a listed family starts, with creases at their limits kept there if possible."""
+        self.begin(family)
+        self.attempt(self.follow, Start(start, at_limits(self.problem, start)))
+
+    def follow(self, start: Start, deep: int = DEEP) -> None:
+        """Go downhill from a start, on either side of saddles, and judge what is reached."""
+        if not self._follow.descents.usable:
+            return self._by_python(start.x)
+        x, why = self._follow(start, self._rng, self._side, self.known)
+        if why:
+            self.tally.stopped[why] += 1
+        elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
+            self.tally.flat += 1
+        else:
+            self.settle(x, deep)
+
+    def settle(self, x: np.ndarray, deep: int = DEEP) -> None:
+        """Judge where a descent ended; beside one that is refuted, go on from a lower state."""
+        if self.known(x):
             return
-        if end.arrived and are_among(end.phi[None], self.known_minima).any():
-            self.known(end.phi)
+        state = judge_end(self.problem, x, self.contact)
+        near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
+        if near is not None:
+            exact = judge(self.problem, near, self.contact)
+            if exact.verdict == "minimum" or state.verdict == "undecided":
+                state = exact  # the end is not told from it
+        if self.known(state.phi, state.verdict):
             return
-        state = judge(self.problem, end.phi)
-        if not end.arrived or state.verdict == "undecided":
-            beside = singular_beside(self.problem, end.phi)
-            state = state if beside is None else judge(self.problem, beside)
-        if not end.arrived and state.verdict != "minimum":
-            why = f"not decided: pressed down to where {end.why}"
-            state = replace(state, verdict="undecided", kind="", certificate=why)
         self.add(state)
+        if state.verdict == "minimum":
+            images = [image(symmetry, state.phi) for symmetry in self._symmetries]
+            if state.phi.any():
+                self._changed.add(state.phi, images)
+            for other in images:
+                self.attempt(self.settle, other, 0)
+            self.snap(state.phi)
+        elif state.refuted and deep:
+            lower = classified(self.problem, state.phi).lower
+            if lower is not None:
+                self.follow(Start(lower, at_limits(self.problem, lower)), deep - 1)
+
+    def snap(self, x: np.ndarray) -> None:
+        """Start from a minimum with each hinge in each other well of its law."""
+        if hinge_rests(self.problem.pattern):
+            for start in other_wells(self.problem.pattern, self.labels, x):
+                if self.tally.by_source.get(SNAPPED, 0) < self.options.most_on:
+                    self.explore(start, SNAPPED)
+
+    def _by_python(self, start: np.ndarray) -> None:
+        """Go downhill without compiled descents: of large sheets, and where there is no compiler."""
+        problem = self.problem
+        if (closed := close(problem, start)) is None:
+            self.tally.open += 1
+            return
+        end = descend(problem, closed, side=self._side)
+        if not end.arrived and (better := stationary_beside(problem, end.phi)) is not None:
+            end = replace(end, phi=better, arrived=True)
+        if end.arrived:
+            self.settle(end.phi, 0)
+        else:
+            self.tally.stalled += 1
+        held = contact_descent_off(problem, end.path) if self.contact else None
+        if held is not None and held.arrived:
+            self.settle(held.phi, 0)
+        elif held is not None:
+            self.tally.stopped[held.why] += 1
+
+    def trace_curves(self) -> None:
+        """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
+        if self.problem.size > self.options.most_traced:
+            return
+        gone = 0
+        while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
+            phi = self.judged[gone].phi
+            gone += 1
+            if phi in self.curves or self.judged[gone - 1].verdict == "not admissible":
+                continue
+            z = tangents(self.problem, phi)
+            if z.shape[1] == 1:
+                for traced in self.curves.trace(phi, z[:, 0]):
+                    self._along(traced)
+            if gone == len(self.judged):
+                self._leave_meetings()
+
+    def _along(self, traced: TracedCurve) -> None:
+        """Judge the wells of a curve, and go down from where facets begin to cross along it."""
+        for well in wells(self.problem, traced.curve):
+            self.tally.wells += 1
+            self.begin(CURVES)
+            self.attempt(self._settle_well, well)
+        if (seen := traced.stretches) is not None:
+            for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
+                self.explore(seen.states[i + 1 if seen.crosses[i] else i], CURVES)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Judge the stationary state at a well of a curve, and go downhill from it."""
+        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
+        known |= dict.fromkeys(("saddle", "not stationary"), 10 * DUPLICATE_TOL)
+
+        def judged() -> bool:
+            return any(
+                np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged
+            )
+
+        if not judged() and (closed := close(self.problem, well)) is not None:
+            beside = stationary_beside(self.problem, closed)
+            if beside is not None and not self.known(beside):
+                self.add(judge_end(self.problem, beside, self.contact))
+            self.follow(Start(well, at_limits(self.problem, well)))
+        self.tally.resolved += judged()
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
@@ -326,22 +415,21 @@ class _Search(Scouting):
         order = sorted(
             range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
         )
-        if self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
-            self.part(MEETINGS, self._leave_meetings)
+        self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order])
 
     def _leave_meetings(self) -> None:
         """Go all branch directions of states at which curves meet."""
-        met: list[np.ndarray] = []
-        for traced in self.curves.found:  # which grows
+        for traced in self.curves.found:
             for phi in traced.branch_points:
-                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
-                    met.append(phi)
+                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in self._met_at):
+                    self._met_at.append(phi)
                     self.tally.branch_points += 1
                     self._leave(phi, branch_directions(self.problem, phi))
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:
         """Go all branch directions of flat-folded states [S, n]."""
         for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
+            self.explore(phi, BRANCHES)
             self._leave(phi, split(self.problem, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
@@ -353,124 +441,7 @@ class _Search(Scouting):
         for d in lines:
             self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
         for basis in ways.families:
-            self._leave_family(phi, basis)
+            for d in into_family(phi, basis, self._side, self.problem.fold_limits):
+                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
         if not lines and not ways.families and not self.known(phi):
             self.add(judge(self.problem, phi, self.contact))
-
-    def _leave_family(self, phi: np.ndarray, basis: np.ndarray) -> None:
-        """Start into a family of several dimensions: once where it is a plane, on which energy has one minimum."""
-        problem = self.problem
-        off = phi - basis @ (basis.T @ phi)
-        if is_on_plane(self._planes, basis, off):
-            return
-        d = basis @ (basis.T @ self._side)
-        d /= np.abs(d).max()
-        if closes_along(problem, phi, d):
-            self._planes.append((basis, off))
-            lowest = lowest_on(problem, phi, basis)
-            if lowest is not None and not self.known(lowest):
-                self.add(judge(problem, lowest, self.contact))
-            if lowest is not None and self.contact:
-                given = problem, self.curves.clearance, (phi, basis), lowest, self.known_minima
-                for end in contact_descents_on_plane(*given):
-                    self.attempt(self.contact_descent, end)
-            return
-        for d in into_family(phi, basis, self._side, self.problem.fold_limits):
-            self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
-
-    def round_the_vertex(self, seed: int) -> None:
-        """Judge the minima that the search for single vertices finds, where there is but one."""
-        # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = max(0.5 * (self.problem.until - time.monotonic()), 0.0)
-        states, whole = of_vertex(self.problem.pattern, self.contact, seed, seconds)
-        if not whole:
-            self.tally.leave_out("the search for single vertices")
-        for phi in states:
-            self.tally.of_vertex += 1
-            if not self.known(phi):
-                self.add(judge_end(self.problem, phi, self.contact))
-
-    def draw(self, rng: np.random.Generator, k: int) -> None:
-        """Make a random start."""
-        before = self.count()
-        family = self._families[k % len(self._families)]
-        self.explore(family.draw(rng, 1).x[0], family.name)
-        self.tally.drawn += 1
-        self.tally.outside += len(self.curves.found) - before[1]
-        self.tally.quiet = self.tally.quiet + 1 if self.count() == before else 0
-
-    def explore(self, start: np.ndarray, family: str) -> None:
-        """Close a start, trace its curve or go downhill from it, and judge what is found."""
-        self.begin(family)
-        self.attempt(self._explore, start)
-
-    def _explore(self, start: np.ndarray) -> None:
-        if (phi := self._begun(start)) is not None:
-            self._enter(phi)
-
-    def _begun(self, start: np.ndarray) -> np.ndarray | None:
-        """Close a start; None, and counted, where that fails or leads back to the flat state."""
-        phi = close(self.problem, start)
-        near = phi is not None and bool(np.abs(phi).max() < BESIDE_FLAT)
-        flat = near and self.problem.pattern.lies_flat
-        self.tally.open += phi is None
-        self.tally.flat += flat
-        return None if flat else phi
-
-    def _enter(self, phi: np.ndarray) -> None:
-        """Trace the curve through a closed state, or go downhill from it."""
-        problem, tally = self.problem, self.tally
-        if problem.size > self.options.most_traced or (z := tangents(problem, phi)).shape[1] != 1:
-            self.foresee(phi)
-        elif phi not in self.curves:
-            if self._traced == self.options.most_curves:
-                tally.not_traced += 1
-                if not self._leads_through_flat(phi):
-                    self.settle(phi)
-                return
-            self._traced += 1
-            for traced in self.curves.trace(phi, z[:, 0]):
-                self._along(traced)
-
-    def _leads_through_flat(self, phi: np.ndarray) -> bool:
-        """Return whether energy falls from a state to the flat one, and on to its mirror image or no further.
-
-        The mirror image is another start, and the flat state, where it is the well of its curve, was judged.
-        """
-        problem = self.problem
-        # of laws that fall wells may be beside it
-        convex = all(law is None or law.monotone for law in problem.pattern.laws)
-        if not (problem.pattern.lies_flat and convex) or np.abs(phi).max() > 2 * OUT:
-            return False
-        here, there = (float(problem.torque(x) @ problem.along(x, phi)) for x in (phi, -phi))
-        return here > 0 and (there > 0 or abs(here + there) <= SETTLED * here)
-
-    def _along(self, traced: TracedCurve) -> None:
-        """Polish and judge the wells of a curve, and states of it that touching facets hold."""
-        for well in wells(self.problem, traced.curve):
-            self.tally.wells += 1
-            self.attempt(self._settle_well, well)
-        if traced.stretches is None:
-            return
-        for end in contact_descents_along(self.problem, traced.stretches, self.known_minima):
-            self.attempt(self.contact_descent, end)
-
-    def _settle_well(self, well: np.ndarray) -> None:
-        """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
-        self.settle(well)
-        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
-        known |= dict.fromkeys(("saddle", "not stationary"), 10 * DUPLICATE_TOL)
-        judged = any(np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged)
-        if not judged and (closed := close(self.problem, well)) is not None:
-            beside = stationary_beside(self.problem, closed)
-            if beside is not None:
-                if not self.known(beside):
-                    self.add(judge_end(self.problem, beside, self.contact))
-                # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
-                judged = any(
-                    np.abs(beside - s.phi).max() <= 10 * DUPLICATE_TOL
-                    and (s.verdict in ("minimum", "not admissible") or s.dof == 1)
-                    for s in self.judged
-                    if s.verdict in known
-                )
-        self.tally.resolved += judged

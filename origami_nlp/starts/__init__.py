@@ -14,13 +14,6 @@
 | `FlatFoldings` | vertex | every fold angle 0 or +-pi |
 | `HingeSets` | vertex | lowest of all that hinge about one line |
 | `RigidStates` | vertex | isolated states of models without degrees of freedom |
-| `Given` | pattern | what the file states, mountains and valleys folded, rest angles, straight lines folded to wells |
-| `Grown` | pattern | grown out of the flat state |
-| `Uniform` | pattern | any fold angles |
-| `UniformFolded` | pattern | any fold angles, some creases fully folded |
-| `Popped` | pattern | a minimum with one vertex on its other side |
-| `Changed` | pattern | a minimum crossed with another, or with one crease folded otherwise |
-| `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
 `crossings` finds where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.

@@ -27,19 +27,6 @@ from .family import Listed as Listed, StartFamily as StartFamily
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
-from .of_patterns import (
-    POPPED as POPPED,
-    Changed as Changed,
-    Given as Given,
-    Grown as Grown,
-    OtherWells as OtherWells,
-    Popped as Popped,
-    Uniform as Uniform,
-    UniformFolded as UniformFolded,
-    creases_around as creases_around,
-    families_in_turn as families_in_turn,
-    hinge_rests as hinge_rests,
-)
 from .options import (
     EFFORTS as EFFORTS,
     OWN as OWN,

@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last eight of a pattern.
+    The first twelve are of a vertex, the last five of a pattern.
 
     Attributes
     ----------
@@ -42,18 +42,10 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, then no more are made.
-    scouted
-        Starts of a pattern of several degrees of freedom for each one that `in_a_row` asks for, where it is foreseen
-        where most of them lead (`pattern_problem.Scouts`): these cost a thirtieth.
     most_drawn
         Random starts in all, over `in_a_row`.
-    most_popped
-        Starts from minima with a vertex popped, or a hinge in another well of its law, that find nothing new, over
-        `in_a_row`; then that part ends.
-    most_changed
-        Starts from minima changed at random in a row that find nothing new, over `in_a_row`; `most_drawn` in all.
     most_on
-        Starts of one of these kinds in all, over `in_a_row`.
+        Starts from minima with a hinge in another well of its law, in all.
     most_traced
         Creases up to which curves are traced; descents beyond.
     most_curves
@@ -84,19 +76,16 @@ class SearchOptions:
     fewest_for_moments: int = 16
     most_batched: int = 24
     judging: float = 0.3
-    in_a_row: int = 60
-    scouted: int = 10
+    in_a_row: int = 600
     most_drawn: int = 10
-    most_popped: int = 1
-    most_changed: int = 2
-    most_on: int = 50
+    most_on: int = 3000
     most_traced: int = 250
     most_curves: int = 64
 
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_popped", "most_changed", "most_on"),
+            *("in_a_row", "most_on"),
             *("most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
@@ -107,17 +96,13 @@ class SearchOptions:
         if self.hits > self.rounds:
             raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
-    def random_starts(
-        self, starts: int | None, max_starts: int | None, scouted: bool = False
-    ) -> tuple[int, int]:
+    def random_starts(self, starts: int | None, max_starts: int | None) -> tuple[int, int]:
         """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
 
         Parameters
         ----------
         starts, max_starts
             As asked for; None: what the options say.
-        scouted
-            Whether it is foreseen where most of them lead.
 
         Returns
         -------
@@ -129,8 +114,7 @@ class SearchOptions:
         OptionError
             If one is no such number.
         """
-        own = self.in_a_row * (self.scouted if scouted else 1)
-        starts = own if starts is None else check_whole("starts", starts, 0)
+        starts = self.in_a_row if starts is None else check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
         return starts, check_whole("max_starts", max_starts, 1)
@@ -138,7 +122,7 @@ class SearchOptions:
 
 EFFORTS = {
     "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=100
     ),
     "normal": SearchOptions(),
     "thorough": SearchOptions(
@@ -148,9 +132,7 @@ EFFORTS = {
         rounds=40,
         hits=4,
         quiet=4,
-        in_a_row=160,
-        most_popped=10,
-        most_changed=10,
+        in_a_row=1600,
     ),
 }
 """By name."""

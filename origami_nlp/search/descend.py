@@ -1,0 +1,350 @@
+"""Descents with an active set in C (`c/descend.c`): from a start with what it holds to a stationary state, with rows.
+
+Nothing is decided by them: where they end is judged by `kkt.classify`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp import numerics
+from origami_nlp.numerics import address, compiled
+from origami_nlp.pattern_problem import PatternProblem, compiled_closure, compiled_facets
+
+SLOTS = 64
+"""Gaps that a descent holds at most."""
+MOST_STEPS = 200
+"""Of a descent."""
+NAMES = {
+    "APART": 1e-7,  # a slot that is open by more is dropped, over the sheet's size
+    "BISECTIONS": 9,
+    "FACES": 0.5,  # features that face each other closer, over the sheet's size
+    "FAR_APART": 0.02,  # a slot that orders layers is dropped
+    "LONGEST_STEP": 0.5,  # [rad]
+    "MOST_CLOSING": 60,
+    "MOST_CORRECTIONS": 12,
+    "MOST_HALVINGS": 24,
+    "MOST_RETRACTIONS": 8,
+    "MOST_SWEEPS": 30,
+    "OFF_SADDLE": 0.05,
+    "SHUT": 1e-11,  # over the sheet's size
+    "SOFTEST": 1e-6,
+    "STILL": 1e-10,
+    "TIE": 1e-9,
+    "TOUCHES": 1e-9,
+}
+"""Numbers of the source."""
+NUMERICS = "BALANCED CLOSURE_TOL DECREASE INSIDE OUTSIDE RANK TINY".split()
+WHOLE = "n m placed facets root steps pieces q pairs".split()
+REAL = "size deep".split()
+FLOATS = (
+    "stiffness rest load low high measure sense_of reference axis from direction end walk corner"
+)
+WORK = "angle screw rows seen along normal inward".split()
+INTS = (
+    "here before crossed variable left chain_first chain facet ring after ring_before valid border triangle "
+    "one other common"
+)
+PARTS = {
+    "Outside ": ["outside"],
+    "const Loops *": ["loops"],
+    "Place *": ["place"],
+    "const double *": FLOATS.split(),
+    "double *": WORK,
+    "const int64_t *": INTS.split(),
+}
+_OUTSIDE = ctypes.CFUNCTYPE(
+    ctypes.c_double,
+    ctypes.POINTER(ctypes.c_double),
+    ctypes.c_int64,
+    ctypes.POINTER(ctypes.c_double),
+)
+"""Energy of a state, and what is asked for besides: its torque, or its Hessian."""
+CLOSES_NOT = "the start does not close, or its facets cross"
+LEVEL = "facets come to lie on each other"
+REASONS = (
+    "arrived",
+    "no lower state within reach",
+    "too many steps",
+    "facets meet where no single gap keeps them apart",
+    CLOSES_NOT,
+    LEVEL,
+)
+"""How a descent ends."""
+
+
+class _SheetInC(ctypes.Structure):
+    """A pattern, and room for what is computed."""
+
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in WHOLE),
+        *((name, ctypes.c_double) for name in REAL),
+        *((name, ctypes.c_void_p) for names in PARTS.values() for name in names),
+    ]
+
+
+def _source() -> str:
+    """Return what is compiled: sources of facets and of closure, whose names must not meet, and those beside."""
+    own = ("cross", "dot", "INSIDE", "NONZERO", "OUTSIDE")
+    lines = ["#define cross cross_of_facets", "#define dot dot_of_facets", compiled_facets.source()]
+    lines += [*(f"#undef {name}" for name in own), compiled_closure.source()]
+    values = {**NAMES, "SLOTS": SLOTS, **{name: getattr(numerics, name) for name in NUMERICS}}
+    lines += [f"#define {name} ({value!r})" for name, value in values.items()]
+    fields = [("int64_t ", WHOLE), ("double ", REAL), *PARTS.items()]
+    lines.append("typedef double (*Outside)(const double *x, int64_t order, double *out);")
+    lines += ["typedef struct {", *(f"{c}{name};" for c, names in fields for name in names)]
+    lines += ["} Sheet;", "#define factorise factorise_columns"]
+    linear = Path(numerics.__file__).parent / "c" / "linear.c"
+    here = Path(__file__).parent / "c"
+    files = linear, here / "orthogonal.h", here / "rows.h", here / "descend.c"
+    return "\n".join([*lines, *(path.read_text("utf-8") for path in files)])
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A gap that a start holds: of corner `place[0]` of a piece over another, or of two sides.
+
+    Attributes
+    ----------
+    pieces
+        Of the feature that moves, and the other; -1 where `points` say what it is.
+    places
+        Corner and -1, or the sides.
+    sign
+        +1 or -1, so that the gap is positive where facets are apart.
+    facets
+        The one that stays, and the one that is carried.
+    sides
+        Whether of two sides.
+    points
+        Four points in the reference state, [4, 3], of a gap by points.
+    orders
+        Whether it keeps the order of layers: it is watched further out.
+    """
+
+    pieces: tuple[int, int]
+    places: tuple[int, int]
+    sign: float
+    facets: tuple[int, int] = (0, 0)
+    sides: bool = False
+    points: np.ndarray | None = None
+    orders: bool = False
+
+
+@dataclass(frozen=True)
+class End:
+    """Where a descent ended.
+
+    Attributes
+    ----------
+    x
+        State, [n].
+    arrived
+        Whether it is stationary on what it holds.
+    why
+        One of `REASONS`.
+    steps, saddles, work
+        Steps, ways by which saddles were left, and evaluations of closure.
+    side
+        Which fold limits are held, by sign, [n].
+    slots
+        Gaps that are shut.
+    forces
+        Multipliers of limits [n], and of slots.
+    """
+
+    x: np.ndarray
+    arrived: bool
+    why: str
+    steps: int
+    saddles: int
+    work: int
+    side: np.ndarray
+    slots: tuple[Slot, ...]
+    forces: np.ndarray
+
+
+class Descents:
+    """Descents of a problem.
+
+    Parameters
+    ----------
+    problem
+        Of a vertex or a sheet.
+    """
+
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem = problem
+        self._library = compiled("descend", _source) if problem.closure.compiled.usable else None
+        if self._library is not None and not self._library.descend.argtypes:
+            whole, at = ctypes.c_int64, ctypes.c_void_p
+            call = self._library.descend
+            call.restype, call.argtypes = (
+                None,
+                [at] * 3 + [whole] * 3 + [at] * 3 + [whole] + [at] * 7,
+            )
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a compiler, and the pattern is small enough for dense arrays."""
+        return self._library is not None and not self.problem.sparse
+
+    @cached_property
+    def _outside(self) -> Any:
+        """Energy of hinge laws and of forces in space, asked for by the compiled function."""
+        problem, n = self.problem, self.problem.size
+        none = np.zeros(problem.closure.count)
+
+        def evaluate(x: Any, order: int, out: Any) -> float:
+            at = np.ctypeslib.as_array(x, (n,)).copy()
+            if order == 0:
+                return problem.scaled_energy(at)
+            what = problem.torque(at) if order == 1 else problem.hessian(at, none)
+            np.ctypeslib.as_array(out, (n**order,))[:] = np.asarray(what).ravel()
+            return 0.0
+
+        return _OUTSIDE(evaluate)
+
+    @cached_property
+    def _kept(self) -> dict[str, np.ndarray]:
+        """The pattern as arrays, and room."""
+        problem, n = self.problem, self.problem.size
+        c, par, limits = problem.crossings, problem.parameters, problem.fold_limits
+        poses, pattern, rings = c.poses, c.pattern, problem.features.rings_of_pieces
+        placed = pattern.creases
+        here, before, crossed, axis, point = poses.walks
+        every = np.arange(placed)
+        walk, chain = (
+            np.zeros((pattern.facets, placed)),
+            [list[int]() for _ in range(pattern.facets)],
+        )
+        sense = np.sign(np.einsum("ki,ki->k", axis, pattern.directions[crossed]))
+        for k, (to, of) in enumerate(zip(here.tolist(), before.tolist(), strict=True)):
+            walk[to] = walk[of]
+            walk[to, crossed[k]] += sense[k]
+            chain[to] = [*chain[of], int(crossed[k])]
+        pairs = c.listed if problem.contact else c.listed[:0]
+        many, first = problem.features._shared
+        shared = many[*pairs.T]
+        common = np.stack([first[*pairs.T], first[pairs[:, 1], pairs[:, 0]]], axis=1)
+        common = np.where(shared[:, None] == 0, -1, np.where(shared[:, None] == 1, common, -2))
+        measure = np.sqrt(np.maximum(par.stiffness, 1e-2 * par.stiffness.mean()))
+        p, q = c.pieces.shape
+        floats = {
+            "stiffness": par.stiffness, "rest": par.rest, "load": par.load,
+            "low": limits.low, "high": limits.high, "measure": measure,
+            "sense_of": poses.signs(every.tolist()), "reference": pattern.reference,
+            "axis": axis, "from": point, "direction": pattern.directions,
+            "end": pattern.corners[pattern.ends[:, 0]], "walk": walk, "corner": pattern.corners,
+        }  # fmt: skip
+        sizes = placed, 6 * placed, SLOTS * placed, 9 * p, 3 * p * q, 3 * p, 3 * p * q
+        floats |= {name: np.zeros(size) for name, size in zip(WORK, sizes, strict=True)}
+        ints = {
+            "here": here, "before": before, "crossed": crossed, "variable": poses.own(every.tolist()),
+            "left": pattern.left, "chain_first": np.cumsum([0, *map(len, chain)]),
+            "chain": [k for steps in chain for k in steps], "facet": c.facet, "ring": c.pieces,
+            "after": rings.after, "ring_before": rings.before, "valid": rings.valid,
+            "border": rings.border, "triangle": rings.triangle,
+            "one": pairs[:, 0], "other": pairs[:, 1], "common": common,
+        }  # fmt: skip
+        made = {k: np.array(x, np.float64, order="C") for k, x in floats.items()}
+        made |= {k: np.array(x, np.int64, order="C") for k, x in ints.items()}
+        m, most = problem.closure.count, n + SLOTS
+        wide = m + SLOTS
+        room = 4 * (n + wide + most + placed) * (n + wide + most) + 60 * (p * q + pattern.facets)
+        room += SLOTS * (2 * placed + 12 + 4 * n) + 1000
+        made["room"] = np.zeros(room)
+        made["ints"] = np.zeros(40 * SLOTS + 20 * (n + wide + most) + len(pairs) + 1000, np.int64)
+        return made
+
+    @cached_property
+    def _given(self) -> _SheetInC:
+        problem, made = self.problem, self._kept
+        c = problem.crossings
+        loops, place = problem.closure.compiled.addresses
+        at = {"loops": loops, "place": place} | {k: x.ctypes.data for k, x in made.items()}
+        plain = problem.parameters.plain
+        at["outside"] = None if plain else ctypes.cast(self._outside, ctypes.c_void_p).value
+        pieces, q = c.pieces.shape
+        whole = (
+            *(problem.size, problem.closure.count, c.pattern.creases, c.pattern.facets),
+            *(c.poses.root, len(made["here"]), pieces, q, len(made["one"])),
+        )
+        names = (name for names in PARTS.values() for name in names)
+        deep = numerics.DEEP * c.size
+        return _SheetInC(*whole, c.size, deep, *map(at.__getitem__, names))
+
+    def __call__(
+        self,
+        x: np.ndarray,
+        side: np.ndarray | None = None,
+        slots: Sequence[Slot] = (),
+        hold: bool = False,
+        aside: np.ndarray | None = None,
+        pauses: bool = False,
+        most: int = MOST_STEPS,
+    ) -> End:
+        """Go downhill from a state.
+
+        Parameters
+        ----------
+        x
+            The state, closed or nearly so, [n] [rad].
+        side
+            Which fold limits it holds, by sign, [n].
+        slots
+            Gaps that it holds.
+        hold
+            Whether what it holds stays until all is stationary.
+        aside
+            Direction [n] that says to which side saddles are left.
+        pauses
+            Whether it ends where facets come to lie on each other, and where all that is held is stationary.
+        most
+            Steps at most.
+        """
+        problem, n = self.problem, self.problem.size
+        limits, kept = problem.fold_limits, self._kept
+        at = np.array(x, np.float64)
+        on = np.zeros(n, np.int64) if side is None else np.array(side, np.int64)
+        at = np.where(on > 0, limits.high, np.where(on < 0, limits.low, at))
+        given, points = np.zeros((SLOTS, 9), np.int64), np.zeros((SLOTS, 12))
+        signs, count = np.zeros(SLOTS), len(slots)
+        for k, slot in enumerate(slots):
+            (a, b), (i, j) = slot.pieces, slot.places
+            given[k] = a, i, b, j, *slot.facets, slot.sides, 0, slot.orders
+            signs[k] = slot.sign
+            if slot.points is not None:
+                points[k] = slot.points.ravel()
+        way = np.sin(1.0 + np.arange(n)) if aside is None else np.array(aside, np.float64)
+        pieces, sign = np.zeros((SLOTS, 4), np.int64), np.zeros(SLOTS)
+        forces, ends = np.zeros(n + SLOTS), np.zeros(5)
+        self._library.descend(
+            *(
+                ctypes.addressof(self._given),
+                address(at),
+                address(on),
+                int(hold),
+                int(pauses),
+                count,
+            ),
+            *(address(given), address(points), address(signs), most, address(way)),
+            *(address(kept["room"]), address(kept["ints"]), address(forces)),
+            *(address(pieces), address(sign), address(ends)),
+        )
+        status, steps, saddles, work, many = ends.astype(int).tolist()
+        kept_slots = tuple(
+            Slot((a, b), (i, j), s)
+            for (a, i, b, j), s in zip(pieces[:many].tolist(), sign[:many].tolist(), strict=True)
+        )
+        arrived = status == 0
+        return End(
+            at, arrived, REASONS[status], steps, saddles, work, on, kept_slots, forces[: n + many]
+        )

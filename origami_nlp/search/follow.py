@@ -1,0 +1,118 @@
+"""From a start to where its descent ends, with an order of layers wherever facets come to lie on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.search.descend import (
+    CLOSES_NOT,
+    LEVEL,
+    MOST_STEPS,
+    SLOTS,
+    Descents,
+    End,
+    Slot,
+)
+from origami_nlp.search.layers import Order, ordered_slots
+from origami_nlp.search.starts import Start
+
+MOST_LEGS = 40
+"""Times that facets come to lie on each other on one way down."""
+NO_ORDER = "facets that lie on each other have no order"
+NOWHERE = "facets come to lie on each other again and again"
+LAYERS = 25
+"""What an order of layers counts, in evaluations of closure."""
+
+
+class Follower:
+    """Ways down of a problem.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+
+    Attributes
+    ----------
+    work
+        Counted so far, in evaluations of closure: the same on every machine.
+    """
+
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem, self.descents, self.work = problem, Descents(problem), 0
+
+    def __call__(
+        self,
+        start: Start,
+        rng: np.random.Generator,
+        aside: np.ndarray | None = None,
+        known_end: Callable[[np.ndarray], bool] = lambda x: False,
+    ) -> tuple[np.ndarray, str]:
+        """Return where a start leads, [n], and why it ends there: ``""`` where that is stationary on what it holds.
+
+        Parameters
+        ----------
+        start
+            The start; it need not close.
+        rng
+            Draws orders of layers where several are possible.
+        aside
+            Direction [n] that says to which side saddles are left.
+        known_end
+            Whether an end is known: then it is asked no further.
+        """
+        x, side, slots, hold = start.x, start.side, start.slots, start.hold
+        known, before = set[Order](), None
+        if side.any() and not hold:
+            end = self._leg(x, side, slots, True, aside, 0)
+            if end.why == CLOSES_NOT:  # what is fully folded opens as it closes
+                side = np.zeros_like(side)
+            elif (ordered := self._ordered(end.x, None, known, rng)) is None:
+                return end.x, NO_ORDER
+            else:
+                x, slots = end.x, (*slots, *ordered)
+        for _ in range(MOST_LEGS):
+            end = self._leg(x, side, slots, hold, aside)
+            if end.why != LEVEL:
+                settled = not slots or np.abs(end.x - x).max() <= DUPLICATE_TOL
+                if not end.arrived or settled or known_end(end.x):
+                    return end.x, "" if end.arrived else end.why
+                # gaps at corners of overlaps that are no corners any more hold it: ordered anew
+            # facets that come to lie on each other stay on the side that they come from
+            before = None if hold else x
+            x, side, hold = end.x, end.side, False
+            ordered = self._ordered(x, before, known, rng)
+            if ordered is None:
+                return x, NO_ORDER
+            slots = (*(s for s in end.slots if s.pieces[0] >= 0), *ordered)
+        return x, NOWHERE
+
+    def _leg(
+        self,
+        x: np.ndarray,
+        side: np.ndarray,
+        slots: tuple[Slot, ...],
+        hold: bool,
+        aside: np.ndarray | None,
+        most: int = MOST_STEPS,
+    ) -> End:
+        pauses = self.problem.contact
+        end = self.descents(x, side, slots[:SLOTS], hold, aside, pauses, most)
+        self.work += end.work
+        return end
+
+    def _ordered(
+        self,
+        x: np.ndarray,
+        before: np.ndarray | None,
+        known: set[Order],
+        rng: np.random.Generator,
+    ) -> tuple[Slot, ...] | None:
+        if not self.problem.contact:
+            return ()
+        self.work += LAYERS
+        return ordered_slots(self.problem, x, before, known, rng)

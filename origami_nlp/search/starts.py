@@ -1,0 +1,272 @@
+"""Where descents begin: families of starts, each with what it holds; and what a pattern itself gives, listed once."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, permutations
+from typing import ClassVar
+
+import numpy as np
+
+from origami_nlp.numerics import CLOSURE_TOL, OUTSIDE, RESOLVED
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.search.descend import Slot
+
+MOST_LINES, MOST_FOLDED = 3, 250
+"""Straight lines that are folded at a time, and ways in which so many are."""
+FOLDING, MOST_HELD = 8, 4
+"""Steps in which creases go to their limits, and times that others are kept at theirs in each."""
+FURTHEST = 0.5
+"""Features that are made to touch face each other closer, over the sheet's size."""
+SOONER = 0.15
+"""Chance that a feature is made to touch rather than one of those that face each other less closely."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A state [n], and what it holds until that is stationary: fold limits by sign [n], gaps."""
+
+    x: np.ndarray
+    side: np.ndarray
+    slots: tuple[Slot, ...] = ()
+    hold: bool = False
+
+
+class Family(ABC):
+    """Starts of one kind; `sentence` says where they lie.
+
+    Parameters
+    ----------
+    problem, labels
+        The problem, and the order of its creases in which all that is random is drawn.
+    """
+
+    name: ClassVar[str]
+    sentence: ClassVar[str]
+
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        self.problem, self.labels = problem, labels
+
+    @abstractmethod
+    def draw(self, rng: np.random.Generator) -> Start | None:
+        """Return the next start; None where there is none."""
+
+    def _closed(self, rng: np.random.Generator) -> np.ndarray | None:
+        """Return a closed state beside any fold angles; None where they do not close."""
+        problem = self.problem
+        x, residual = problem.project(self._anywhere(rng))
+        within = residual <= CLOSURE_TOL and problem.fold_limits.inside(x).all()
+        return x if within and problem.closure.lifts_to_one(x) else None
+
+    def _anywhere(self, rng: np.random.Generator) -> np.ndarray:
+        size = rng.uniform(0.3, math.pi)
+        return self.labels.drawn(rng.uniform(-size, size, self.problem.size))
+
+
+class Uniform(Family):
+    """Any fold angles, up to a random size."""
+
+    name = "uniform"
+    sentence = "any fold angles"
+
+    def draw(self, rng: np.random.Generator) -> Start:
+        """Draw fold angles in the order of labels."""
+        return Start(self._anywhere(rng), np.zeros(self.problem.size, int))
+
+
+class Strata(Family):
+    """Closed states with some creases at their limits, up to half as many as there are degrees of freedom.
+
+    Creases go there in steps: each closes, so that loops stay on the lift of paper.
+    """
+
+    name = "strata"
+    sentence = "some creases fully folded, held until the others are at rest"
+
+    def draw(self, rng: np.random.Generator) -> Start | None:
+        """Draw creases and sides, and fold them."""
+        problem, n, x = self.problem, self.problem.size, self._closed(rng)
+        many = int(rng.integers(1, 1 + max(1, problem.dof // 2)))
+        sides = np.zeros(n)
+        sides[rng.permutation(n)[: min(many, n)]] = 1.0
+        sides = self.labels.drawn(sides * rng.choice([-1.0, 1.0], n))
+        held, limits = sides != 0.0, problem.fold_limits
+        goal = np.where(sides > 0, limits.high, limits.low)
+        for left in range(FOLDING if x is not None else 0, 0, -1):
+            start = np.where(sides != 0.0, x + (goal - x) / left, x)
+            for _ in range(MOST_HELD):
+                x, residual = problem.project(limits.clip(start), held)
+                beyond = ~limits.inside(x)
+                if residual > CLOSURE_TOL or not beyond.any():
+                    break
+                held, start = held | beyond, x
+            if residual > CLOSURE_TOL or beyond.any():
+                return None
+        return None if x is None else Start(x, at_limits(problem, x), (), hold=True)
+
+
+class Touch(Family):
+    """States at which two features touch, of those that face each other at a closed state."""
+
+    name = "touch"
+    sentence = "two facets that touch, held until the others are at rest"
+
+    def draw(self, rng: np.random.Generator) -> Start | None:
+        """Close any fold angles, and pick one of the features that are near each other there."""
+        problem, x = self.problem, self._closed(rng)
+        if x is None:
+            return None
+        facing = problem.features.facing(problem.placed(x), FURTHEST)
+        facing = sorted((t for t in facing if t[1] > 0), key=lambda t: round(t[1], 9))
+        if not facing:
+            return None
+        touch, _ = facing[min(int(rng.geometric(SOONER)), len(facing)) - 1]
+        points = touch.reference(problem.crossings.pattern.corners)
+        sides = touch.type == "edge-edge"
+        slot = Slot((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points)
+        return Start(x, np.zeros(problem.size, int), (slot,), hold=True)
+
+
+class Changed(Family):
+    """Known minima changed: the creases round each vertex, or each crease, as one of two has them; or one crease.
+
+    Each minimum has as many starts as the others: those that were added last catch up.
+    """
+
+    name = "changed"
+    sentence = "a minimum crossed with another, or with one crease folded otherwise"
+
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        super().__init__(problem, labels)
+        self._states, self._others = list[np.ndarray](), list[np.ndarray]()
+        self._made, self._way = list[int](), 0
+        self._around = creases_around(problem.pattern, labels)
+
+    def add(self, x: np.ndarray, images: Sequence[np.ndarray] = ()) -> None:
+        """Add a minimum [n], and its images under symmetries: with these others are crossed."""
+        self._states.append(x)
+        self._others += [x, *images]
+        self._made.append(0)
+
+    def draw(self, rng: np.random.Generator) -> Start | None:
+        """Change the minimum that was changed least often, in one of three ways in turn."""
+        if not self._states:
+            return None
+        k = self._made.index(min(self._made))
+        self._made[k] += 1
+        x, other = self._states[k].copy(), self._others[rng.integers(len(self._others))]
+        self._way = (self._way + 1) % 3
+        if self._way == 0:
+            for creases in self._around:
+                if rng.random() < 0.5:
+                    x[creases] = other[creases]
+        elif self._way == 1:
+            taken = rng.random(len(x))[np.argsort(self.labels.order)] < 0.5
+            x = np.where(taken, x, other)
+        else:
+            i, sign = self.labels.order[rng.integers(len(x))], self.labels.sign
+            x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]
+        x = self.problem.fold_limits.clip(x)
+        return Start(x, at_limits(self.problem, x))
+
+
+def at_limits(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
+    """Return at which fold limits a state is, by sign, [n]."""
+    limits = problem.fold_limits
+    high, low = limits.high - x <= OUTSIDE, x - limits.low <= OUTSIDE
+    return np.where(high, 1, np.where(low, -1, 0))
+
+
+def given(pattern: Pattern) -> Iterator[np.ndarray]:
+    """Yield what a file states, mountains and valleys folded, rest angles, straight lines folded to wells."""
+    if not np.isnan(pattern.file_angles).any():
+        yield pattern.file_angles
+    if pattern.reference.any():
+        yield pattern.reference
+    if pattern.signs.any():
+        yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
+    if pattern.rest.any():
+        yield from (0.3 * pattern.rest, pattern.rest)
+    yield from lines_at_wells(pattern)
+
+
+def other_wells(
+    pattern: Pattern, labels: CanonicalLabelling, x: np.ndarray
+) -> Iterator[np.ndarray]:
+    """Yield a state with each crease moved to each other well of its law, as bistable hinges snap one by one."""
+    rests = hinge_rests(pattern)
+    for i in filter(rests.__contains__, labels.order.tolist()):
+        for k in np.argsort(np.abs(rests[i] - x[i]))[1:]:
+            start = x.copy()
+            start[i] = rests[i][k]
+            yield start
+
+
+def hinge_rests(pattern: Pattern) -> dict[int, np.ndarray]:
+    """Return where creases (from 0) would rest by their laws alone [rad], of each with more such angles than one."""
+    limits = pattern.limit_angles.T
+    rests = {i: law.rests(*limits[i]) for i, law in enumerate(pattern.laws) if law is not None}
+    return {i: np.array(angles) for i, angles in rests.items() if len(angles) > 1}
+
+
+def straight_lines(pattern: Pattern) -> list[np.ndarray]:
+    """Return the creases of each straight line of flat paper, from border to border, which folds along it alone."""
+    onward: dict[tuple[int, int], int] = {}
+    for loop in pattern.vertices:
+        signs = np.array(loop.signs, float)[:, None]
+        away = signs * pattern.directions[list(loop.creases)]
+        for (i, a), (j, b) in permutations(zip(loop.creases, away, strict=True), 2):
+            if np.abs(a + b).max() <= RESOLVED:
+                onward[i, loop.vertex] = j
+    inner = {loop.vertex for loop in pattern.vertices}
+    lines = []
+    for first in range(pattern.creases):
+        line, ends = [first], list(pattern.ends[first].tolist())
+        for side in (0, 1):  # to the border, or to where it does not go on
+            at = first
+            while (at, ends[side]) in onward:
+                at = onward[at, ends[side]]
+                line.append(at)
+                ends[side] = int(pattern.ends[at].sum()) - ends[side]
+        if first == min(line) and not inner.intersection(ends):
+            lines.append(np.array(line))
+    return lines
+
+
+def lines_at_wells(pattern: Pattern) -> Iterator[np.ndarray]:
+    """Yield flat paper folded along straight lines that do not cross, the hinges of each in a well of their laws."""
+    rests = hinge_rests(pattern)
+    if not rests or not pattern.lies_flat:
+        return
+    on = dict[int, set[int]]()
+    for k, loop in enumerate(pattern.vertices):
+        for i in loop.creases:
+            on.setdefault(i, set()).add(k)
+    ways: list[tuple[set[int], np.ndarray, float]] = []
+    for line in straight_lines(pattern):
+        angles = np.concatenate([rests.get(i, np.zeros(0)) for i in line.tolist()])
+        angles = np.unique(np.round(angles[np.abs(angles) > RESOLVED], 6))
+        met = set[int]().union(*(on.get(i, set()) for i in line.tolist()))
+        ways += [(met, line, angle) for angle in angles.tolist()]
+    for many in range(1, MOST_LINES + 1):
+        if math.comb(len(ways), many) > MOST_FOLDED:
+            return
+        for some in combinations(ways, many):
+            lines = np.concatenate([line for _, line, _ in some])
+            crossings = [v for met, _, _ in some for v in met]
+            if len(set(lines.tolist())) == len(lines) and len(set(crossings)) == len(crossings):
+                start = np.zeros(pattern.creases)
+                for _, line, angle in some:
+                    start[line] = angle
+                yield start
+
+
+def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
+    """Return the creases round each vertex, in an order of vertices that labels do not change."""
+    rank = np.argsort(labels.order)
+    around = [list(loop.creases) for loop in pattern.vertices]
+    return sorted(around, key=lambda creases: sorted(rank[creases].tolist()))
