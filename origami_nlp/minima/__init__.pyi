@@ -47,8 +47,6 @@ from .ipopt import (
     TOLERANCE as TOLERANCE,
     Confirmation as Confirmation,
     build_solver as build_solver,
-    confirm_posed as confirm_posed,
-    gaps_of as gaps_of,
     solve_beside as solve_beside,
 )
 from .marks import (

@@ -118,43 +118,16 @@ def _built(nlp: Nlp, options: dict[str, Any], tolerance: float) -> Solver:
 
 def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
     """Solve once from a state with its own multipliers: only closed contacts are rows, each on its open side."""
-    gaps = gaps_of(stratum)
+    state, contacts = stratum.state, stratum.contacts
+    gaps = tuple(dict.fromkeys(c.index for c in contacts if not c.is_limit))
     solver = build_warm(model.structure, gaps, tolerance_for(model))
-    p = model.parameters.at(stratum.state.x)
-    return confirm_by(solver, stratum, np.arange(model.equation_count), p)[0]
-
-
-def gaps_of(stratum: Stratum) -> tuple[int, ...]:
-    """Return the numbers of the gaps that a stratum closes, each once."""
-    return tuple(dict.fromkeys(c.index for c in stratum.contacts if not c.is_limit))
-
-
-def confirm_posed(nlp: Nlp, stratum: Stratum, rows: np.ndarray) -> tuple[Confirmation, np.ndarray]:
-    """Solve once from a state, on a problem whose rows are `rows` of closure and then `gaps_of` the stratum.
-
-    Returns
-    -------
-    solver : Confirmation
-        What IPOPT says.
-    forces : numpy.ndarray
-        Its multipliers of the contacts, over `scale`, [r].
-    """
-    problem = stratum.state.problem
-    solver = _built(nlp, WARM, tolerance_for(problem))
-    return confirm_by(solver, stratum, rows, problem.parameters.vector)
-
-
-def confirm_by(
-    problem: Solver, stratum: Stratum, rows: np.ndarray, p: np.ndarray
-) -> tuple[Confirmation, np.ndarray]:
-    """Solve once from a state with its own multipliers, and parameters p, see `confirm_posed`."""
-    model, gaps, m, x = stratum.state.problem, gaps_of(stratum), len(rows), stratum.state.x
-    lower, upper = problem.lower.copy(), problem.upper.copy()
+    m, x, limits = model.equation_count, state.x, model.fold_limits
+    lower, upper = solver.lower.copy(), solver.upper.copy()
     pull, row_pull = np.zeros(model.size), np.zeros(len(lower))
     forces = np.maximum(stratum.multiplier_set.smallest, 0.0)
-    rest = stratum.state.gradient - stratum.slopes.T @ forces
-    row_pull[:m] = -np.linalg.lstsq(stratum.state.jacobian[rows].T, rest, rcond=DEPENDENT)[0]
-    for contact, force in zip(stratum.contacts, forces.tolist(), strict=True):
+    rest = state.gradient - stratum.slopes.T @ forces
+    row_pull[:m] = -np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
+    for contact, force in zip(contacts, forces.tolist(), strict=True):
         if contact.is_limit:
             # CasADi: gradient of f + lam_g . g + lam_x . x, positive at upper bounds, negative at lower ones
             pull[contact.index] = contact.side * force
@@ -162,10 +135,9 @@ def confirm_by(
             row = m + gaps.index(contact.index)
             (lower if contact.side > 0 else upper)[row] = 0.0
             row_pull[row] = -contact.side * force
-    limits = model.fold_limits
-    out = problem.solver(
+    out = solver.solver(
         x0=x,
-        p=p,
+        p=model.parameters.at(x),
         lbx=limits.low,
         ubx=limits.high,
         lbg=lower,
@@ -173,15 +145,9 @@ def confirm_by(
         lam_x0=pull,
         lam_g0=row_pull,
     )
-    stats = problem.solver.stats()
+    stats = solver.solver.stats()
     moved = float(np.abs(np.asarray(out["x"]).ravel() - x).max())
-    bounds, walls = (np.asarray(out[name]).ravel() for name in ("lam_x", "lam_g"))
-    found = [
-        c.side * bounds[c.index] if c.is_limit else -c.side * walls[m + gaps.index(c.index)]
-        for c in stratum.contacts
-    ]
-    what = Confirmation(str(stats["return_status"]), int(stats["iter_count"]), moved)
-    return what, np.array(found)
+    return Confirmation(str(stats["return_status"]), int(stats["iter_count"]), moved)
 
 
 def tolerance_for(model: Problem) -> float:

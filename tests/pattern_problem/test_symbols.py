@@ -1,18 +1,25 @@
 """CasADi's closure and gaps against those that are compiled, and IPOPT on rows projected where it begins."""
 
+from itertools import chain
+
 import casadi as ca
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.kkt import classify
+from origami_nlp.kkt import State, classify, polish
+from origami_nlp.minima import solve_beside
 from origami_nlp.pattern_problem import PatternProblem, pose
+from tests.patterns import miura
 
 PROBLEMS = {
     "degree 6, D1": lambda: pose(o.examples.degree6("pi/3", ratio=1)),
     "degree 8, D2": lambda: pose(o.examples.degree8("pi/4", ratio=0.1)),
     "sheet": lambda: PatternProblem(o.examples.pattern("miura", 2, 3)),
     "cell": lambda: PatternProblem(o.examples.pattern("miura", 1, 1, cell=True)),
+    "tube": lambda: pose(o.examples.pattern("yoshimura", 1, 1, cell=True, rolled=5)),
+    "skew tube": lambda: pose(o.examples.pattern("metasheet", 1, 1, cell=True, rolled=[3, -4])),
+    "hole": lambda: pose(miura(5, 5, without=((2, 2),))),
     "quads": lambda: PatternProblem(o.examples.pattern("metasheet", 2, 2)),
 }
 
@@ -35,22 +42,30 @@ def test_closure_and_energy_with_their_derivatives(name):
         assert problem.scale * float(u[0, 0]) == pytest.approx(problem.energy(y), rel=1e-12)
 
 
-def touching():
-    """Minima of vertices and a sheet at which facets touch: problem, state, contacts."""
-    for made in (o.examples.degree6("pi/3", ratio=1), o.examples.degree8("pi/6", ratio=1.0)):
-        found = o.find_minima(made, prove=False, escape=False, full=False)
+def minima(*made):
+    """Minima of vertices or sheets: problem, state, and its contacts with what they carry."""
+    for one in made:
+        found = o.find_minima(one, prove=False, escape=False, effort="quick")
+        problem = found.model or pose(found.pattern)
         for m in found.minima:
-            state = found.state_of(m)
-            gaps = [c.contact for c in classify(state).contacts if not c.is_limit]
-            yield found.model, state, gaps
+            state = State(problem, problem.reduce(np.array(m.fold_angles)))
+            yield problem, state, classify(state).contacts
+
+
+def of_vertices():
+    return minima(o.examples.degree6("pi/3", ratio=1), o.examples.degree8("pi/6", ratio=1.0))
+
+
+def of_sheets():
+    return minima("metasheet:4x4", "miura:2x3")
 
 
 def test_gaps_are_those_that_are_compiled():
     seen = 0
-    for problem, state, gaps in touching():
+    for problem, state, contacts in chain(of_vertices(), of_sheets()):
         symbols = problem.symbols()
         p = ca.vertcat(symbols.springs, ca.vec(symbols.corners))
-        for contact in gaps:
+        for contact in (c.contact for c in contacts if not c.contact.is_limit):
             gap = symbols.gap(contact)
             function = ca.Function("g", [symbols.y, p], [gap, ca.jacobian(gap, symbols.y)])
             value, slope = (np.array(v) for v in function(state.x, symbols.values))
@@ -58,16 +73,20 @@ def test_gaps_are_those_that_are_compiled():
             assert float(value[0, 0]) == pytest.approx(ours[0][0], abs=1e-12)
             assert slope @ along == pytest.approx(ours[1] @ along, abs=1e-9)
             seen += 1
-    assert seen
+    assert seen >= 3
 
 
-def test_ipopt_comes_back_from_beside_minima():
-    back, total = 0, 0
-    for problem, state, gaps in touching():
-        if not state.regular or classify(state).kind == "degenerate":
+def test_ipopt_comes_back_from_beside_minima_with_their_multipliers():
+    total = touch = 0
+    for problem, state, closed in chain(of_vertices(), of_sheets()):
+        if not state.regular:
             continue  # a singular state has no multipliers that IPOPT could find
         y0, total = state.x + 1e-3 * np.cos(np.arange(problem.size)), total + 1
         y0, _ = problem.project(problem.fold_limits.clip(y0))
+        contacts = [c.contact for c in closed]
+        gaps, limits = (
+            [c for c in contacts if c.is_limit == is_limit] for is_limit in (False, True)
+        )
         symbols = problem.symbols()
         nlp = symbols.nlp(y0, gaps)
         quiet = {
@@ -81,5 +100,34 @@ def test_ipopt_comes_back_from_beside_minima():
             lbx=problem.fold_limits.low, ubx=problem.fold_limits.high,
         )  # fmt: skip
         assert solver.stats()["return_status"] == "Solve_Succeeded"
-        back += np.abs(np.array(out["x"]).ravel() - state.x).max() < 1e-5
-    assert total >= 3 and back == total
+        x, walls, bounds = (np.array(out[name]).ravel() for name in ("x", "lam_g", "lam_x"))
+        assert np.abs(x - state.x).max() < 1e-5
+        forces = [*-walls[len(walls) - len(gaps) :], *(c.side * bounds[c.index] for c in limits)]
+        assert min(forces, default=0.0) > -1e-7
+        slopes = state.local.openings([*gaps, *limits])[1] / problem.root
+        torque = state.kernel.T @ (state.gradient - slopes.T @ forces)
+        assert np.abs(torque).max(initial=0.0) < 1e-5
+        end = polish(problem, *solve_beside(problem, y0, contacts))
+        assert end.converged and np.abs(end.x - state.x).max() < 1e-9
+        touch += bool(gaps)
+    assert total >= 7 and touch >= 2
+
+
+def test_ipopt_leaves_what_is_no_minimum():
+    pattern = o.examples.pattern("miura", 2, 3)
+    problem = pose(pattern)
+    phi, _ = problem.project(0.4 * pattern.signs)
+    assert classify(State(problem, phi)).verdict == "not stationary"
+    end, _ = solve_beside(problem, phi, ())
+    assert end.succeeded and problem.energy_change(phi, end.x) < -0.01
+
+
+@pytest.mark.parametrize("pattern", [miura(4, 4), miura(5, 5, without=((2, 2),))])
+def test_rows_of_closure_are_independent_and_span_all(pattern):
+    problem = pose(pattern)
+    phi, _ = problem.project(0.5 * pattern.signs)
+    nlp, j = problem.symbols().nlp(phi), problem.jacobian(phi)
+    slope = ca.Function("g", [nlp.x, nlp.p], [ca.jacobian(nlp.g, nlp.x)])
+    rows = np.array(slope(phi, problem.symbols().values))
+    assert len(rows) == problem.rank(phi) < len(j)
+    assert np.abs(j - j @ np.linalg.pinv(rows) @ rows).max() < 1e-9
