@@ -65,11 +65,11 @@ from .multistart import (
     solve_without_crossing as solve_without_crossing,
 )
 from .noise import (
-    GROWTH as GROWTH,
+    NOISE as NOISE,
     check_noise as check_noise,
-    count_survivals as count_survivals,
-    drawn_errors as drawn_errors,
-    survival_words as survival_words,
+    displacements as displacements,
+    is_overdetermined as is_overdetermined,
+    with_survival as with_survival,
 )
 from .one_dof import CandidateMinima as CandidateMinima, trace as trace
 from .pattern_account import (

@@ -21,11 +21,17 @@ from origami_nlp.arguments import (
 )
 from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError
 from origami_nlp.kkt import Classification, State, passing_moment
-from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
+from origami_nlp.minima.full_space import (
+    FullSpace,
+    full_scene,
+    is_affordable,
+    judge_in_full_space,
+    not_judged,
+)
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.noise import check_noise
+from origami_nlp.minima.noise import check_noise, with_survival
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import BREAKDOWNS, FoundState, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
@@ -35,10 +41,10 @@ from origami_nlp.minima.windings import (
     jobs_of,
     join_reports,
     prove_each,
-    survival_of_each,
 )
 from origami_nlp.numerics import energy_or_zero, rank
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, canonical_labels
+from origami_nlp.pattern_problem import CanonicalLabelling, pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import OWN, SearchOptions, options_of
@@ -253,7 +259,10 @@ def _result(
     if escape:
         minima = escapes_of_each(jobs, minima)
     if noise is not None:
-        minima = survival_of_each(jobs, minima, noise)
+        scene = full_scene(model.scene)
+        labels = canonical_labels(scene)
+        order = CanonicalLabelling(labels.creases, labels.sign, labels.backward, ())
+        minima = with_survival(pose(scene), order, minima, noise)
     if is_affordable(model.scene, len(minima)) if full is None else full:
         minima = _in_full_space(model.scene, minima, until)
     windings = [job.model.structure.winding for job in jobs]

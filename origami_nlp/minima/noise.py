@@ -1,24 +1,39 @@
-"""How many random errors of what was made a minimum survives: followed from the exact scene, not searched for again."""
+"""How many random errors of what was made a minimum survives: followed from the exact origami, not searched for again.
+
+Sector angles of one vertex are wrong one by one, but for their sum.  Those of a sheet cannot be: round every vertex
+they sum to 360 degrees, and facets share sides.  What has errors are the **positions of vertices** in the flat sheet:
+with them it still is a flat sheet of the same facets.  Each crease is lengthened and turned about its middle at random,
+and a vertex moved by what its creases say together, so that neither numbering nor the sheet's place matters; the size
+is such that sector angles round interior vertices have errors of the size that is asked for (root mean square in each
+draw).
+
+Closure of a sheet with as many equations as creases, such as one of 3 x 3 quadrilaterals, holds beside the flat state
+for special positions only.  With errors rigid facets do not fold there, as paper that bends a little does: for such
+sheets it is counted besides what errors of the springs alone leave.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.kkt import Solve, State, classify, follow, polish, project
-from origami_nlp.minima.full_space import full_scene
+from origami_nlp.kkt import State, classify, follow, newton, project
 from origami_nlp.minima.minimum import TRIALS, JudgedState, Survival
-from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern import canonical_labels
-from origami_nlp.problem import Model, Parameters
+from origami_nlp.numerics import CARRIES, CLOSURE_TOL, unit_normals
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import MOST_DENSE, CanonicalLabelling, PatternProblem
 
-M = TypeVar("M")
+Down: TypeAlias = Callable[[PatternProblem, np.ndarray], np.ndarray | None]
+"""From a state beside closed ones down to a certified minimum, or None."""
 
+NOISE = "random errors that states survive"
+"""Part of a search that its time may end."""
 MOST_NOISE = 10.0
 """Degrees: with more, errors are no longer small beside sector angles."""
 GROWTH = 0.25, 0.5, 0.75, 1.0
@@ -44,162 +59,203 @@ def check_noise(noise: float | None) -> None:
         check_number("noise", noise, 0.0, MOST_NOISE)
 
 
-def drawn_errors(trial: int, kinds: int, size: int) -> np.ndarray:
-    """Return standard normal numbers, the same for every state: for rest angles, stiffnesses, and what is measured.
-
-    Parameters
-    ----------
-    trial
-        Which draw.
-    kinds
-        Of errors.
-    size
-        Numbers of each, in an order of creases that labels do not change.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape [kinds, size].
-    """
-    return np.random.default_rng(trial).normal(size=(kinds, size))
+def _has_jumped(x: np.ndarray, y: np.ndarray) -> bool:
+    """Return whether a state is too far from another one to be what errors made of it."""
+    return bool(np.abs(y - x).max() > FARTHEST)
 
 
-def count_survivals(
-    states: Sequence[np.ndarray],
-    way: Callable[[int], Sequence[M]],
-    beside: Callable[[M, np.ndarray], np.ndarray | None],
-) -> list[int]:
-    """Follow states as errors grow, and count the draws in which each is a minimum to the end.
-
-    Parameters
-    ----------
-    states
-        Of the exact problem, [N] each.
-    way
-        Problems of a draw, by its number, the errors of which grow by `GROWTH`.
-    beside
-        The certified minimum of a problem beside a state, or None.
-
-    Returns
-    -------
-    list of int
-        Of `TRIALS` draws, for each state.
-    """
-    kept = [0] * len(states)
-    for trial in range(TRIALS):
-        problems = way(trial)
-        for k, x in enumerate(states):
-            kept[k] += _survives(problems, x, beside)
-    return kept
-
-
-def survival_words(degrees: float, measured: str) -> str:
-    """Describe what was counted.
-
-    Parameters
-    ----------
-    degrees
-        Size of the errors.
-    measured
-        What is measured and has errors, beside stiffnesses, in words.
-
-    Returns
-    -------
-    str
-        A sentence below the table.
-    """
-    return (
-        f"survives: those of {TRIALS} draws of random errors, {degrees:g} deg (standard deviation) of {measured} "
-        f"and {math.radians(degrees):.2g} of stiffnesses, in which the state could be followed, as the errors grow, to "
-        "a certified minimum"
+def downhill(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
+    """Return the certified minimum downhill from the closed state beside a state [n]; None where there is none."""
+    limits = problem.fold_limits
+    start, residual = project(
+        problem, x, [c for c in State(problem, x).contacts.base if c.is_limit]
     )
+    if residual > CLOSURE_TOL:
+        start, _ = project(problem, x)
+    try:
+        down = follow(problem, limits.clip(start), until=lambda y: _has_jumped(x, y))
+    except np.linalg.LinAlgError:  # a ValueError as well
+        raise
+    except ValueError:
+        return None
+    return down.end if down.what.verdict == "minimum" else None
 
 
-def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -> list[JudgedState]:
-    """Follow minima into scenes with random errors.
+def with_survival(
+    problem: PatternProblem,
+    labels: CanonicalLabelling,
+    states: Sequence[JudgedState],
+    degrees: float,
+    down: Down = downhill,
+) -> list[JudgedState]:
+    """Follow minima of an origami into origamis with random errors.
 
     The errors are the same for all minima, drawn by labels that do not depend on how creases are numbered, and break
     every symmetry: a minimum among symmetric states that is not one beside them does not survive.
 
     Parameters
     ----------
-    model
-        Of the exact scene.
-    minima
-        Of it.
+    problem
+        The exact one, of all fold angles.
+    labels
+        Of its creases.
+    states
+        Judged.
     degrees
-        Size of the errors.
+        Standard deviation of the errors: of rest and sector angles in degrees, of stiffnesses as a share, in radians.
+    down
+        What goes downhill where the minimum with the same contacts is lost.
 
     Returns
     -------
     list of JudgedState
-        With `survival`.
+        With `survival` where they are minima.
     """
-    exact = Model(full_scene(model.scene))
-    size = math.radians(degrees)
-    states = [np.array(m.fold_angles) for m in minima]
-    kept = count_survivals(states, lambda trial: _noisy(exact, size, trial), _beside)
-    return [
-        replace(m, survival=Survival(degrees, many, TRIALS))
-        for m, many in zip(minima, kept, strict=True)
+    minima = [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
+
+    def counts(moves: bool) -> list[int]:
+        kept = [0] * len(minima)
+        for trial in range(TRIALS):
+            way = [problem, *_noisy(problem, labels, math.radians(degrees), trial, moves)]
+            for k, x in enumerate(minima):
+                kept[k] += _survives(way, x, down)
+        return kept
+
+    sheet = problem.flattened is not None and not len(problem.parameters.sectors)
+    kept = counts(True)
+    alone = counts(False) if sheet and is_overdetermined(problem.pattern) else [None] * len(kept)
+    reported = (Survival(degrees, k, TRIALS, a) for k, a in zip(kept, alone, strict=True))
+    return [replace(s, survival=next(reported)) if s.verdict == "minimum" else s for s in states]
+
+
+def is_overdetermined(pattern: Pattern) -> bool:
+    """Return whether closure has as many equations as creases: then folded states are there for special positions only.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    bool
+        Three equations a vertex, six a hole.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.minima import is_overdetermined
+    >>> [is_overdetermined(o.examples.pattern(*p)) for p in (("miura", 2, 2), ("miura", 3, 3), ("waterbomb", 2, 2))]
+    [False, True, False]
+    """
+    return bool(
+        pattern.vertices and 3 * len(pattern.vertices) + 6 * len(pattern.holes) >= pattern.creases
+    )
+
+
+def displacements(
+    pattern: Pattern, labels: CanonicalLabelling, lengthened: np.ndarray, turned: np.ndarray
+) -> np.ndarray:
+    """Return by how much corners of a flat sheet move, so that sector angles change by one radian, root mean square.
+
+    Parameters
+    ----------
+    pattern
+        With flat corners.
+    labels
+        Of its creases.
+    lengthened, turned
+        Drawn in the order of labels: by how much creases become longer, over their lengths, and turn, [n] each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Vectors in the plane, [V, 3], linear in what was drawn but for their size; zero where nothing depends on them.
+    """
+    normal = unit_normals(pattern.corners[list(pattern.polygons[0])])
+    along = pattern.corners[pattern.ends[:, 1]] - pattern.corners[pattern.ends[:, 0]]
+    # seen in the mirror, creases turn the other way
+    hand = -1.0 if labels.mirrored else 1.0
+    grows, turns = (labels.sign * labels.drawn(x) for x in (lengthened, hand * turned))
+    half = 0.5 * (grows[:, None] * along + turns[:, None] * np.cross(normal, along))
+    moved = np.zeros_like(pattern.corners)
+    np.add.at(moved, pattern.ends[:, 0], -half)
+    np.add.at(moved, pattern.ends[:, 1], half)
+    change = moved[pattern.ends[:, 1]] - moved[pattern.ends[:, 0]]
+    # turn of each crease in the plane, to first order
+    azimuth = np.cross(along, change) @ normal / pattern.lengths**2
+    sectors = [
+        azimuth[list(loop.creases)] - np.roll(azimuth[list(loop.creases)], 1)
+        for loop in pattern.vertices
     ]
+    size = float(np.sqrt(np.mean(np.concatenate(sectors) ** 2))) if sectors else 0.0
+    return moved / size if size else 0.0 * moved
 
 
-def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
-    """Return problems with one draw of errors, which grow from one to the next."""
-    labels = canonical_labels(exact.scene)
-    rest, stiffness, sectors = drawn_errors(trial, 3, exact.scene.degree)
+def _noisy(
+    problem: PatternProblem, labels: CanonicalLabelling, size: float, trial: int, moves: bool
+) -> Iterator[PatternProblem]:
+    """Go through problems with one draw of errors, which grow; sector angles have some where it `moves` the creases."""
+    rest, stiffness, first, second = size * np.random.default_rng(trial).normal(
+        size=(4, problem.size)
+    )
     # a rest angle turns with the sheet when labels are of its other side
-    rest = size * labels.back(rest)
-    stiffness = size * labels.sign * labels.back(stiffness)
-    sectors = sectors[np.argsort(labels.facets)]
-    # the sum of sector angles stays
-    sectors = size * (sectors - sectors.mean())
-    p = exact.parameters
-    at = np.array(exact.scene.vertex.sector_angles)
-    return [
-        exact.varied(
-            Parameters(
-                p.sectors + t * sectors,
-                p.stiffness * np.exp(t * stiffness),
-                p.rest + t * rest,
-                p.load,
-                p.dead,
-                p.laws and p.laws.along(replace(p.laws, weight=stiffness, shift=rest), t),
-            ),
-            at + t * sectors,
+    rest, stiffness = labels.drawn(rest), labels.sign * labels.drawn(stiffness)
+    p, paper, flat = problem.parameters, problem.pattern, problem.flattened
+    sectors, moved = np.zeros_like(p.sectors), np.zeros(3)
+    if len(sectors) and moves:
+        facets = (labels.order - labels.mirrored) % len(sectors)
+        # the sum of sector angles stays
+        sectors[facets] = first - first.mean()
+    elif flat is not None and moves:
+        paper = replace(paper, corners=flat, reference=np.zeros(problem.size))
+        moved = size * displacements(paper, labels, first, second)
+    for t in GROWTH:
+        corners, reference = paper.corners + t * moved, paper.reference
+        if len(sectors):
+            corners, reference = problem.shape(p.sectors + t * sectors)
+        made = PatternProblem(
+            replace(paper, corners=corners, reference=reference),
+            problem.contact,
+            limited=problem.has_limits,
+        ).numbered_as(problem)
+        yield made.varied(
+            replace(
+                p,
+                sectors=p.sectors + t * sectors,
+                stiffness=p.stiffness * np.exp(t * stiffness),
+                rest=p.rest + t * rest,
+                laws=p.laws and p.laws.along(replace(p.laws, weight=stiffness, shift=rest), t),
+            )
         )
-        for t in GROWTH
-    ]
 
 
-def _survives(
-    way: Sequence[M], x: np.ndarray, beside: Callable[[M, np.ndarray], np.ndarray | None]
-) -> bool:
-    """Return whether a state [N] can be followed, and is a minimum at the end."""
-    for problem in way:
-        new = beside(problem, x)
-        if new is None or np.abs(new - x).max() > FARTHEST:
+def _survives(way: Sequence[PatternProblem], x: np.ndarray, down: Down) -> bool:
+    """Return whether a state [n] can be followed, and is a minimum at the end."""
+    for before, after in pairwise(way):
+        try:
+            new = _solved(before, after, x)
+            new = down(after, x) if new is None else new
+        except (np.linalg.LinAlgError, ArithmeticError):
+            return False
+        if new is None or _has_jumped(x, new):
             return False
         x = new
     return True
 
 
-def _beside(model: Model, x: np.ndarray) -> np.ndarray | None:
-    """Return the certified minimum beside a state of a slightly different scene: by Newton, or downhill."""
-    closed = State(model, x).contacts.base
-    guess = tuple(c for c in closed)
-    pull = np.zeros(model.size)
-    pull[[c.index for c in guess if c.is_limit]] = 1.0
-    done = polish(model, Solve(x, "", 0, 0.0, pull, None), guess)
-    if done.converged and np.abs(done.x - x).max() <= FARTHEST:
-        if classify(State(model, done.x)).verdict == "minimum":
-            return done.x
-    start, residual = project(model, x, [c for c in guess if c.is_limit])
-    if residual > CLOSURE_TOL:
-        start, residual = project(model, x)
-    try:
-        down = follow(model, model.fold_limits.clip(start))
-    except ValueError:
-        return None
-    return down.end if down.what.verdict == "minimum" else None
+def _solved(before: PatternProblem, after: PatternProblem, x: np.ndarray) -> np.ndarray | None:
+    """Solve for the minimum with the same contacts pushing; the flat state stays where it is."""
+    new = x
+    if x.any():
+        if after.size > MOST_DENSE:
+            return None
+        state = State(before, x)
+        held = state.on(state.contacts.base)
+        pushing = zip(held.contacts, held.multiplier_set.found > CARRIES, strict=True)
+        rows = [c if c.is_limit else after.contact_of(before.touch(c)) for c, on in pushing if on]
+        done, _ = newton(after, x, tuple(rows))
+        if done is None:
+            return None
+        new = done.x
+    return new if classify(State(after, new)).verdict == "minimum" else None

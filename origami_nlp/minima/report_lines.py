@@ -14,7 +14,6 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
@@ -120,7 +119,12 @@ def survival_lines(minima: Sequence[JudgedState], is_pattern: bool, lies: bool) 
         errors = "rest angles, of sector angles (vertices moved in the flat sheet)"
         if not lies:
             errors = "rest angles (not of sector angles: the pattern does not lie flat)"
-    yield survival_words(max(s.degrees for s in found), errors)
+    degrees = max(s.degrees for s in found)
+    yield (
+        f"survives: those of {found[0].trials} draws of random errors, {degrees:g} deg (standard deviation) of "
+        f"{errors} and {math.radians(degrees):.2g} of stiffnesses, in which the state could be followed, as the errors "
+        "grow, to a certified minimum"
+    )
     if any(s.springs is not None for s in found):
         yield (
             "closure has as many equations as there are creases, and with errors of positions rigid facets do not "

@@ -21,7 +21,6 @@ from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
@@ -146,18 +145,6 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> list[
             assert m.escape is not None
             to = which[m.escape.to - 1] + 1 if m.escape.to else 0
             found[k] = replace(m, escape=replace(m.escape, to=to))
-    return found
-
-
-def survival_of_each(
-    jobs: Sequence[Job], minima: Sequence[JudgedState], noise: float
-) -> list[JudgedState]:
-    """Add how many random errors of the scene each minimum survives; noise: their size [degrees]."""
-    found = list(minima)
-    for job, which in _apart(jobs, minima):
-        some = with_survival(job.model, [minima[k] for k in which], noise)
-        for k, m in zip(which, some, strict=True):
-            found[k] = m
     return found
 
 

@@ -43,7 +43,6 @@ from .mobility import (
     jacobian_rank as jacobian_rank,
 )
 from .motion import Motion as Motion, find_motion as find_motion
-from .noise import is_overdetermined as is_overdetermined
 from .proved import hold_against as hold_against
 from .terrain import PatternTerrain as PatternTerrain
 from .traced_passes import curve_passes as curve_passes

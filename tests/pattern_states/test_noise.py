@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, displacements
 from origami_nlp.pattern_problem import PatternProblem, angle_sums, find_labels
 from origami_nlp.pattern_states import find_states
 from origami_nlp.pattern_states.closed import scene_of
-from origami_nlp.pattern_states.noise import displacements
 from tests.relabelled import relabelled
 
 
@@ -68,8 +67,7 @@ DRAWS = 5
 @pytest.fixture(scope="module", autouse=True)
 def _few_draws():
     with pytest.MonkeyPatch.context() as patch:
-        for room in ("minima", "pattern_states"):
-            patch.setattr(f"origami_nlp.{room}.noise.TRIALS", DRAWS)
+        patch.setattr("origami_nlp.minima.noise.TRIALS", DRAWS)
         yield
 
 
