@@ -49,10 +49,10 @@ from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
     Changed,
+    FoldedCreases,
     Follower,
+    HeldState,
     Shares,
-    Start,
-    Strata,
     Touch,
     Uniform,
     at_limits,
@@ -199,7 +199,7 @@ class _Search(Parts):
         self.completeness: Completeness | None = None
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
         self._changed = Changed(self.problem, self.labels)
-        kinds = [Uniform, Strata, Touch] if contact else [Uniform, Strata]
+        kinds = [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at = list[np.ndarray]()
         self._follow, self._rng = Follower(self.problem), np.random.default_rng(0)
@@ -242,9 +242,9 @@ class _Search(Parts):
     def explore(self, start: np.ndarray, family: str) -> None:
         """Follow a state from which a listed family starts, with creases at their limits kept there if possible."""
         self.begin(family)
-        self.attempt(self.follow, Start(start, at_limits(self.problem, start)))
+        self.attempt(self.follow, HeldState(start, at_limits(self.problem, start)))
 
-    def follow(self, start: Start, deep: int = DEEP) -> None:
+    def follow(self, start: HeldState, deep: int = DEEP) -> None:
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
         if not self._follow.descents.usable:
             return self._by_python(start.x)
@@ -279,7 +279,7 @@ class _Search(Parts):
         elif state.refuted and deep:
             lower = classified(self.problem, state.phi).lower
             if lower is not None:
-                self.follow(Start(lower, at_limits(self.problem, lower)), deep - 1)
+                self.follow(HeldState(lower, at_limits(self.problem, lower)), deep - 1)
 
     def snap(self, x: np.ndarray) -> None:
         """Start from a minimum with each hinge in each other well of its law."""
@@ -348,7 +348,7 @@ class _Search(Parts):
             beside = stationary_beside(self.problem, closed)
             if beside is not None and not self.known(beside):
                 self.add(judge_end(self.problem, beside, self.contact))
-            self.follow(Start(well, at_limits(self.problem, well)))
+            self.follow(HeldState(well, at_limits(self.problem, well)))
         self.tally.resolved += judged()
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:

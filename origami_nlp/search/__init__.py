@@ -3,7 +3,7 @@
 | family | its starts |
 | --- | --- |
 | `Uniform` | any fold angles |
-| `Strata` | some creases fully folded, held until the others are at rest |
+| `FoldedCreases` | some creases fully folded, held until the others are at rest |
 | `Touch` | two facets that touch, held until the others are at rest |
 | `Changed` | a minimum crossed with another, or with one crease folded otherwise |
 

@@ -1,12 +1,17 @@
-from .descend import CLOSES_NOT as CLOSES_NOT, Descents as Descents, End as End, Slot as Slot
+from .descend import (
+    CLOSES_NOT as CLOSES_NOT,
+    DescentEnd as DescentEnd,
+    Descents as Descents,
+    Slot as Slot,
+)
 from .follow import Follower as Follower
 from .layers import ordered_slots as ordered_slots
 from .shares import Shares as Shares
 from .starts import (
     Changed as Changed,
-    Family as Family,
-    Start as Start,
-    Strata as Strata,
+    FoldedCreases as FoldedCreases,
+    HeldState as HeldState,
+    StartKind as StartKind,
     Touch as Touch,
     Uniform as Uniform,
     at_limits as at_limits,

@@ -139,7 +139,7 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class End:
+class DescentEnd:
     """Where a descent ended.
 
     Attributes
@@ -290,7 +290,7 @@ class Descents:
         aside: np.ndarray | None = None,
         pauses: bool = False,
         most: int = MOST_STEPS,
-    ) -> End:
+    ) -> DescentEnd:
         """Go downhill from a state.
 
         Parameters
@@ -345,6 +345,6 @@ class Descents:
             for (a, i, b, j), s in zip(pieces[:many].tolist(), sign[:many].tolist(), strict=True)
         )
         arrived = status == 0
-        return End(
+        return DescentEnd(
             at, arrived, REASONS[status], steps, saddles, work, on, kept_slots, forces[: n + many]
         )

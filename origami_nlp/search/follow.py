@@ -13,12 +13,12 @@ from origami_nlp.search.descend import (
     LEVEL,
     MOST_STEPS,
     SLOTS,
+    DescentEnd,
     Descents,
-    End,
     Slot,
 )
 from origami_nlp.search.layers import Order, ordered_slots
-from origami_nlp.search.starts import Start
+from origami_nlp.search.starts import HeldState
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
@@ -47,7 +47,7 @@ class Follower:
 
     def __call__(
         self,
-        start: Start,
+        start: HeldState,
         rng: np.random.Generator,
         aside: np.ndarray | None = None,
         known_end: Callable[[np.ndarray], bool] = lambda x: False,
@@ -99,7 +99,7 @@ class Follower:
         hold: bool,
         aside: np.ndarray | None,
         most: int = MOST_STEPS,
-    ) -> End:
+    ) -> DescentEnd:
         pauses = self.problem.contact
         end = self.descents(x, side, slots[:SLOTS], hold, aside, pauses, most)
         self.work += end.work

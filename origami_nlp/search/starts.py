@@ -27,7 +27,7 @@ SOONER = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class HeldState:
     """A state [n], and what it holds until that is stationary: fold limits by sign [n], gaps."""
 
     x: np.ndarray
@@ -36,7 +36,7 @@ class Start:
     hold: bool = False
 
 
-class Family(ABC):
+class StartKind(ABC):
     """Starts of one kind; `sentence` says where they lie.
 
     Parameters
@@ -52,7 +52,7 @@ class Family(ABC):
         self.problem, self.labels = problem, labels
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator) -> Start | None:
+    def draw(self, rng: np.random.Generator) -> HeldState | None:
         """Return the next start; None where there is none."""
 
     def _closed(self, rng: np.random.Generator) -> np.ndarray | None:
@@ -67,18 +67,18 @@ class Family(ABC):
         return self.labels.drawn(rng.uniform(-size, size, self.problem.size))
 
 
-class Uniform(Family):
+class Uniform(StartKind):
     """Any fold angles, up to a random size."""
 
     name = "uniform"
     sentence = "any fold angles"
 
-    def draw(self, rng: np.random.Generator) -> Start:
+    def draw(self, rng: np.random.Generator) -> HeldState:
         """Draw fold angles in the order of labels."""
-        return Start(self._anywhere(rng), np.zeros(self.problem.size, int))
+        return HeldState(self._anywhere(rng), np.zeros(self.problem.size, int))
 
 
-class Strata(Family):
+class FoldedCreases(StartKind):
     """Closed states with some creases at their limits, up to half as many as there are degrees of freedom.
 
     Creases go there in steps: each closes, so that loops stay on the lift of paper.
@@ -87,7 +87,7 @@ class Strata(Family):
     name = "strata"
     sentence = "some creases fully folded, held until the others are at rest"
 
-    def draw(self, rng: np.random.Generator) -> Start | None:
+    def draw(self, rng: np.random.Generator) -> HeldState | None:
         """Draw creases and sides, and fold them."""
         problem, n, x = self.problem, self.problem.size, self._closed(rng)
         many = int(rng.integers(1, 1 + max(1, problem.dof // 2)))
@@ -106,16 +106,16 @@ class Strata(Family):
                 held, start = held | beyond, x
             if residual > CLOSURE_TOL or beyond.any():
                 return None
-        return None if x is None else Start(x, at_limits(problem, x), (), hold=True)
+        return None if x is None else HeldState(x, at_limits(problem, x), (), hold=True)
 
 
-class Touch(Family):
+class Touch(StartKind):
     """States at which two features touch, of those that face each other at a closed state."""
 
     name = "touch"
     sentence = "two facets that touch, held until the others are at rest"
 
-    def draw(self, rng: np.random.Generator) -> Start | None:
+    def draw(self, rng: np.random.Generator) -> HeldState | None:
         """Close any fold angles, and pick one of the features that are near each other there."""
         problem, x = self.problem, self._closed(rng)
         if x is None:
@@ -128,10 +128,10 @@ class Touch(Family):
         points = touch.reference(problem.crossings.pattern.corners)
         sides = touch.type == "edge-edge"
         slot = Slot((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points)
-        return Start(x, np.zeros(problem.size, int), (slot,), hold=True)
+        return HeldState(x, np.zeros(problem.size, int), (slot,), hold=True)
 
 
-class Changed(Family):
+class Changed(StartKind):
     """Known minima changed: the creases round each vertex, or each crease, as one of two has them; or one crease.
 
     Each minimum has as many starts as the others: those that were added last catch up.
@@ -152,7 +152,7 @@ class Changed(Family):
         self._others += [x, *images]
         self._made.append(0)
 
-    def draw(self, rng: np.random.Generator) -> Start | None:
+    def draw(self, rng: np.random.Generator) -> HeldState | None:
         """Change the minimum that was changed least often, in one of three ways in turn."""
         if not self._states:
             return None
@@ -171,7 +171,7 @@ class Changed(Family):
             i, sign = self.labels.order[rng.integers(len(x))], self.labels.sign
             x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]
         x = self.problem.fold_limits.clip(x)
-        return Start(x, at_limits(self.problem, x))
+        return HeldState(x, at_limits(self.problem, x))
 
 
 def at_limits(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
