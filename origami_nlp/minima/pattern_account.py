@@ -155,8 +155,7 @@ class PatternSearchReport(SearchReport):
             f"{self.starts} starts: {self.flat} converged to the flat state, "
             f"{self.open + self.stalled + sum(self.stopped.values())} to no stationary state"
         )
-        for why, many in self.stopped.items():
-            yield f"{many} of them: {why}"
+        yield from (f"{n} of them: {why}" for why, n in self.stopped.items())
         for family, starts in self.by_source.items():
             found, own = self.reached.get(family, 0), self.alone.get(family, 0)
             alone = f", {own} of them by no other family" if own else ""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -199,7 +200,7 @@ class _Search(Parts):
         self.completeness: Completeness | None = None
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
         self._changed = Changed(self.problem, self.labels)
-        kinds = [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
+        kinds: list[type[Any]] = [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at = list[np.ndarray]()
         self._follow, self._rng = Follower(self.problem), np.random.default_rng(0)

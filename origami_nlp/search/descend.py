@@ -182,7 +182,7 @@ class Descents:
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem = problem
-        self._library = compiled("descend", _source) if problem.closure.compiled.usable else None
+        self._library: Any = compiled("descend", _source) if problem.closure.compiled.usable else None
         if self._library is not None and not self._library.descend.argtypes:
             whole, at = ctypes.c_int64, ctypes.c_void_p
             call = self._library.descend
@@ -269,7 +269,8 @@ class Descents:
         problem, made = self.problem, self._kept
         c = problem.crossings
         loops, place = problem.closure.compiled.addresses
-        at = {"loops": loops, "place": place} | {k: x.ctypes.data for k, x in made.items()}
+        at: dict[str, Any] = {"loops": loops, "place": place}
+        at |= {k: x.ctypes.data for k, x in made.items()}
         plain = problem.parameters.plain
         at["outside"] = None if plain else ctypes.cast(self._outside, ctypes.c_void_p).value
         pieces, q = c.pieces.shape

@@ -96,7 +96,9 @@ class FoldedCreases(StartKind):
         sides = self.labels.drawn(sides * rng.choice([-1.0, 1.0], n))
         held, limits = sides != 0.0, problem.fold_limits
         goal = np.where(sides > 0, limits.high, limits.low)
-        for left in range(FOLDING if x is not None else 0, 0, -1):
+        if x is None:
+            return None
+        for left in range(FOLDING, 0, -1):
             start = np.where(sides != 0.0, x + (goal - x) / left, x)
             for _ in range(MOST_HELD):
                 x, residual = problem.project(limits.clip(start), held)
@@ -106,7 +108,7 @@ class FoldedCreases(StartKind):
                 held, start = held | beyond, x
             if residual > CLOSURE_TOL or beyond.any():
                 return None
-        return None if x is None else HeldState(x, at_limits(problem, x), (), hold=True)
+        return HeldState(x, at_limits(problem, x), (), hold=True)
 
 
 class Touch(StartKind):
