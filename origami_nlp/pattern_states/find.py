@@ -29,7 +29,7 @@ from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
-from origami_nlp.pattern_states.closed import BESIDE_FLAT, close
+from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, of_vertex
 from origami_nlp.pattern_states.contact_descents import contact_descent_off
 from origami_nlp.pattern_states.curve import tangents
 from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
@@ -70,6 +70,7 @@ IMAGES = "images of minima under symmetries"
 LOWER = "beside a state that was refuted"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
+VERTEX = "the search for single vertices"
 DRAWN = 10
 """What a start counts, in evaluations of closure."""
 DEEP = 6
@@ -158,7 +159,7 @@ def find_states(
     if contact:
         pattern.check_wide()
     search = _Search(pattern, contact, begin + seconds, asked)
-    starts, most = asked.random_starts(starts, max_starts)
+    starts, most = asked.random_starts(starts, max_starts, search.problem.dof)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
@@ -200,7 +201,9 @@ class _Search(Parts):
         self.completeness: Completeness | None = None
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
         self._changed = Changed(self.problem, self.labels)
-        kinds: list[type[Any]] = [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
+        kinds: list[type[Any]] = (
+            [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
+        )
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at = list[np.ndarray]()
         self._follow, self._rng = Follower(self.problem), np.random.default_rng(0)
@@ -219,8 +222,21 @@ class _Search(Parts):
             self.part(GIVEN, self.explore, start, GIVEN)
         if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
+        if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
+            self.part(VERTEX, self.round_the_vertex, seed)
         self.part("random starts", self.draw, rng, starts, most)
         self.part(CURVES, self.trace_curves)
+
+    def round_the_vertex(self, seed: int) -> None:
+        """Judge the minima that the search for single vertices finds, where there is but one."""
+        # half of the time that is left: what is found is to be judged, and there are other starts
+        seconds = max(0.5 * (self.problem.until - time.monotonic()), 0.0)
+        states, whole = of_vertex(self.problem.pattern, self.contact, seed, seconds)
+        if not whole:
+            self.tally.leave_out(VERTEX)
+        for phi in states:
+            self.begin(VERTEX)
+            self.attempt(self.settle, phi)
 
     def draw(self, rng: np.random.Generator, starts: int, most: int) -> None:
         """Make random starts, by what families led to and evenly, until so many led to nothing new."""

@@ -182,7 +182,9 @@ class Descents:
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem = problem
-        self._library: Any = compiled("descend", _source) if problem.closure.compiled.usable else None
+        self._library: Any = (
+            compiled("descend", _source) if problem.closure.compiled.usable else None
+        )
         if self._library is not None and not self._library.descend.argtypes:
             whole, at = ctypes.c_int64, ctypes.c_void_p
             call = self._library.descend

@@ -11,15 +11,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSURE_TOL, OUTSIDE, RESOLVED
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, RESOLVED
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search.descend import Slot
+from origami_nlp.search.descend import CLOSES_NOT, Descents, Slot
 
 MOST_LINES, MOST_FOLDED = 3, 250
 """Straight lines that are folded at a time, and ways in which so many are."""
 FOLDING, MOST_HELD = 8, 4
 """Steps in which creases go to their limits, and times that others are kept at theirs in each."""
+TRIED = 5
+"""Closed states that are drawn until one has room for a touch."""
 FURTHEST = 0.5
 """Features that are made to touch face each other closer, over the sheet's size."""
 SOONER = 0.15
@@ -63,7 +65,7 @@ class StartKind(ABC):
         return x if within and problem.closure.lifts_to_one(x) else None
 
     def _anywhere(self, rng: np.random.Generator) -> np.ndarray:
-        size = rng.uniform(0.3, math.pi)
+        size = rng.uniform(0.3, self.problem.bound)
         return self.labels.drawn(rng.uniform(-size, size, self.problem.size))
 
 
@@ -79,58 +81,82 @@ class Uniform(StartKind):
 
 
 class FoldedCreases(StartKind):
-    """Closed states with some creases at their limits, up to half as many as there are degrees of freedom.
+    """Closed states with some creases at their limits, at most as many as there are degrees of freedom.
 
-    Creases go there in steps: each closes, so that loops stay on the lift of paper.
+    They close with these held; where that fails, creases go there in steps from a closed state, each of which closes:
+    so loops stay on the lift of paper.
     """
 
     name = "strata"
     sentence = "some creases fully folded, held until the others are at rest"
 
     def draw(self, rng: np.random.Generator) -> HeldState | None:
-        """Draw creases and sides, and fold them."""
-        problem, n, x = self.problem, self.problem.size, self._closed(rng)
-        many = int(rng.integers(1, 1 + max(1, problem.dof // 2)))
+        """Draw creases and sides."""
+        return self._folded(rng, int(rng.integers(1, 1 + max(1, self.problem.dof))))
+
+    def _folded(self, rng: np.random.Generator, many: int) -> HeldState | None:
+        problem, n = self.problem, self.problem.size
         sides = np.zeros(n)
-        sides[rng.permutation(n)[: min(many, n)]] = 1.0
+        sides[rng.permutation(n)[:many]] = 1.0
         sides = self.labels.drawn(sides * rng.choice([-1.0, 1.0], n))
-        held, limits = sides != 0.0, problem.fold_limits
+        limits, held = problem.fold_limits, sides != 0.0
         goal = np.where(sides > 0, limits.high, limits.low)
-        if x is None:
-            return None
-        for left in range(FOLDING, 0, -1):
-            start = np.where(sides != 0.0, x + (goal - x) / left, x)
-            for _ in range(MOST_HELD):
-                x, residual = problem.project(limits.clip(start), held)
-                beyond = ~limits.inside(x)
-                if residual > CLOSURE_TOL or not beyond.any():
-                    break
-                held, start = held | beyond, x
-            if residual > CLOSURE_TOL or beyond.any():
-                return None
-        return HeldState(x, at_limits(problem, x), (), hold=True)
+        x, good = self._held(np.where(held, goal, self._anywhere(rng)), held)
+        if many and not good and (x := self._closed(rng)) is not None:
+            kept, good = held, True
+            for left in range(FOLDING, 0, -1):
+                if good:
+                    x, good = self._held(np.where(held, x + (goal - x) / left, x), kept)
+                    kept = kept | (at_limits(problem, x) != 0)
+        return HeldState(x, at_limits(problem, x), (), hold=True) if good else None
+
+    def _held(self, x: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, bool]:
+        """Close a state with some creases held, and others that would pass their limits held there."""
+        problem, limits, good = self.problem, self.problem.fold_limits, False
+        for _ in range(MOST_HELD):
+            x, residual = problem.project(limits.clip(x), held)
+            beyond = ~limits.inside(x)
+            good = residual <= CLOSURE_TOL and not beyond.any()
+            if residual > CLOSURE_TOL or good:
+                break
+            held = held | beyond
+        return limits.clip(x), good and problem.closure.lifts_to_one(x)
 
 
-class Touch(StartKind):
-    """States at which two features touch, of those that face each other at a closed state."""
+class Touch(FoldedCreases):
+    """States at which features touch, of those that face each other at a closed state, one after the other."""
 
     name = "touch"
-    sentence = "two facets that touch, held until the others are at rest"
+    sentence = "facets that touch, held until the others are at rest"
+
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        super().__init__(problem, labels)
+        self._close_on = Descents(problem)
 
     def draw(self, rng: np.random.Generator) -> HeldState | None:
-        """Close any fold angles, and pick one of the features that are near each other there."""
-        problem, x = self.problem, self._closed(rng)
-        if x is None:
+        """Close any fold angles, some at their limits, and bring features together that are near each other there."""
+        problem = self.problem
+        many = max(0, problem.dof - int(rng.geometric(0.5)))
+        start = next(
+            filter(None, (self._folded(rng, rng.integers(many + 1)) for _ in range(TRIED))), None
+        )
+        if start is None or not (problem.contact and self._close_on.usable):
             return None
-        facing = problem.features.facing(problem.placed(x), FURTHEST)
-        facing = sorted((t for t in facing if t[1] > 0), key=lambda t: round(t[1], 9))
-        if not facing:
-            return None
-        touch, _ = facing[min(int(rng.geometric(SOONER)), len(facing)) - 1]
-        points = touch.reference(problem.crossings.pattern.corners)
-        sides = touch.type == "edge-edge"
-        slot = Slot((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points)
-        return HeldState(x, np.zeros(problem.size, int), (slot,), hold=True)
+        x, side, slots = start.x, start.side, tuple[Slot, ...]()
+        for _ in range(min(int(rng.geometric(0.5)), problem.dof)):
+            facing = problem.features.facing(problem.placed(x), FURTHEST)
+            facing = sorted((t for t in facing if t[1] > CONTACT_TOL), key=lambda t: round(t[1], 9))
+            if not facing:
+                break
+            touch, _ = facing[min(int(rng.geometric(SOONER)), len(facing)) - 1]
+            points = touch.reference(problem.crossings.pattern.corners)
+            sides = touch.type == "edge-edge"
+            more = (*slots, Slot((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points))
+            end = self._close_on(x, side, more, hold=True, most=0)
+            if end.why == CLOSES_NOT:
+                break
+            x, side, slots = end.x, at_limits(problem, end.x), more
+        return HeldState(x, side, slots, hold=True) if slots else None
 
 
 class Changed(StartKind):

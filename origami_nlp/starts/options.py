@@ -41,7 +41,7 @@ class SearchOptions:
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
-        Random starts in a row that find nothing new, then no more are made.
+        Random starts of a pattern in a row that find nothing new, for each degree of freedom, then no more are made.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -76,7 +76,7 @@ class SearchOptions:
     fewest_for_moments: int = 16
     most_batched: int = 24
     judging: float = 0.3
-    in_a_row: int = 600
+    in_a_row: int = 60
     most_drawn: int = 10
     most_on: int = 3000
     most_traced: int = 250
@@ -96,13 +96,17 @@ class SearchOptions:
         if self.hits > self.rounds:
             raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
-    def random_starts(self, starts: int | None, max_starts: int | None) -> tuple[int, int]:
+    def random_starts(
+        self, starts: int | None, max_starts: int | None, dof: int
+    ) -> tuple[int, int]:
         """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
 
         Parameters
         ----------
         starts, max_starts
             As asked for; None: what the options say.
+        dof
+            Degrees of freedom.
 
         Returns
         -------
@@ -114,7 +118,7 @@ class SearchOptions:
         OptionError
             If one is no such number.
         """
-        starts = self.in_a_row if starts is None else check_whole("starts", starts, 0)
+        starts = self.in_a_row * max(dof, 1) if starts is None else check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
         return starts, check_whole("max_starts", max_starts, 1)
@@ -122,7 +126,7 @@ class SearchOptions:
 
 EFFORTS = {
     "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=100
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
     ),
     "normal": SearchOptions(),
     "thorough": SearchOptions(
@@ -132,7 +136,7 @@ EFFORTS = {
         rounds=40,
         hits=4,
         quiet=4,
-        in_a_row=1600,
+        in_a_row=160,
     ),
 }
 """By name."""
