@@ -102,8 +102,8 @@ class FoldedCreases(StartKind):
         limits, held = problem.fold_limits, sides != 0.0
         goal = np.where(sides > 0, limits.high, limits.low)
         x, good = self._held(np.where(held, goal, self._anywhere(rng)), held)
-        if many and not good and (x := self._closed(rng)) is not None:
-            kept, good = held, True
+        if many and not good and (closed := self._closed(rng)) is not None:
+            x, kept, good = closed, held, True
             for left in range(FOLDING, 0, -1):
                 if good:
                     x, good = self._held(np.where(held, x + (goal - x) / left, x), kept)
@@ -138,7 +138,8 @@ class Touch(FoldedCreases):
         problem = self.problem
         many = max(0, problem.dof - int(rng.geometric(0.5)))
         start = next(
-            filter(None, (self._folded(rng, rng.integers(many + 1)) for _ in range(TRIED))), None
+            filter(None, (self._folded(rng, int(rng.integers(many + 1))) for _ in range(TRIED))),
+            None,
         )
         if start is None or not (problem.contact and self._close_on.usable):
             return None
