@@ -57,6 +57,7 @@ def find_minima(
     escape: bool = True,
     noise: float | None = None,
     workers: int | None = None,
+    method: str = "batch",
     progress: Callable[..., object] | None = None,
     found: Callable[[float, np.ndarray], object] | None = None,
 ) -> MinimaResult:
@@ -92,6 +93,9 @@ def find_minima(
     fewest_starts, guesses, full, workers
         Of a scene, see `minima.find_minima`; full: judge each without the symmetry (None: up to 12 creases and 64
         states).
+    method
+        ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT on the same problem, from one start after
+        the other.
     progress
         Called with starts, minima, and how many of these one drawn start reached; of a pattern with what the search is
         at.
@@ -145,6 +149,7 @@ def find_minima(
             asked["contact"] = _facets_apart(contact)
     asked = {name: value for name, value in asked.items() if value is not None}
     asked |= {"seed": seed, "effort": effort, "options": options, "escape": escape, "noise": noise}
+    asked["method"] = method
     # importing and reading took some of it
     left = None if seconds is None else max(until - time.monotonic(), 0.0)
     return find(stated, seconds=left, **asked)  # type: ignore[no-any-return]

@@ -38,7 +38,6 @@ from origami_nlp.kkt import (
     polish,
     project,
 )
-from origami_nlp.minima import solve_beside
 from origami_nlp.numerics import (
     BALANCED,
     CARRIES,
@@ -51,6 +50,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern import most_torque
 from origami_nlp.problem import Problem
+from origami_nlp.search import solve_with
 
 LEAST_DAMPING, SOFT = 1e-2, 1e-2
 """Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
@@ -401,7 +401,7 @@ def _resolve(
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
     by: Literal["IPOPT", "descent"] = "IPOPT"
     dead = loaded.parameters.dead is not None  # forces in space have no symbols
-    y = start if dead else polish(loaded, *solve_beside(loaded, start, rows)).x
+    y = start if dead else polish(loaded, *solve_with(loaded, start, rows)[:2]).x
     if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
         by, y = "descent", follow(loaded, start).end
     there = State(loaded, y).on(rows)

@@ -1,7 +1,6 @@
 from . import (
     descents as descents,
     find as find,
-    ipopt as ipopt,
     record as record,
     search as search,
     table as table,
@@ -15,6 +14,7 @@ from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,
+    check_method as check_method,
     check_options as check_options,
     find_minima as find_minima,
     find_minima_of_each as find_minima_of_each,
@@ -41,14 +41,6 @@ from .interactive import (
     images as images,
     points_on as points_on,
 )
-from .ipopt import (
-    MOST_CONFIRMED as MOST_CONFIRMED,
-    OPTIONS as OPTIONS,
-    TOLERANCE as TOLERANCE,
-    Confirmation as Confirmation,
-    build_solver as build_solver,
-    solve_beside as solve_beside,
-)
 from .marks import (
     Drawn as Drawn,
     drawn_minima as drawn_minima,
@@ -59,10 +51,6 @@ from .minimum import (
     TRIALS as TRIALS,
     JudgedState as JudgedState,
     Survival as Survival,
-)
-from .multistart import (
-    MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
-    solve_without_crossing as solve_without_crossing,
 )
 from .noise import (
     NOISE as NOISE,

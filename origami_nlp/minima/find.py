@@ -28,7 +28,6 @@ from origami_nlp.minima.full_space import (
     judge_in_full_space,
     not_judged,
 )
-from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import check_noise, with_survival
@@ -47,10 +46,13 @@ from origami_nlp.pattern import Scene, canonical_labels
 from origami_nlp.pattern_problem import CanonicalLabelling, pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
+from origami_nlp.search import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
+METHODS = ("batch", "ipopt")
+"""Engines of a search: compiled descents with an active set, or IPOPT."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
 
@@ -66,6 +68,12 @@ def check_options(seed: object, max_starts: object, fewest_starts: object = FEWE
     check_whole("seed", seed, 0)
     check_whole("max_starts", max_starts, 1)
     check_whole("fewest_starts", fewest_starts, 1)
+
+
+def check_method(method: object) -> None:
+    """Raise OptionError unless it is one of `METHODS`."""
+    if method not in METHODS:
+        raise OptionError(f"method = {shown(method)} must be {' or '.join(map(repr, METHODS))}")
 
 
 def _check_guesses(guesses: object, degree: int) -> list[np.ndarray]:
@@ -93,6 +101,7 @@ def find_minima(
     escape: bool = True,
     noise: float | None = None,
     workers: int = 1,
+    method: str = "batch",
     progress: Progress | None = None,
     found: Found | None = None,
 ) -> MinimaResult:
@@ -131,6 +140,8 @@ def find_minima(
         angles: how many of 20 draws each minimum survives (`JudgedState.survival`).
     workers
         Processes that descents are shared out to; the result is the same.
+    method
+        ``"batch"``: descents with an active set, compiled; ``"ipopt"``: IPOPT, one solve a start.
     progress
         Called as progress(starts, minima, how many of these one random start reached), after each new minimum and
         round.
@@ -171,8 +182,11 @@ def find_minima(
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     check_callback("found", found)
+    check_method(method)
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until, found)
+    for job in jobs:
+        job.by_ipopt = method == "ipopt"
     named = effort if options is None else OWN
     try:
         finish_all([jobs], guesses, workers)
@@ -284,7 +298,7 @@ def _sort_out(
         what = answer.what
         outcomes[what.verdict] += answer.hits
         if what.verdict == "minimum":
-            solver = _confirmed(model, answer, record) if time.monotonic() <= until else None
+            solver = _confirmed(answer, record) if time.monotonic() <= until else None
             minima.append(_minimum(model, record, answer, what, solver))
         else:
             angles = tuple(phi.tolist())
@@ -325,13 +339,13 @@ def _minimum(
     )
 
 
-def _confirmed(model: Model, answer: FoundState, record: Record) -> Confirmation | None:
-    """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
-    if model.size > MOST_CONFIRMED or model.dof < 0:
+def _confirmed(answer: FoundState, record: Record) -> Confirmation | None:
+    """Let IPOPT solve from beside a minimum; None with too many variables."""
+    problem = record.problem
+    if problem.size > MOST_CONFIRMED or problem.parameters.dead is not None:
         return None
-    state = State(model, answer.polished.x)
     with record.surviving("a confirmation by IPOPT"):
-        solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
+        solver = confirm(problem, answer.polished.x)
         record.solves += 1
         record.statuses[solver.status] += 1
         record.iterations += solver.iterations

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.canonical import canonical_model
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.one_dof import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
@@ -34,8 +33,9 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
+from origami_nlp.search import ByIpopt, Uniform
 from origami_nlp.starts import (
     CORNER,
     SOURCES,
@@ -83,7 +83,7 @@ class Job:
         self.foldings: list[np.ndarray] = []
         self.given: list[tuple[np.ndarray, FoundState | None]] = []
         self.traced: CandidateMinima | None = None
-        self.interrupted = False
+        self.interrupted = self.by_ipopt = False
         self.begin = time.perf_counter()
         self.turn = (
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
@@ -168,7 +168,9 @@ class Job:
             self.stopped_by = "complete"
             self._tell()
             return
-        if self.model.size > self.options.most_batched and not is_chain(self.model):
+        if self.by_ipopt or (
+            self.model.size > self.options.most_batched and not is_chain(self.model)
+        ):
             self._one_by_one()
             return
         under = canonical_model(self.model)
@@ -269,7 +271,7 @@ class Job:
         self.stopped_by = "cap"
         quiet = 0
         fewest = max(self.fewest, 16 * self.options.hits)
-        for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
+        for new in itertools.islice(self._by_ipopt(), self.most):
             if new is not None:
                 judge(self.record, new)
             quiet = 0 if new is not None and new.is_minimum else quiet + 1
@@ -279,6 +281,32 @@ class Job:
             if self.record.starts >= fewest and self._enough(quiet // fewest):
                 self.stopped_by = "rule"
                 break
+
+    def _by_ipopt(self) -> Iterator[FoundState | None]:
+        """Solve from random starts for ever; yields each answer that has to be judged, else None."""
+        record, solve = self.record, ByIpopt(self.record.problem)
+        n, rng = record.problem.size, np.random.default_rng(self.seed)
+        starts = Uniform(record.problem, CanonicalLabelling(np.arange(n), 1.0, False, ()))
+        while True:
+            record.starts += 1
+            record.drawn += 1
+            record.by_source[Uniform.name] += 1
+            before = solve.work
+            x, why = solve(starts.draw(rng), rng)
+            record.solves += 1
+            record.iterations += solve.work - before
+            record.statuses[why or "Solve_Succeeded"] += 1
+            record.stalled += bool(why)
+            if why:
+                yield None
+                continue
+            record.feasible_starts += 1
+            record.converged += 1
+            found, new = record.file(self.model, exact_state(self.model, x))
+            found.hits += 1
+            found.in_rounds += 1
+            found.first = found.first or record.drawn
+            yield found if new else None
 
     def _tell(self) -> None:
         r, found = self.record, self._found

@@ -13,8 +13,8 @@ from origami_nlp.io import ShortRepr, to_plain
 from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.ipopt import Confirmation
 from origami_nlp.numerics import CLOSURE_TOL, STATIONARY
+from origami_nlp.search import Confirmation
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""

@@ -238,9 +238,9 @@ def state_lines(minima: Sequence[JudgedState]) -> list[str]:
             lines.append(f"   {escape_words(m.escape)}")
         if m.moment is not None:
             lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
-        if m.solver is not None and not m.solver.agrees:
+        if m.solver is not None and m.solver.came_back != "same":
             lines.append(
-                f"   IPOPT, started here, does not stay: {m.solver.status}, {m.solver.moved:.1g} rad away"
+                f"   IPOPT, started beside it, does not come back: {m.solver.status}, {m.solver.moved:.1g} rad away"
             )
         if m.full_space:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]

@@ -22,6 +22,7 @@ from origami_nlp.minima import (
     JudgedState,
     MinimaResult,
     PatternSearchReport,
+    check_method,
     check_noise,
     check_prove,
 )
@@ -49,6 +50,8 @@ from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
+    MOST_CONFIRMED,
+    ByIpopt,
     Changed,
     FoldedCreases,
     Follower,
@@ -57,6 +60,7 @@ from origami_nlp.search import (
     Touch,
     Uniform,
     at_limits,
+    confirm,
     given,
     hinge_rests,
     other_wells,
@@ -70,6 +74,7 @@ IMAGES = "images of minima under symmetries"
 LOWER = "beside a state that was refuted"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
+CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
 DRAWN = 10
 """What a start counts, in evaluations of closure."""
@@ -99,6 +104,7 @@ def find_states(
     options: SearchOptions | None = None,
     max_starts: int | None = None,
     prove: bool | float | ProofOptions | None = None,
+    method: str = "batch",
 ) -> MinimaResult:
     """Find the stable states of a pattern.
 
@@ -119,6 +125,8 @@ def find_states(
         of vertices of degree four (`proof.prove_strip`), unasked of up to two, or three within fold limits, and for
         meshes whose vertices fold flat (`proof.prove_mesh`).  A proof that is asked for has its share of the time; of
         a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
+    method
+        ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT from the same starts.
     progress
         Called as progress(starts, minima, what the search is at), after each start and each minimum.
     found
@@ -158,7 +166,10 @@ def find_states(
         raise OptionError("the pattern has no crease: there is nothing to fold")
     if contact:
         pattern.check_wide()
+    check_method(method)
     search = _Search(pattern, contact, begin + seconds, asked)
+    if method == "ipopt":
+        search.go_down = ByIpopt(search.problem)
     starts, most = asked.random_starts(starts, max_starts, search.problem.dof)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
@@ -175,6 +186,7 @@ def find_states(
             search.part(PROOF, search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
+    search.part(CONFIRMED, search.add_confirmations)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
     if search.tally.interrupted:
@@ -206,7 +218,8 @@ class _Search(Parts):
         )
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at = list[np.ndarray]()
-        self._follow, self._rng = Follower(self.problem), np.random.default_rng(0)
+        self.go_down: Follower | ByIpopt = Follower(self.problem)
+        self._rng = np.random.default_rng(0)
 
     @property
     def proved(self) -> bool:
@@ -244,14 +257,14 @@ class _Search(Parts):
         by_name = {family.name: family for family in self._families}
         while self.tally.drawn < most and self.tally.quiet < starts:
             self.problem.check_time()
-            name, before, counted = shares.next(), self.count()[0], self._follow.work
+            name, before, counted = shares.next(), self.count()[0], self.go_down.work
             start = by_name[name].draw(rng)
             shares.work[name] += DRAWN
             if start is not None:
                 self.begin(name)
                 self.attempt(self.follow, start)
             new = self.count()[0] - before
-            shares.work[name] += self._follow.work - counted
+            shares.work[name] += self.go_down.work - counted
             shares.new[name] += new
             self.tally.drawn += start is not None
             self.tally.quiet = 0 if new else self.tally.quiet + (start is not None)
@@ -263,9 +276,9 @@ class _Search(Parts):
 
     def follow(self, start: HeldState, deep: int = DEEP) -> None:
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
-        if not self._follow.descents.usable:
+        if not self.go_down.usable:
             return self._by_python(start.x)
-        x, why = self._follow(start, self._rng, self._side, self.known)
+        x, why = self.go_down(start, self._rng, self._side, self.known)
         if why:
             self.tally.stopped[why] += 1
         elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
@@ -396,6 +409,17 @@ class _Search(Parts):
         states, most = self.by_energy(), self.tally.starts
         self.judged = with_escapes(self.curves, states, self.contact, most)
         self.problem.check_time()
+
+    def add_confirmations(self) -> None:
+        """Add what IPOPT says of the lowest minima from beside them, up to so many creases."""
+        few = [s for s in self.by_energy() if s.verdict == "minimum"][:MOST_STATES]
+        plain = self.problem.parameters.dead is None and self.problem.size <= MOST_CONFIRMED
+        for state in few if plain else ():
+            self.problem.check_time()
+            solver = confirm(self.problem, state.phi)
+            self.tally.solves += 1
+            self.tally.iterations += solver.iterations
+            self.judged[self.judged.index(state)] = replace(state, solver=solver)
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""

@@ -19,18 +19,14 @@ from .contact import (
     held as held,
     openings as openings,
 )
-from .gaps import Gap as Gap, separation_rows as separation_rows
+from .gaps import Gap as Gap
 from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
 from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap
 from .nlp import (
-    PLANE_ROWS as PLANE_ROWS,
     Nlp as Nlp,
     Pairs as Pairs,
-    pose_apart as pose_apart,
-    pose_with_gaps as pose_with_gaps,
-    separating_normal as separating_normal,
 )
 from .parameters import Parameters as Parameters
 from .posed import Energies as Energies

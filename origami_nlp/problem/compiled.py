@@ -159,19 +159,6 @@ class Functions:
     shift: ca.SX
     laws: ca.SX
 
-    def with_laws(self, laws: tuple[HingeLaw | None, ...]) -> tuple[ca.SX, ca.SX]:
-        """Return the parameters without pieces of laws, and the energy with all pieces of laws of their own."""
-        if not laws:
-            return self.p, self.energy
-        none = [ca.SX(0)] * PIECE
-        pieces = [
-            none if law is None else law_piece(law, self.x[v] - self.shift[v])
-            for v, law in enumerate(laws)
-        ]
-        whole = ca.vertcat(*(number for piece in pieces for number in piece))
-        energy = ca.substitute(self.energy, ca.vec(self.laws), whole)
-        return self.p[: self.p.shape[0] - whole.shape[0]], energy
-
     @cached_property
     def evaluators(self) -> dict[str, Evaluate]:
         """Return fast callables for closure, local, hessian, rays and lift."""

@@ -22,8 +22,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import casadi as ca
-
 from origami_nlp.numerics import OUTSIDE, quaternion as quat
 from origami_nlp.problem.closure import FoldedExpressions
 
@@ -98,16 +96,3 @@ def gap_expression(gap: Gap, piece: FoldedExpressions, sines: Sequence[Any]) -> 
         return c[1]
     assert piece.end_normal is not None
     return quat.dot(c, piece.end_normal)
-
-
-def separation_rows(
-    piece: FoldedExpressions, pair: tuple[int, int], normal: Sequence[Any]
-) -> ca.SX:
-    """Return the four rows >= 0 of a plane with `normal` that separates two facets."""
-    i, j = pair
-    n = len(piece.rays)
-    first = (piece.rays[i], piece.rays[(i + 1) % n])
-    second = (piece.rays[j], piece.rays[(j + 1) % n])
-    return ca.vertcat(
-        *(quat.dot(normal, c) for c in first), *(-quat.dot(normal, c) for c in second)
-    )

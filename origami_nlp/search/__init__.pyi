@@ -5,6 +5,15 @@ from .descend import (
     Slot as Slot,
 )
 from .follow import Follower as Follower
+from .ipopt import (
+    MOST_CONFIRMED as MOST_CONFIRMED,
+    ByIpopt as ByIpopt,
+    Confirmation as Confirmation,
+    IpoptAnswer as IpoptAnswer,
+    confirm as confirm,
+    solve as solve,
+    solve_with as solve_with,
+)
 from .layers import ordered_slots as ordered_slots
 from .shares import Shares as Shares
 from .starts import (

@@ -45,6 +45,11 @@ class Follower:
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self.descents, self.work = problem, Descents(problem), 0
 
+    @property
+    def usable(self) -> bool:
+        """Whether descents are compiled, and the pattern is small enough."""
+        return self.descents.usable
+
     def __call__(
         self,
         start: HeldState,
