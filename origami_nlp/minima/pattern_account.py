@@ -42,7 +42,7 @@ class PatternSearchReport(SearchReport):
     unclear
         Parts of steps along curves on which contact cannot be excluded.
     drawn
-        Random starts; `quiet` of them were made since one led to a new minimum or curve.
+        Random starts; `quiet` of them closed and were made since one led to a new minimum or curve.
     stopped
         Descents that ended at no stationary state, by reason.
     reached, alone

@@ -85,6 +85,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         self.symmetry = "none"
         self._load = np.zeros(self.size)
         self._dead: Any = None
+        self._symbols: Symbols | None = None
         self.besides: tuple[tuple[str, str], ...] = ()
         self.shape: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]] = _no_shape
 
@@ -250,7 +251,12 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         """Return energy, closure and gaps as CasADi symbols, with springs and corners as parameters."""
         from origami_nlp.pattern_problem.symbols import Symbols
 
-        return Symbols(self)
+        if self._symbols is None:
+            self._symbols = Symbols(self)
+        return self._symbols
+
+    def __getstate__(self) -> dict[str, Any]:
+        return vars(self) | {"_symbols": None}  # CasADi's own do not pickle
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
         """Return closure to second order at a state [n], of each vertex and hole by itself."""
@@ -347,7 +353,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
     def _other(self) -> PatternProblem:
         other = copy.copy(self)
         vars(other).pop("parameters", None)
-        other._seen = {}
+        other._seen, other._symbols = {}, None
         return other
 
     def under(self, work: Work, t: float) -> PatternProblem:

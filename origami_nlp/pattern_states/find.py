@@ -50,6 +50,7 @@ from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
+    CLOSES_NOT,
     MOST_CONFIRMED,
     ByIpopt,
     Changed,
@@ -258,6 +259,7 @@ class _Search(Parts):
         while self.tally.drawn < most and self.tally.quiet < starts:
             self.problem.check_time()
             name, before, counted = shares.next(), self.count()[0], self.go_down.work
+            lost = self.tally.stopped[CLOSES_NOT] + self.tally.open
             start = by_name[name].draw(rng)
             shares.work[name] += DRAWN
             if start is not None:
@@ -266,8 +268,9 @@ class _Search(Parts):
             new = self.count()[0] - before
             shares.work[name] += self.go_down.work - counted
             shares.new[name] += new
-            self.tally.drawn += start is not None
-            self.tally.quiet = 0 if new else self.tally.quiet + (start is not None)
+            self.tally.drawn += 1
+            closed = start is not None and lost == self.tally.stopped[CLOSES_NOT] + self.tally.open
+            self.tally.quiet = 0 if new else self.tally.quiet + closed
 
     def explore(self, start: np.ndarray, family: str) -> None:
         """Follow a state from which a listed family starts, with creases at their limits kept there if possible."""

@@ -8,7 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.kkt import State, classify, polish
-from origami_nlp.minima import solve_beside
+from origami_nlp.search import solve_with
 from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.patterns import miura
 
@@ -107,7 +107,7 @@ def test_ipopt_comes_back_from_beside_minima_with_their_multipliers():
         slopes = state.local.openings([*gaps, *limits])[1] / problem.root
         torque = state.kernel.T @ (state.gradient - slopes.T @ forces)
         assert np.abs(torque).max(initial=0.0) < 1e-5
-        end = polish(problem, *solve_beside(problem, y0, contacts))
+        end = polish(problem, *solve_with(problem, y0, contacts)[:2])
         assert end.converged and np.abs(end.x - state.x).max() < 1e-9
         touch += bool(gaps)
     assert total >= 7 and touch >= 2
@@ -118,7 +118,7 @@ def test_ipopt_leaves_what_is_no_minimum():
     problem = pose(pattern)
     phi, _ = problem.project(0.4 * pattern.signs)
     assert classify(State(problem, phi)).verdict == "not stationary"
-    end, _ = solve_beside(problem, phi, ())
+    end, _, _ = solve_with(problem, phi, ())
     assert end.succeeded and problem.energy_change(phi, end.x) < -0.01
 
 
