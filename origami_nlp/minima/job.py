@@ -292,7 +292,10 @@ class Job:
             record.drawn += 1
             record.by_source[Uniform.name] += 1
             before = solve.work
-            x, why = solve(starts.draw(rng), rng)
+            if (start := starts.draw(rng)) is None:
+                yield None
+                continue
+            x, why = solve(start, rng)
             record.solves += 1
             record.iterations += solve.work - before
             record.statuses[why or "Solve_Succeeded"] += 1

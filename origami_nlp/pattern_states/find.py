@@ -77,8 +77,8 @@ SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
-DRAWN = 10
-"""What a start counts, in evaluations of closure."""
+MOST_TRIED = 10
+"""Draws for each start that is to close, where few do."""
 DEEP = 6
 """Times that a lower state beside one that was refuted is gone on from."""
 OUT = 0.2
@@ -256,21 +256,24 @@ class _Search(Parts):
         """Make random starts, by what families led to and evenly, until so many led to nothing new."""
         shares = Shares([family.name for family in self._families])
         by_name = {family.name: family for family in self._families}
-        while self.tally.drawn < most and self.tally.quiet < starts:
+        for _ in range(MOST_TRIED * most):
+            if self.tally.drawn >= most or self.tally.quiet >= starts:
+                return
             self.problem.check_time()
             name, before, counted = shares.next(), self.count()[0], self.go_down.work
             lost = self.tally.stopped[CLOSES_NOT] + self.tally.open
             start = by_name[name].draw(rng)
-            shares.work[name] += DRAWN
+            shares.work[name] += by_name[name].cost
             if start is not None:
                 self.begin(name)
                 self.attempt(self.follow, start)
             new = self.count()[0] - before
             shares.work[name] += self.go_down.work - counted
             shares.new[name] += new
-            self.tally.drawn += 1
             closed = start is not None and lost == self.tally.stopped[CLOSES_NOT] + self.tally.open
-            self.tally.quiet = 0 if new else self.tally.quiet + closed
+            self.tally.drawn += closed
+            # what starts from minima leads back to them says nothing of others
+            self.tally.quiet = 0 if new else self.tally.quiet + (closed and name != Changed.name)
 
     def explore(self, start: np.ndarray, family: str) -> None:
         """Follow a state from which a listed family starts, with creases at their limits kept there if possible."""

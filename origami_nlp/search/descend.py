@@ -28,7 +28,7 @@ NAMES = {
     "FACES": 0.5,  # features that face each other closer, over the sheet's size
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": 0.5,  # [rad]
-    "MOST_CLOSING": 60,
+    "MOST_CLOSING": 25,
     "MOST_CORRECTIONS": 12,
     "MOST_HALVINGS": 24,
     "MOST_RETRACTIONS": 8,

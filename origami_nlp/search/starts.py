@@ -39,7 +39,7 @@ class HeldState:
 
 
 class StartKind(ABC):
-    """Starts of one kind; `sentence` says where they lie.
+    """Starts of one kind; `sentence` says where they lie, `cost` is what a draw takes, in evaluations of closure.
 
     Parameters
     ----------
@@ -49,6 +49,7 @@ class StartKind(ABC):
 
     name: ClassVar[str]
     sentence: ClassVar[str]
+    cost: ClassVar[int]
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         self.problem, self.labels = problem, labels
@@ -74,10 +75,12 @@ class Uniform(StartKind):
 
     name = "uniform"
     sentence = "any fold angles"
+    cost = 10
 
-    def draw(self, rng: np.random.Generator) -> HeldState:
-        """Draw fold angles in the order of labels."""
-        return HeldState(self._anywhere(rng), np.zeros(self.problem.size, int))
+    def draw(self, rng: np.random.Generator) -> HeldState | None:
+        """Draw fold angles in the order of labels, and close them."""
+        x = self._closed(rng)
+        return None if x is None else HeldState(x, np.zeros(self.problem.size, int))
 
 
 class FoldedCreases(StartKind):
@@ -89,6 +92,7 @@ class FoldedCreases(StartKind):
 
     name = "strata"
     sentence = "some creases fully folded, held until the others are at rest"
+    cost = 25
 
     def draw(self, rng: np.random.Generator) -> HeldState | None:
         """Draw creases and sides."""
@@ -128,6 +132,7 @@ class Touch(FoldedCreases):
 
     name = "touch"
     sentence = "facets that touch, held until the others are at rest"
+    cost = 100
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         super().__init__(problem, labels)
@@ -168,6 +173,7 @@ class Changed(StartKind):
 
     name = "changed"
     sentence = "a minimum crossed with another, or with one crease folded otherwise"
+    cost = 5
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         super().__init__(problem, labels)
