@@ -77,9 +77,10 @@ class Symbols:
         orbits = problem.orbits
         phi = self.y if orbits is None else ca.DM(orbits.sign) * self.y[orbits.orbit.tolist()]
         self._turns = phi - ca.DM(pattern.reference)
-        loops = [self._loop(loop)[:3] for loop in (*pattern.vertices, *pattern.generators)]
+        turning = (*pattern.vertices, *pattern.generators)
+        loops = [self._loop(loop, hole=False)[:3] for loop in turning]
         for loop in pattern.holes:
-            whole, moved = self._loop(loop), ca.DM(loop.moved or (0.0, 0.0, 0.0))
+            whole, moved = self._loop(loop, hole=True), ca.DM(loop.moved or (0.0, 0.0, 0.0))
             loops.append(ca.vertcat(whole[:3], (whole[3:] + moved) / problem.closure.size))
         self.closure: ca.SX = ca.vertcat(ca.SX(0, 1), *loops)
 
@@ -130,16 +131,18 @@ class Symbols:
         axis = sign * (end - start) / ca.norm_2(end - start)
         return quat.fold(ca.cos(0.5 * turn), ca.sin(0.5 * turn), ca.vertsplit(axis)), start
 
-    def _loop(self, loop: Loop) -> ca.SX:
-        """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
+    def _loop(self, loop: Loop, hole: bool) -> ca.SX:
+        """Return where the folds round a loop lead: vector part of the turn, and shift round a hole, [6]."""
         q, shift, p = quat.IDENTITY, ca.SX.zeros(3), self.problem.pattern
         copies = loop.shifts or ((0, 0),) * len(loop.creases)
         for crease, sign, copy in zip(loop.creases, loop.signs, copies, strict=True):
             fold, point = self._fold(p.ends[crease], self._turns[crease], sign)
             if p.cell:
                 point = point + ca.DM(np.array(copy) @ p.cell.lattice)
-            after, at = quat.multiply(q, fold), ca.vertsplit(point)
-            shift += ca.vertcat(*quat.rotate(q, at)) - ca.vertcat(*quat.rotate(after, at))
+            after = quat.multiply(q, fold)
+            if hole:
+                at = ca.vertsplit(point)
+                shift += ca.vertcat(*quat.rotate(q, at)) - ca.vertcat(*quat.rotate(after, at))
             q = after
         return ca.vertcat(*(-x if loop.moved else x for x in q[1:]), shift)
 
