@@ -15,6 +15,8 @@ from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
 
+OPEN_FROM = 0.5
+"""Minima that are expected beside those on a list from which on it is open."""
 FEW_QUIET = 10
 """Random starts in a row without a new minimum below which nothing is said of those that are missing: 3/N > 0.3."""
 
@@ -33,7 +35,9 @@ class SearchReport(ShortRepr):
         Converged starts by what their end state is.
     expected_undiscovered
         Chao's estimate of the number of minima that no random start reached: a lower bound in expectation, no
-        guarantee; inf of a pattern.
+        guarantee; inf where it is not asked for.
+    expected_error
+        Its standard error.
     stopped_by
         ``"rule"``, ``"cap"``, ``"time"`` (or the user), or ``"complete"``: nothing was left to sample.
     seconds
@@ -76,6 +80,7 @@ class SearchReport(ShortRepr):
     statuses: dict[str, int] = field(default_factory=dict)
     outcomes: dict[str, int] = field(default_factory=dict)
     expected_undiscovered: Unbounded = math.inf
+    expected_error: float = 0.0
     stopped_by: str = ""
     seconds: float = 0.0
     seed: int = 0
@@ -94,6 +99,13 @@ class SearchReport(ShortRepr):
     refused: tuple[JudgedState, ...] = field(default=(), repr=False)
     rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
     undecided: tuple[JudgedState, ...] = field(default=(), repr=False)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is to be expected that other seeds, or more time, add minima."""
+        cut = self.stopped_by in ("time", "cap")
+        many = math.isfinite(self.expected_undiscovered) and self.expected_undiscovered >= OPEN_FROM
+        return self.stopped_by != "complete" and (cut or many)
 
     def open_words(self) -> list[str]:
         """Say in a few lines what is not proved: what is known of minima that the search did not find."""

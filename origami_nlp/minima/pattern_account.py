@@ -14,6 +14,8 @@ from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
 from origami_nlp.search import CLOSES_NOT
 
+NEW_FROM = 1.0
+"""New minima for a thousand starts at the end from which on a list is open."""
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
 """Parts of a search that its time may end."""
@@ -41,6 +43,10 @@ class PatternSearchReport(SearchReport):
         Curves of states with one degree of freedom; how many of them are closed, or end at fold limits.
     unclear
         Parts of steps along curves on which contact cannot be excluded.
+    seen_twice
+        Minima that two starts reached.
+    new_per_thousand
+        Minima that were new among the last third of the starts, for a thousand of them.
     drawn
         Random starts; `quiet` of them closed and were made since one led to a new minimum or curve.
     stopped
@@ -65,6 +71,8 @@ class PatternSearchReport(SearchReport):
     curves: int = 0
     ended: int = 0
     unclear: int = 0
+    seen_twice: int = 0
+    new_per_thousand: float = 0.0
     drawn: int = 0
     stopped: dict[str, int] = field(default_factory=Counter)
     reached: dict[str, int] = field(default_factory=dict)
@@ -73,6 +81,11 @@ class PatternSearchReport(SearchReport):
     resolved: int = 0
     coarse: int = 0
     contact: str = "full"
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is to be expected that other seeds, or more time, add minima."""
+        return super().is_open or (not self.curves and self.new_per_thousand >= NEW_FROM)
 
     def leave_out(self, what: str) -> None:
         """Note a part of the search that its time, or an interruption, ended.
@@ -190,17 +203,18 @@ class PatternSearchReport(SearchReport):
         yield from self._quiet()
 
     def _quiet(self) -> Iterator[str]:
-        """State the bound on minima that no random start reached."""
+        """State what was seen, and what other seeds would add."""
+        if self.drawn and math.isfinite(self.expected_undiscovered):
+            yield (
+                f"{'open: ' * self.is_open}{self.seen_once} minima reached by one start, {self.seen_twice} by two; "
+                f"{self.new_per_thousand:.3g} new ones a thousand starts at the end; other seeds would add at least "
+                f"{self.expected_undiscovered:.0f} +- {self.expected_error:.0f} (Chao's estimate, a lower bound)"
+            )
         if self.quiet >= FEW_QUIET:
             yield (
                 f"No new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
                 f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)."
             )
-            if 0 < self.expected_undiscovered < math.inf:
-                yield (
-                    f"At least {self.expected_undiscovered:.1f} more minima are within the reach of random starts, by "
-                    "how often these reached the others (Chao's estimate, a lower bound in expectation)."
-                )
         elif self.drawn and not self.quiet:
             yield "the last random start found another minimum or curve: use more starts"
 

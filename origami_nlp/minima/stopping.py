@@ -9,6 +9,7 @@ and twice, f1 (f1 - 1) / (2 (f2 + 1)), is a lower bound in expectation for any c
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 
@@ -16,6 +17,15 @@ def chao1(hits: Sequence[int]) -> float:
     """Return Chao's estimate of how many minima were never hit, from how often the others were."""
     once, twice = sum(h == 1 for h in hits), sum(h == 2 for h in hits)
     return once * (once - 1) / (2 * (twice + 1))
+
+
+def chao1_error(hits: Sequence[int]) -> float:
+    """Return the standard error of `chao1` (Chao 1987, from the variances of minima seen once and twice)."""
+    once, twice = sum(h == 1 for h in hits), sum(h == 2 for h in hits)
+    if not twice:
+        return math.sqrt(max(once * (once - 1) / 2 + once * (2 * once - 1) ** 2 / 4, 0.0))
+    r = once / twice
+    return math.sqrt(twice * (r**4 / 4 + r**3 + r**2 / 2))
 
 
 def unseen_share(quiet: int) -> float:

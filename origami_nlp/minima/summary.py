@@ -205,7 +205,10 @@ def _complete(completeness: Completeness | None, search: SearchReport) -> str:
         return "list proved complete except at singular states"
     if search.stopped_by == "complete":
         return "every curve of closed states traced"
-    return "completeness not proved"
+    if not search.is_open:
+        return "completeness not proved"
+    new = getattr(search, "new_per_thousand", 0.0)
+    return f"open: {new:.3g} new ones a thousand starts at the end" if new else "open"
 
 
 def held_words(m: JudgedState) -> str:

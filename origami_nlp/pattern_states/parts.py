@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import project
-from origami_nlp.minima import JudgedState, PatternSearchReport, chao1
+from origami_nlp.minima import JudgedState, PatternSearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
@@ -62,8 +62,12 @@ class Parts:
         tally.reached = {f: sum(f in at for at in by) for f in tally.by_source}
         tally.alone = {f: sum(at == {f} for at in by) for f in tally.by_source}
         hits = [sum(f in drawn for f, _ in at) for at in self._reached.values()]
+        tally.seen_once, tally.seen_twice = (sum(h == k for h in hits) for k in (1, 2))
+        late = tally.starts - tally.starts // 3
+        new = sum(min(number for _, number in at) > late for at in self._reached.values() if at)
+        tally.new_per_thousand = 1000 * new / max(tally.starts // 3, 1)
         if tally.drawn and not tally.curves:
-            tally.expected_undiscovered = chao1(hits)
+            tally.expected_undiscovered, tally.expected_error = chao1(hits), chao1_error(hits)
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
         """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
