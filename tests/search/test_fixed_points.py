@@ -1,0 +1,85 @@
+"""Descents with an active set: minima are fixed points, ends are exact, and what is held stays until it may go."""
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.kkt import State, classify
+from origami_nlp.search import Descents, Follower, HeldState, Slot, at_limits
+
+SHEETS = "miura:2x3", "squaretwist", "waterbomb:1x1", "metasheet:2x3"
+VERTICES = [
+    o.examples.degree6("5*pi/12", ratio=1.0, symmetry="none"),
+    o.examples.degree6("pi/3", ratio=100.0),
+    o.examples.degree8("pi/6", 1.0),
+]
+
+
+def minima(origami):
+    problem = o.pose(origami)
+    found = o.find_minima(origami, escape=False, prove=False)
+    assert found.minima
+    return problem, [problem.reduce(np.array(m.fold_angles)) for m in found.minima]
+
+
+@pytest.mark.parametrize("origami", [*SHEETS, *VERTICES], ids=lambda x: getattr(x, "label", x))
+def test_minima_are_fixed_points_and_neighbours_lead_to_them(origami):
+    problem, states = minima(origami)
+    follow, rng = Follower(problem), np.random.default_rng(0)
+    if not follow.usable:
+        pytest.skip("no compiler: descents are not compiled")
+    reached = 0
+    for x in states:
+        end, why = follow(HeldState(x, at_limits(problem, x)), rng)
+        assert not why and np.abs(end - x).max() < 1e-7
+        for _ in range(4):
+            y, residual = problem.project(x + 1e-3 * rng.normal(size=problem.size))
+            if residual > 1e-12 or problem.refuses(y):
+                continue
+            end, why = follow(HeldState(y, at_limits(problem, y)), rng)
+            lower = problem.energy_change(x, end) < -1e-9 * problem.scale
+            assert why or lower or np.abs(end - x).max() < 1e-3
+            reached += np.abs(end - x).max() < 1e-6
+    assert reached
+
+
+def test_an_end_is_stationary_with_multipliers_that_push_and_judged_a_minimum():
+    """Springs at half a turn push a crease into its limit: the multiplier is what is left of their torque."""
+    problem = o.pose("miura:2x2")
+    descents, rng = Descents(problem), np.random.default_rng(1)
+    if not descents.usable:
+        pytest.skip("no compiler: descents are not compiled")
+    ends = [descents(problem.project(rng.uniform(-2, 2, problem.size))[0]) for _ in range(40)]
+    arrived = [e for e in ends if e.arrived]
+    assert arrived and all((e.forces >= 0).all() for e in arrived)
+    for e in arrived:
+        assert problem.residual(e.x) < 1e-12 and e.work >= e.steps
+        assert classify(State(problem, e.x)).verdict in ("minimum", "saddle")
+
+
+def test_gaps_are_held_where_features_touch_and_their_curvature_is_exact():
+    """Newton's steps are quadratic on a contact only with the second derivatives of its gap."""
+    problem, states = minima(o.examples.degree6("5*pi/12", ratio=1.0, symmetry="none"))
+    descents = Descents(problem)
+    if not descents.usable:
+        pytest.skip("no compiler: descents are not compiled")
+    corners = problem.crossings.pattern.corners
+    pinned = [x for x in states if any(not c.is_limit for c in State(problem, x).contacts.base)]
+    assert pinned
+    for x in pinned:
+        gaps = [c for c in State(problem, x).contacts.base if not c.is_limit]
+        touches = [problem.touch(c) for c in gaps]
+        slots = [
+            Slot((-1, -1), (-1, -1), t.sign, t.facets, t.type == "edge-edge", t.reference(corners))
+            for t in touches
+        ]
+        y, _ = problem.project(x + 1e-3 * np.sin(np.arange(problem.size)))
+        end = descents(y, at_limits(problem, x), slots, hold=True)
+        assert end.steps <= 12
+        assert np.abs(problem.local(end.x).openings(gaps)[0]).max() < 1e-9 or end.arrived
+
+
+def test_a_list_is_the_same_whatever_the_machine_does_and_however_creases_are_numbered():
+    one, again = (o.find_minima("waterbomb:1x1", escape=False, prove=False) for _ in range(2))
+    assert [m.fold_angles for m in one.minima] == [m.fold_angles for m in again.minima]
+    assert one.search.by_source == again.search.by_source
