@@ -52,7 +52,7 @@ def test_the_barrier_of_a_yoshimura(tmp_path):
 
 def test_a_twist_passes_through_its_flat_state():
     """Generic vertices of degree 4: one flat, all flat."""
-    found = o.find_barriers("squaretwist", o.find_minima("squaretwist", starts=4, escape=False))
+    found = o.find_barriers("squaretwist", o.find_minima("squaretwist", escape=False))
     pattern = found.result.pattern
     flat = float(pattern.energy(np.zeros(pattern.creases)))
     exact = [p for p in found.passes if p.pass_kind == "flat state"]

@@ -21,7 +21,7 @@ def of_a_waterbomb():
     """Four states, of which no two are joined by descents."""
     stiffness, rest = [3.7, 0.47, 1.91, 0.99, 8.33, 0.17], [-0.3, -2.6, -1.9, 0.1, 0.2, -1.0]
     pattern = as_pattern("waterbomb:1x1").with_springs(stiffness, rest)
-    return o.find_barriers(pattern, o.find_minima(pattern, starts=4, escape=False))
+    return o.find_barriers(pattern, o.find_minima(pattern, escape=False))
 
 
 def test_all_states_are_joined():

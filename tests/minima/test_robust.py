@@ -23,7 +23,6 @@ from origami_nlp.pattern_problem import (
     PopSigns,
 )
 from origami_nlp.pattern_states import find_states
-from origami_nlp.starts import Popped
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
@@ -78,23 +77,20 @@ def test_rows_of_very_different_lengths():
 
 
 def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
-    pattern, descend, calls = strip(0), FIND.descend, []
+    pattern, judge_end, calls = strip(0), FIND.judge_end, []
 
     def failing(*given, **named):
         calls.append(1)
         if len(calls) == 2:
             raise np.linalg.LinAlgError("SVD did not converge")
-        return descend(*given, **named)
+        return judge_end(*given, **named)
 
     whole = find_states(pattern, starts=2, contact=False, escape=False)
-    monkeypatch.setattr(FIND, "descend", failing)
+    monkeypatch.setattr(FIND, "judge_end", failing)
     found = find_states(pattern, starts=2, contact=False, escape=False)
     assert found.search.failed == {"LinAlgError: SVD did not converge": 1}
-    said = list(found.search.words())
-    assert "not decided: linear algebra failed 1 time, LinAlgError: SVD did not converge" in said
-    assert not any("every well" in words for words in said)
     assert len(whole.minima) - 1 <= len(found.minima) <= len(whole.minima)
-    assert any("every well" in words for words in whole.search.words())
+    assert not whole.search.failed
 
 
 def test_seconds_are_those_of_a_clock():
@@ -164,15 +160,12 @@ def yoshimura() -> Pattern:
 
 @pytest.mark.parametrize("labels", [None, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_minimum_on_the_other_side_of_a_vertex(labels):
-    """Both vertices up: random starts slide through crossing states to the other three, whatever labels and seed."""
+    """Each vertex up or down, whatever labels and seed."""
     pattern = yoshimura()
     if labels is not None:
         pattern, *_ = relabelled(pattern, labels)
-    starts = 40 if labels else 10
-    found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
+    found = find_states(pattern, seed=labels or 0, escape=False)
     energies = [round(s.energy, 3) for s in found.minima]
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
     signs = [tuple(np.sign(PopSigns(found.pattern).sums(s.phi))) for s in found.minima]
     assert len(set(signs)) == 4
-    assert found.search.by_source[Popped.name] > 0
-    assert any(Popped.name in words for words in found.search.words())

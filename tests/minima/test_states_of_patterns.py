@@ -8,6 +8,7 @@ import pytest
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import descend, find_states, judge, list_branches
+from origami_nlp.search import CLOSES_NOT
 from tests.independent.trigonometry import scan
 from tests.patterns import metasheet, miura, miura_angles, strip
 
@@ -96,7 +97,7 @@ def test_nothing_open_is_reported():
     k, rest = (np.array(v) for v in VERTEX_SPRINGS)
     pattern = pattern.with_springs(list(k[classes]), list(rest[classes]))
     result = find_states(pattern, starts=40, escape=False)
-    assert result.search.open > 5
+    assert result.search.stopped[CLOSES_NOT] > 5
     for s in result.states:
         assert PatternProblem(pattern).residual(s.phi) < 1e-12
         assert PatternProblem(pattern).closure.lifts_to_one(s.phi)

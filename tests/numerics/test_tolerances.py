@@ -42,8 +42,7 @@ BESIDE_THE_TABLE = {
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.APART
         pattern_states/contact_descents.NEAR pattern_states/contact_descents.REACH
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
-        pattern_states/plane_faces.STEP
-         space/mesh.DIFFERENCE
+        space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
     """,
@@ -53,13 +52,11 @@ BESIDE_THE_TABLE = {
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
-        inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
+        inverse_design/infeasibility.WEIGHTY
          starts/moments.SHORTEST_SHARE
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
-        pattern_problem/scouts.INWARD pattern_problem/scouts.NAMES pattern_problem/scouts.PULLS
-        pattern_problem/scouts.SHARES pattern_problem/scouts.AT_LIMIT
-        pattern_states/scouting.BESIDE_END pattern_states/scouting.ONE_END
+        search/descend.NAMES
     """,
     "nodes at which a series is checked": """
         minima/curve.CHECKS

@@ -11,7 +11,6 @@ import origami_nlp as o
 from origami_nlp.minima import MinimaResult, displacements
 from origami_nlp.pattern_problem import PatternProblem, angle_sums, find_labels
 from origami_nlp.pattern_states import find_states
-from origami_nlp.pattern_states.closed import scene_of
 from tests.relabelled import relabelled
 
 
@@ -80,8 +79,6 @@ def test_survivals_are_told_and_kept(yoshimura: MinimaResult) -> None:
     low, high = yoshimura.minima
     assert low.survival is not None and high.survival is not None
     assert low.survival.kept == high.survival.kept == DRAWS and low.survival.springs is None
-    assert "survives" in yoshimura.table().heads
-    assert "0.5 deg (standard deviation)" in str(yoshimura)
     again = MinimaResult.from_dict(json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False)))
     assert [s.survival for s in again.minima] == [s.survival for s in yoshimura.minima]
 
@@ -100,9 +97,6 @@ def test_rigid_quadrilaterals_do_not_fold_with_errors_of_positions() -> None:
     for state in found.minima:
         assert state.survival is not None
         assert (state.survival.kept, state.survival.springs) == (0, DRAWS)
-    assert "rigid facets do not fold" in str(found) and f"0 of {DRAWS} (springs {DRAWS})" in str(
-        found
-    )
 
 
 @pytest.mark.slow
@@ -111,13 +105,17 @@ def test_a_vertex_survives_as_often_as_a_sheet() -> None:
     rest = math.radians(0.06) * np.random.default_rng(2).normal(size=6)
     pattern = o.examples.pattern("waterbomb", 1, 1)
     pattern = pattern.with_springs(rest_angles=np.clip(pattern.rest + rest, -math.pi, math.pi))
-    found = find_states(pattern, starts=10, escape=False, noise=0.06)
-    scene, _ = scene_of(pattern, True)
-    assert scene is not None
+    found = find_states(pattern, escape=False, noise=0.06)
+    (loop,) = pattern.vertices
+    round_ = list(loop.creases)
+    x, y, _ = (np.array(loop.signs)[:, None] * pattern.directions[round_]).T
+    sectors = np.diff(np.arctan2(y, x), append=math.atan2(y[0], x[0])) % (2 * math.pi)
+    springs = pattern.stiffness[round_], pattern.rest[round_]
+    scene = o.Scene(o.Vertex(tuple(sectors)), *map(tuple, springs), "none", "full")
     known = o.find_minima(scene, prove=False, escape=False, noise=0.06).minima
     assert len(known) == 5
     for minimum in known:
-        near = [s for s in found.minima if np.abs(s.phi - minimum.phi).max() < 1e-6]
+        near = [s for s in found.minima if np.abs(s.phi[round_] - minimum.phi).max() < 1e-6]
         assert len(near) == 1 and near[0].survival is not None and minimum.survival is not None
         assert near[0].survival.kept == minimum.survival.kept in (0, DRAWS)
 

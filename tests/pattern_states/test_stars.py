@@ -11,7 +11,7 @@ from origami_nlp.numerics import dense
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import descend, find_states, judge
-from origami_nlp.starts import Given
+from origami_nlp.search import given
 from tests.patterns import wheel
 
 
@@ -75,7 +75,7 @@ def test_a_star_beyond_dense_algebra_is_decided() -> None:
     pattern = _sprung(_stars(7, 10))
     problem = PatternProblem(pattern)
     assert pattern.creases == 403 and problem.sparse
-    start, _ = problem.project(next(iter(Given(pattern).states())))
+    start, _ = problem.project(next(given(pattern)))
     end = descend(problem, start)
     state = judge(problem, end.phi, contact=False)
     assert end.arrived and end.steps < 40 and state.verdict == "minimum"

@@ -64,7 +64,7 @@ def test_searches_of_sheets_say_where_they_are():
     assert {m.energy for m in result.minima} <= {energy for energy, _ in energies}
     assert [starts for starts, *_ in said] == sorted(starts for starts, *_ in said)
     assert said[-1][:2] == (result.search.starts, len(result.minima))
-    assert {"random starts", "minima with a vertex popped"} <= {at for *_, at in said}
+    assert "random starts" in {at for *_, at in said}
     words = []
     follow("metasheet:2x3", "ratio=0.5:2", checks=1, starts=1, progress=words.append)
     assert words[0] == "search at ratio = 1" and "arcs followed, now from ratio" in words[-1]

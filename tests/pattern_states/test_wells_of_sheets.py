@@ -127,5 +127,5 @@ def test_wells_without_stiffness_are_listed_once(creases):
 def test_a_state_without_stiffness_is_not_decided():
     # at the bottom itself nothing is certified; its energy is 0, not what rounding leaves
     found = o.find_minima(strip(1).with_laws([QUARTIC]), escape=False)
-    assert "not decided whether there is a stable state" in found.verdict
+    assert not found.minima
     assert [s.energy for s in found.search.undecided] == [0.0]

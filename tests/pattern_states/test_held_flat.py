@@ -1,4 +1,4 @@
-"""Minima in faces of planes of closed states: rows folded flat that flaps of others keep so, against their springs.
+"""Rows folded flat that flaps of others keep so, against their springs.
 
 A second way to see them: a graph of all states (`independent/state_graph`), and closed states beside each, made of
 rotations alone, of which the lower ones are pierced by the Flexible Collision Library.
@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.plane_faces import faces
 from tests.independent.rigid import Rigid, _mesh, fcl
 from tests.independent.state_graph import StateGraph
 from tests.proof.test_meshes import sprung
@@ -109,18 +107,6 @@ def test_without_contact_springs_open_them(sheet, found):
     free = folds(o.find_minima(sheet, escape=False, contact="fold-limits"))
     for phi in held(found):
         assert np.abs(free - phi).max(axis=1).min() > 1.0
-
-
-@pytest.mark.parametrize("many", [1, 2, 3, 4])
-def test_faces_of_a_box(sheet, many):
-    """Of a box of `many` dimensions 3 ** many - 1, whatever basis the plane has; of too many dimensions none."""
-    problem, rng = PatternProblem(sheet), np.random.default_rng(many)
-    turned = np.linalg.qr(rng.normal(size=(many, many)))[0]
-    basis = np.vstack([turned, np.zeros((sheet.creases - many, many))])
-    all_ = faces(problem, np.zeros(sheet.creases), basis)
-    assert len(all_) == (3**many - 1 if many < 4 else 0)
-    corners = {tuple(np.sign(x[:many])) for x, free in all_ if not free.shape[1]}
-    assert corners == (set(itertools.product((-1, 1), repeat=many)) if many < 4 else set())
 
 
 @pytest.mark.slow

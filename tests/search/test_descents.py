@@ -1,0 +1,49 @@
+"""Ways down: closed and lower at their ends, the same again, without a compiler the same list."""
+
+import numpy as np
+import pytest
+
+from origami_nlp import find_minima
+from origami_nlp.numerics import SWITCH
+from origami_nlp.pattern import as_pattern
+from origami_nlp.pattern_problem import PatternProblem, find_labels
+from origami_nlp.search import Follower, FoldedCreases, Shares, Touch, Uniform
+
+
+@pytest.mark.parametrize("kind", [Uniform, FoldedCreases, Touch])
+@pytest.mark.parametrize("name", ["yoshimura:2x3", "miura:3x3"])
+def test_ends_are_closed_lower_and_do_not_cross(name, kind):
+    problem = PatternProblem(as_pattern(name))
+    family, rng = kind(problem, find_labels(problem.pattern)), np.random.default_rng(1)
+    starts = [s for s in (family.draw(rng) for _ in range(80)) if s is not None]
+    arrived = 0
+    for start in starts:
+        ways = [Follower(problem)(start, np.random.default_rng(0)) for _ in range(2)]
+        (x, why), (again, _) = ways
+        assert np.array_equal(x, again)
+        if not why:
+            arrived += 1
+            assert problem.residual(x) < 1e-12 and not problem.refuses(x)
+            assert problem.fold_limits.inside(x).all()
+            if start.hold and not start.slots:  # it closes, and is on what it holds
+                assert problem.scaled_energy(x) <= problem.scaled_energy(start.x) + 1e-12
+    assert arrived >= 5
+
+
+def test_without_a_compiler_the_list_is_the_same(monkeypatch):
+    def listed():
+        return [m.phi for m in find_minima("yoshimura:2x2", starts=40, escape=False).minima]
+
+    compiled = listed()
+    monkeypatch.setenv(SWITCH, "0")
+    assert not Follower(PatternProblem(as_pattern("yoshimura:2x2"))).descents.usable
+    assert np.abs(np.subtract(compiled, listed())).max() < 1e-9
+
+
+def test_every_family_has_its_turn_and_what_leads_to_more_has_more():
+    shares, drawn = Shares(["many", "none"]), []
+    for _ in range(1000):
+        drawn.append(shares.next())
+        shares.work[drawn[-1]] += 100
+        shares.new[drawn[-1]] += drawn[-1] == "many"
+    assert 200 < drawn.count("none") < drawn.count("many")
