@@ -1,4 +1,4 @@
-"""Where descents begin: starts are drawn again from the same seed, hold what they say, and wells are gone to in turn."""
+"""Where descents begin: starts are drawn again from the same seed, hold what they say, and wells have their turn."""
 
 import inspect
 import itertools
