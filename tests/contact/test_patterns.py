@@ -9,7 +9,7 @@ from origami_nlp.kkt import newton
 
 @pytest.fixture(scope="module")
 def found():
-    return o.find_minima("resch:1x2", starts=2, escape=False)
+    return o.find_minima("resch:1x2", escape=False)
 
 
 def test_forces_are_those_of_the_states(found):

@@ -216,7 +216,7 @@ def test_one_facet_has_nothing_to_fold():
     ("name", "size", "part"),
     [
         ("resch", (), "random starts"),
-        ("degree8", (), "the search for single vertices"),
+        ("degree8", (), "random starts"),
         ("miura", (3, 3), "random starts"),
         ("miura", (8, 8), "branch directions of the flat state"),
     ],
@@ -242,15 +242,16 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
 
 def stopped(monkeypatch, after):
     """The user interrupts the search at this random start."""
-    search = importlib.import_module("origami_nlp.pattern_states.find")._Search
-    draw = search.draw
+    shares = importlib.import_module("origami_nlp.search.shares").Shares
+    draw, drawn = shares.next, []
 
-    def drawn(self, rng, k):
-        if k == after:
+    def following(self):
+        drawn.append(1)
+        if len(drawn) > after:
             raise KeyboardInterrupt
-        draw(self, rng, k)
+        return draw(self)
 
-    monkeypatch.setattr(search, "draw", drawn)
+    monkeypatch.setattr(shares, "next", following)
 
 
 def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
@@ -273,4 +274,4 @@ def test_a_search_that_has_time_leaves_nothing_out():
     found = find_states(strip(3), starts=1, contact=False, seconds=3600.0)
     assert not found.search.left_out and "time limit" not in found.report(verbose=True)
     nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
-    assert not nothing.states and "starts that the pattern gives" in nothing.search.left_out
+    assert not nothing.states and "what the pattern gives" in nothing.search.left_out

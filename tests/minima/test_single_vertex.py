@@ -31,7 +31,7 @@ def drawn(seed, degree, contact):
     return Scene(Vertex(tuple(sectors)), k, rest, "none", contact)
 
 
-def compare(scene, starts=4):
+def compare(scene):
     """Judge the minima of a vertex as states of a pattern: what both searches list; verdicts of what was found."""
     one = find_minima(scene, prove=False, escape=False)
     pattern, full = scene_pattern(scene), scene.contact == "full"
@@ -44,7 +44,7 @@ def compare(scene, starts=4):
             assert state.kind in (m.kind, None), state.certificate
         verdicts.append(state.verdict)
     known = [np.array(m.fold_angles) for m in one.minima]
-    found = find_states(pattern, starts=starts, contact=full, escape=False).minima
+    found = find_states(pattern, contact=full, escape=False).minima
     if len(found) > verdicts.count(
         "minimum"
     ):  # a default search misses some: they are there for a thorough one
@@ -84,14 +84,14 @@ def test_vertices_with_one_dof_have_the_same_minima_both_ways(contact):
 
 @pytest.mark.parametrize(("seed", "contact"), [(1, "full"), (3, "fold-limits")])
 def test_vertices_with_more_dof_have_the_same_minima_both_ways(seed, contact):
-    assert "minimum" in compare(drawn(seed, 5, contact), starts=1)
+    assert "minimum" in compare(drawn(seed, 5, contact))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("contact", ["fold-limits", "full"])
 @pytest.mark.parametrize("degree", [4, 5, 6])
 def test_20_vertices_are_judged_alike(degree, contact):
-    verdicts = [compare(drawn(seed, degree, contact), starts=20) for seed in range(100, 120)]
+    verdicts = [compare(drawn(seed, degree, contact)) for seed in range(100, 120)]
     reported = [v for one in verdicts for v in one]
     assert reported.count("undecided") <= 0.05 * len(reported)
 
