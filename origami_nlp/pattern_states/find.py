@@ -56,8 +56,8 @@ from origami_nlp.search import (
     Changed,
     FoldedCreases,
     Follower,
-    HeldState,
     Shares,
+    StartState,
     Touch,
     Uniform,
     at_limits,
@@ -71,8 +71,6 @@ from origami_nlp.starts import OWN, SearchOptions, options_of
 BRANCHES = "branch directions"
 """Out of the flat state and of others where curves meet, as starts."""
 GIVEN = "what the pattern gives"
-IMAGES = "images of minima under symmetries"
-LOWER = "beside a state that was refuted"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
@@ -218,7 +216,7 @@ class _Search(Parts):
             [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
         )
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
-        self._met_at = list[np.ndarray]()
+        self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
         self.go_down: Follower | ByIpopt = Follower(self.problem)
         self._rng = np.random.default_rng(0)
 
@@ -275,16 +273,21 @@ class _Search(Parts):
             # what starts from minima leads back to them says nothing of others
             self.tally.quiet = 0 if new else self.tally.quiet + (closed and name != Changed.name)
 
-    def explore(self, start: np.ndarray, family: str) -> None:
-        """Follow a state from which a listed family starts, with creases at their limits kept there if possible."""
-        self.begin(family)
-        self.attempt(self.follow, HeldState(start, at_limits(self.problem, start)))
+    def explore(self, start: np.ndarray, family: str, hold: bool = False) -> None:
+        """Follow a state from which a listed family starts, with creases at their limits kept there if possible.
 
-    def follow(self, start: HeldState, deep: int = DEEP) -> None:
+        hold: until the others are at rest.
+        """
+        self.begin(family)
+        self.attempt(self.follow, StartState(start, at_limits(self.problem, start), (), hold))
+
+    def follow(self, start: StartState, deep: int = DEEP) -> None:
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
         if not self.go_down.usable:
             return self._by_python(start.x)
-        x, why = self.go_down(start, self._rng, self._side, self.known)
+        x, why = self.go_down(start, self._rng, self._side, self._is_end)
+        if np.abs(x - start.x).max(initial=0.0) <= BESIDE_SINGULAR:
+            x, why = start.x, ""  # where closure loses rank rounding moves it
         if why:
             self.tally.stopped[why] += 1
         elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
@@ -292,10 +295,19 @@ class _Search(Parts):
         else:
             self.settle(x, deep)
 
+    def _is_end(self, x: np.ndarray) -> bool:
+        """Return whether a descent ended at a state before, and note that the start that is on led to it as well."""
+        far = np.abs(np.array(self._ends).reshape(-1, len(x)) - x).max(axis=1, initial=0.0)
+        if not (far <= DUPLICATE_TOL).any():
+            return False
+        self.known(x)
+        return True
+
     def settle(self, x: np.ndarray, deep: int = DEEP) -> None:
         """Judge where a descent ended; beside one that is refuted, go on from a lower state."""
-        if self.known(x):
+        if self._is_end(x) or self.known(x):
             return
+        self._ends.append(x)
         state = judge_end(self.problem, x, self.contact)
         near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
         if near is not None:
@@ -315,7 +327,7 @@ class _Search(Parts):
         elif state.refuted and deep:
             lower = classified(self.problem, state.phi).lower
             if lower is not None:
-                self.follow(HeldState(lower, at_limits(self.problem, lower)), deep - 1)
+                self.follow(StartState(lower, at_limits(self.problem, lower)), deep - 1)
 
     def snap(self, x: np.ndarray) -> None:
         """Start from a minimum with each hinge in each other well of its law."""
@@ -347,18 +359,24 @@ class _Search(Parts):
         """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
         if self.problem.size > self.options.most_traced:
             return
+        for start in self._branches:
+            if (phi := close(self.problem, start)) is not None and phi not in self.curves:
+                self._trace(phi)
         gone = 0
         while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
             phi = self.judged[gone].phi
             gone += 1
-            if phi in self.curves or self.judged[gone - 1].verdict == "not admissible":
-                continue
-            z = tangents(self.problem, phi)
-            if z.shape[1] == 1:
-                for traced in self.curves.trace(phi, z[:, 0]):
-                    self._along(traced)
+            if phi not in self.curves and self.judged[gone - 1].verdict != "not admissible":
+                self._trace(phi)
             if gone == len(self.judged):
                 self._leave_meetings()
+
+    def _trace(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, where one degree of freedom is left."""
+        z = tangents(self.problem, phi)
+        if z.shape[1] == 1 and len(self.curves.found) < self.options.most_curves:
+            for traced in self.curves.trace(phi, z[:, 0]):
+                self._along(traced)
 
     def _along(self, traced: TracedCurve) -> None:
         """Judge the wells of a curve, and go down from where facets begin to cross along it."""
@@ -384,7 +402,7 @@ class _Search(Parts):
             beside = stationary_beside(self.problem, closed)
             if beside is not None and not self.known(beside):
                 self.add(judge_end(self.problem, beside, self.contact))
-            self.follow(HeldState(well, at_limits(self.problem, well)))
+            self.follow(StartState(well, at_limits(self.problem, well)))
         self.tally.resolved += judged()
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
@@ -486,9 +504,10 @@ class _Search(Parts):
             return
         lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
         for d in lines:
-            self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
+            self._branches.append(phi + OUT * d / np.abs(d).max())
+            self.explore(self._branches[-1], BRANCHES)
         for basis in ways.families:
             for d in into_family(phi, basis, self._side, self.problem.fold_limits):
-                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
+                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
         if not lines and not ways.families and not self.known(phi):
             self.add(judge(self.problem, phi, self.contact))

@@ -1,7 +1,7 @@
 from .descend import (
     CLOSES_NOT as CLOSES_NOT,
+    CompiledDescent as CompiledDescent,
     DescentEnd as DescentEnd,
-    Descents as Descents,
     Slot as Slot,
 )
 from .follow import Follower as Follower
@@ -19,8 +19,8 @@ from .shares import Shares as Shares
 from .starts import (
     Changed as Changed,
     FoldedCreases as FoldedCreases,
-    HeldState as HeldState,
     StartKind as StartKind,
+    StartState as StartState,
     Touch as Touch,
     Uniform as Uniform,
     at_limits as at_limits,

@@ -20,6 +20,8 @@ from origami_nlp.pattern_problem import PatternProblem, compiled_closure, compil
 
 SLOTS = 64
 """Gaps that a descent holds at most."""
+SOFT = 0.01
+"""Of the mean stiffness: the metric takes no crease for softer."""
 MOST_STEPS = 200
 """Of a descent."""
 NAMES = {
@@ -171,8 +173,8 @@ class DescentEnd:
     forces: np.ndarray
 
 
-class Descents:
-    """Descents of a problem.
+class CompiledDescent:
+    """CompiledDescent of a problem.
 
     Parameters
     ----------
@@ -237,7 +239,7 @@ class Descents:
         shared = many[*pairs.T]
         common = np.stack([first[*pairs.T], first[pairs[:, 1], pairs[:, 0]]], axis=1)
         common = np.where(shared[:, None] == 0, -1, np.where(shared[:, None] == 1, common, -2))
-        measure = np.sqrt(np.maximum(par.stiffness, 1e-2 * par.stiffness.mean()))
+        measure = np.sqrt(np.maximum(par.stiffness, SOFT * par.stiffness.mean()))
         p, q = c.pieces.shape
         floats = {
             "stiffness": par.stiffness, "rest": par.rest, "load": par.load,

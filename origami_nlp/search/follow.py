@@ -13,12 +13,12 @@ from origami_nlp.search.descend import (
     LEVEL,
     MOST_STEPS,
     SLOTS,
+    CompiledDescent,
     DescentEnd,
-    Descents,
     Slot,
 )
 from origami_nlp.search.layers import Order, ordered_slots
-from origami_nlp.search.starts import HeldState
+from origami_nlp.search.starts import StartState
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
@@ -43,7 +43,7 @@ class Follower:
     """
 
     def __init__(self, problem: PatternProblem) -> None:
-        self.problem, self.descents, self.work = problem, Descents(problem), 0
+        self.problem, self.descents, self.work = problem, CompiledDescent(problem), 0
 
     @property
     def usable(self) -> bool:
@@ -52,7 +52,7 @@ class Follower:
 
     def __call__(
         self,
-        start: HeldState,
+        start: StartState,
         rng: np.random.Generator,
         aside: np.ndarray | None = None,
         known_end: Callable[[np.ndarray], bool] = lambda x: False,

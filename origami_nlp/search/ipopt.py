@@ -25,7 +25,7 @@ from origami_nlp.kkt import Solve, polish, project
 from origami_nlp.numerics import BALANCED, CLOSURE_TOL, OUTSIDE
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact
-from origami_nlp.search.starts import HeldState
+from origami_nlp.search.starts import StartState
 
 OPTIONS = {
     "print_level": 0,
@@ -280,7 +280,7 @@ class ByIpopt:
 
     def __call__(
         self,
-        start: HeldState,
+        start: StartState,
         rng: np.random.Generator,
         aside: np.ndarray | None = None,
         known_end: Callable[[np.ndarray], bool] = lambda x: False,

@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, RESOLVED
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search.descend import CLOSES_NOT, Descents, Slot
+from origami_nlp.search.descend import CLOSES_NOT, CompiledDescent, Slot
 
 MOST_LINES, MOST_FOLDED = 3, 250
 """Straight lines that are folded at a time, and ways in which so many are."""
@@ -29,7 +29,7 @@ SOONER = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class HeldState:
+class StartState:
     """A state [n], and what it holds until that is stationary: fold limits by sign [n], gaps."""
 
     x: np.ndarray
@@ -55,7 +55,7 @@ class StartKind(ABC):
         self.problem, self.labels = problem, labels
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator) -> HeldState | None:
+    def draw(self, rng: np.random.Generator) -> StartState | None:
         """Return the next start; None where there is none."""
 
     def _closed(self, rng: np.random.Generator) -> np.ndarray | None:
@@ -77,14 +77,14 @@ class Uniform(StartKind):
     sentence = "any fold angles"
     cost = 10
 
-    def draw(self, rng: np.random.Generator) -> HeldState | None:
+    def draw(self, rng: np.random.Generator) -> StartState | None:
         """Draw fold angles in the order of labels, and close them."""
         x = self._closed(rng)
-        return None if x is None else HeldState(x, np.zeros(self.problem.size, int))
+        return None if x is None else StartState(x, np.zeros(self.problem.size, int))
 
 
 class FoldedCreases(StartKind):
-    """Closed states with some creases at their limits, at most as many as there are degrees of freedom.
+    """Closed states with some creases at their limits, up to half of them or as many as there are degrees of freedom.
 
     They close with these held; where that fails, creases go there in steps from a closed state, each of which closes:
     so loops stay on the lift of paper.
@@ -94,11 +94,12 @@ class FoldedCreases(StartKind):
     sentence = "some creases fully folded, held until the others are at rest"
     cost = 25
 
-    def draw(self, rng: np.random.Generator) -> HeldState | None:
+    def draw(self, rng: np.random.Generator) -> StartState | None:
         """Draw creases and sides."""
-        return self._folded(rng, int(rng.integers(1, 1 + max(1, self.problem.dof))))
+        most = max(1, self.problem.dof, self.problem.size // 2)
+        return self._folded(rng, int(rng.integers(1, 1 + most)))
 
-    def _folded(self, rng: np.random.Generator, many: int) -> HeldState | None:
+    def _folded(self, rng: np.random.Generator, many: int) -> StartState | None:
         problem, n = self.problem, self.problem.size
         sides = np.zeros(n)
         sides[rng.permutation(n)[:many]] = 1.0
@@ -112,7 +113,7 @@ class FoldedCreases(StartKind):
                 if good:
                     x, good = self._held(np.where(held, x + (goal - x) / left, x), kept)
                     kept = kept | (at_limits(problem, x) != 0)
-        return HeldState(x, at_limits(problem, x), (), hold=True) if good else None
+        return StartState(x, at_limits(problem, x), (), hold=True) if good else None
 
     def _held(self, x: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, bool]:
         """Close a state with some creases held, and others that would pass their limits held there."""
@@ -136,9 +137,9 @@ class Touch(FoldedCreases):
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         super().__init__(problem, labels)
-        self._close_on = Descents(problem)
+        self._close_on = CompiledDescent(problem)
 
-    def draw(self, rng: np.random.Generator) -> HeldState | None:
+    def draw(self, rng: np.random.Generator) -> StartState | None:
         """Close any fold angles, some at their limits, and bring features together that are near each other there."""
         problem = self.problem
         many = max(0, problem.dof - int(rng.geometric(0.5)))
@@ -162,7 +163,7 @@ class Touch(FoldedCreases):
             if end.why == CLOSES_NOT:
                 break
             x, side, slots = end.x, at_limits(problem, end.x), more
-        return HeldState(x, side, slots, hold=True) if slots else None
+        return StartState(x, side, slots, hold=True) if slots else None
 
 
 class Changed(StartKind):
@@ -187,7 +188,7 @@ class Changed(StartKind):
         self._others += [x, *images]
         self._made.append(0)
 
-    def draw(self, rng: np.random.Generator) -> HeldState | None:
+    def draw(self, rng: np.random.Generator) -> StartState | None:
         """Change the minimum that was changed least often, in one of three ways in turn."""
         if not self._states:
             return None
@@ -206,7 +207,7 @@ class Changed(StartKind):
             i, sign = self.labels.order[rng.integers(len(x))], self.labels.sign
             x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]
         x = self.problem.fold_limits.clip(x)
-        return HeldState(x, at_limits(self.problem, x))
+        return StartState(x, at_limits(self.problem, x))
 
 
 def at_limits(problem: PatternProblem, x: np.ndarray) -> np.ndarray:

@@ -11,12 +11,12 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
+from origami_nlp.minima.ipopt import build_warm
 
 import origami_nlp as o
 from origami_nlp import Scene, State, Vertex
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.inverse_design import Target, Targets
-from origami_nlp.minima.ipopt import build_warm
 from origami_nlp.pattern import (
     HingeLaw,
     detent,

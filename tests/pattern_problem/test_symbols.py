@@ -8,8 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.kkt import State, classify, polish
-from origami_nlp.search import solve_with
 from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.search import solve_with
 from tests.patterns import miura
 
 PROBLEMS = {

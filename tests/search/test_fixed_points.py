@@ -5,7 +5,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.kkt import State, classify
-from origami_nlp.search import Descents, Follower, HeldState, Slot, at_limits
+from origami_nlp.search import CompiledDescent, Follower, Slot, StartState, at_limits
 
 SHEETS = "miura:2x3", "squaretwist", "waterbomb:1x1", "metasheet:2x3"
 VERTICES = [
@@ -30,13 +30,13 @@ def test_minima_are_fixed_points_and_neighbours_lead_to_them(origami):
         pytest.skip("no compiler: descents are not compiled")
     reached = 0
     for x in states:
-        end, why = follow(HeldState(x, at_limits(problem, x)), rng)
+        end, why = follow(StartState(x, at_limits(problem, x)), rng)
         assert not why and np.abs(end - x).max() < 1e-7
         for _ in range(4):
             y, residual = problem.project(x + 1e-3 * rng.normal(size=problem.size))
             if residual > 1e-12 or problem.refuses(y):
                 continue
-            end, why = follow(HeldState(y, at_limits(problem, y)), rng)
+            end, why = follow(StartState(y, at_limits(problem, y)), rng)
             lower = problem.energy_change(x, end) < -1e-9 * problem.scale
             assert why or lower or np.abs(end - x).max() < 1e-3
             reached += np.abs(end - x).max() < 1e-6
@@ -46,7 +46,7 @@ def test_minima_are_fixed_points_and_neighbours_lead_to_them(origami):
 def test_an_end_is_stationary_with_multipliers_that_push_and_judged_a_minimum():
     """Springs at half a turn push a crease into its limit: the multiplier is what is left of their torque."""
     problem = o.pose("miura:2x2")
-    descents, rng = Descents(problem), np.random.default_rng(1)
+    descents, rng = CompiledDescent(problem), np.random.default_rng(1)
     if not descents.usable:
         pytest.skip("no compiler: descents are not compiled")
     ends = [descents(problem.project(rng.uniform(-2, 2, problem.size))[0]) for _ in range(40)]
@@ -60,7 +60,7 @@ def test_an_end_is_stationary_with_multipliers_that_push_and_judged_a_minimum():
 def test_gaps_are_held_where_features_touch_and_their_curvature_is_exact():
     """Newton's steps are quadratic on a contact only with the second derivatives of its gap."""
     problem, states = minima(o.examples.degree6("5*pi/12", ratio=1.0, symmetry="none"))
-    descents = Descents(problem)
+    descents = CompiledDescent(problem)
     if not descents.usable:
         pytest.skip("no compiler: descents are not compiled")
     corners = problem.crossings.pattern.corners

@@ -40,7 +40,7 @@ def test_multipliers_are_ours_where_they_are_unique(scene):
         found = held.multiplier_set
         if found.upper.max() - found.lower.max() > 1e-9:
             continue  # not unique
-        loose, pressed, forces = solve_with(problem, x, rows)
+        _, pressed, forces = solve_with(problem, x, rows)
         by = dict(zip(pressed, forces.tolist(), strict=True))
         for contact, force in zip(polished.rows, held.forces.tolist(), strict=True):
             if contact in by:

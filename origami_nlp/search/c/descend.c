@@ -450,6 +450,7 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
     int new = 0;
     for (int64_t i = 0; i < n; i++) {
       int at = x[i] >= s->high[i] - OUTSIDE ? 1 : x[i] <= s->low[i] + OUTSIDE ? -1 : 0;
+      if (at) x[i] = at > 0 ? s->high[i] : s->low[i];
       new |= at && !held->side[i];
       held->side[i] = at;
     }
