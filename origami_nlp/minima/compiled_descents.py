@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp import kkt, numerics, starts as starting
+from origami_nlp import kkt, numerics, problem, starts as starting
 from origami_nlp.minima import descent_rules, recursive_newton
 from origami_nlp.minima.descent_rules import FIRST_REACH
 from origami_nlp.problem import OPEN
@@ -78,10 +78,10 @@ def source() -> str:
     for struct, parts in (("Vertex", fields), ("Samples", of_samples)):
         lines += ["typedef struct {", *(f"{c}{name};" for c, names in parts for name in names)]
         lines.append(f"}} {struct};")
-    files = ("linear.h", "kinematics.h", "laws.h", "closing.h", "newton.h", "descent.c")
-    return "\n".join(
-        [*lines, *((Path(__file__).parent / "c" / f).read_text("utf-8") for f in files)]
-    )
+    here, laws = Path(__file__).parent / "c", Path(problem.__file__).parent / "c" / "laws.h"
+    files = here / "linear.h", here / "kinematics.h", laws, here / "closing.h", here / "newton.h"
+    lines.append("#define Lawed Vertex")
+    return "\n".join([*lines, *(f.read_text("utf-8") for f in (*files, here / "descent.c"))])
 
 
 def compiled(say: Callable[[str], object] = lambda line: None) -> Any:

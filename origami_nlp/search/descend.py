@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp import numerics
+from origami_nlp import numerics, problem as stated
 from origami_nlp.numerics import address, compiled
 from origami_nlp.pattern_problem import PatternProblem, compiled_closure, compiled_facets
 
@@ -44,15 +44,16 @@ NAMES = {
 }
 """Numbers of the source."""
 NUMERICS = "BALANCED CLOSURE_TOL DECREASE INSIDE OUTSIDE RANK TINY".split()
-WHOLE = "n m placed facets root steps pieces q pairs".split()
+WHOLE = "n m placed facets root steps pieces q pairs laws".split()
 REAL = "size deep".split()
 FLOATS = (
-    "stiffness rest load low high measure sense_of reference axis from direction end walk corner"
+    "stiffness rest load low high measure sense_of reference axis from direction end walk corner "
+    "law_weight law_shift law_piece law_grid"
 )
-WORK = "angle screw rows seen along normal inward".split()
+WORK = "angle screw rows seen along normal inward soft".split()
 INTS = (
     "here before crossed variable left chain_first chain facet ring after ring_before valid border triangle "
-    "one other common"
+    "one other common law law_at law_cell"
 )
 PARTS = {
     "Outside ": ["outside"],
@@ -102,10 +103,10 @@ def _source() -> str:
     fields = [("int64_t ", WHOLE), ("double ", REAL), *PARTS.items()]
     lines.append("typedef double (*Outside)(const double *x, int64_t order, double *out);")
     lines += ["typedef struct {", *(f"{c}{name};" for c, names in fields for name in names)]
-    lines += ["} Sheet;", "#define factorise factorise_columns"]
+    lines += ["} Sheet;", "#define Lawed Sheet", "#define factorise factorise_columns"]
     linear = Path(numerics.__file__).parent / "c" / "linear.c"
-    here = Path(__file__).parent / "c"
-    files = linear, here / "orthogonal.h", here / "rows.h", here / "descend.c"
+    here, laws = Path(__file__).parent / "c", Path(stated.__file__).parent / "c" / "laws.h"
+    files = linear, laws, here / "orthogonal.h", here / "rows.h", here / "descend.c"
     return "\n".join([*lines, *(path.read_text("utf-8") for path in files)])
 
 
@@ -202,7 +203,7 @@ class CompiledDescent:
 
     @cached_property
     def _outside(self) -> Any:
-        """Energy of hinge laws and of forces in space, asked for by the compiled function."""
+        """Energy with forces in space, asked for by the compiled function."""
         problem, n = self.problem, self.problem.size
         none = np.zeros(problem.closure.count)
 
@@ -242,13 +243,18 @@ class CompiledDescent:
         measure = np.sqrt(np.maximum(par.stiffness, SOFT * par.stiffness.mean()))
         p, q = c.pieces.shape
         floats = {
-            "stiffness": par.stiffness, "rest": par.rest, "load": par.load,
+            "stiffness": par.linear, "rest": par.rest, "load": par.load,
             "low": limits.low, "high": limits.high, "measure": measure,
             "sense_of": poses.signs(every.tolist()), "reference": pattern.reference,
             "axis": axis, "from": point, "direction": pattern.directions,
             "end": pattern.corners[pattern.ends[:, 0]], "walk": walk, "corner": pattern.corners,
         }  # fmt: skip
-        sizes = placed, 6 * placed, SLOTS * placed, 9 * p, 3 * p * q, 3 * p, 3 * p * q
+        none = {"law": [-1] * n, "law_at": [], "law_cell": [], "law_piece": [], "law_grid": []}
+        laws = none if par.laws is None else par.laws.tables()
+        floats |= {k: laws[k] for k in ("law_piece", "law_grid")}
+        by = (np.zeros(n), np.zeros(n)) if par.laws is None else (par.laws.weight, par.laws.shift)
+        floats |= dict(zip(("law_weight", "law_shift"), by, strict=True))
+        sizes = placed, 6 * placed, SLOTS * placed, 9 * p, 3 * p * q, 3 * p, 3 * p * q, n
         floats |= {name: np.zeros(size) for name, size in zip(WORK, sizes, strict=True)}
         ints = {
             "here": here, "before": before, "crossed": crossed, "variable": poses.own(every.tolist()),
@@ -258,6 +264,7 @@ class CompiledDescent:
             "border": rings.border, "triangle": rings.triangle,
             "one": pairs[:, 0], "other": pairs[:, 1], "common": common,
         }  # fmt: skip
+        ints |= {k: laws[k] for k in ("law", "law_at", "law_cell")}
         made = {k: np.array(x, np.float64, order="C") for k, x in floats.items()}
         made |= {k: np.array(x, np.int64, order="C") for k, x in ints.items()}
         m, most = problem.closure.count, n + SLOTS
@@ -275,12 +282,13 @@ class CompiledDescent:
         loops, place = problem.closure.compiled.addresses
         at: dict[str, Any] = {"loops": loops, "place": place}
         at |= {k: x.ctypes.data for k, x in made.items()}
-        plain = problem.parameters.plain
+        plain = problem.parameters.dead is None
         at["outside"] = None if plain else ctypes.cast(self._outside, ctypes.c_void_p).value
         pieces, q = c.pieces.shape
         whole = (
             *(problem.size, problem.closure.count, c.pattern.creases, c.pattern.facets),
             *(c.poses.root, len(made["here"]), pieces, q, len(made["one"])),
+            int(problem.parameters.laws is not None),
         )
         names = (name for names in PARTS.values() for name in names)
         deep = numerics.DEEP * c.size

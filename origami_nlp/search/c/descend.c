@@ -23,7 +23,7 @@ static double energy(const Sheet *s, const double *x) {
     double away = x[i] - s->rest[i];
     total += 0.5 * s->stiffness[i] * away * away - s->load[i] * x[i];
   }
-  return total;
+  return s->laws ? total + law_energy(s, x) : total;
 }
 
 /* Close x with the rows that are equations now; what is left, and whether all loops end with q0 > 0. */
@@ -250,7 +250,10 @@ static int64_t survey(Descent *t, const double *x, int64_t *rows) {
   complement(t->closure, t->z);
   int64_t d = n - t->closure->rank;
   for (int64_t i = 0; i < n; i++) t->gradient[i] = s->stiffness[i] * (x[i] - s->rest[i]) - s->load[i];
-  if (s->outside) s->outside(x, 1, t->gradient);
+  if (s->outside)
+    s->outside(x, 1, t->gradient);
+  else if (s->laws)
+    add_laws(s, x, s->measure, t->gradient, s->soft);
   for (int64_t i = 0; i < n; i++) t->gradient[i] /= s->measure[i];
   carry(s, x, &t->here);
   if (!gaps_of(s, t->held, &t->here, t->gap, t->row)) return -1;
@@ -314,7 +317,8 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
     memset(t->h, 0, n * n * sizeof(double));
     bend(s->loops, x, s->place, t->lam, t->h);
     for (int64_t i = 0; i < n * n; i++) t->h[i] = -t->h[i];
-    for (int64_t i = 0; i < n && !s->outside; i++) t->h[n * i + i] += s->stiffness[i];
+    for (int64_t i = 0; i < n && !s->outside; i++)
+      t->h[n * i + i] += s->laws && s->law[i] >= 0 ? s->soft[i] * s->measure[i] * s->measure[i] : s->stiffness[i];
     if (s->outside) {
       s->outside(x, 2, t->reduced);
       for (int64_t i = 0; i < n * n; i++) t->h[i] += t->reduced[i];

@@ -1,7 +1,7 @@
 /* Hinge laws: energies that are quartic piece by piece, in place of linear springs (`problem.hinge_laws`). */
 
 /* The piece of a law on which a fold angle is: where it begins, and the energy from (phi - begin)^4 to 1. */
-static const double *piece_at(const Vertex *v, int64_t law, double phi) {
+static const double *piece_at(const Lawed *v, int64_t law, double phi) {
   const int64_t *at = v->law_at + 4 * law, last = at[1] - 1;
   const double *piece = v->law_piece + 6 * at[0], *grid = v->law_grid + 3 * law;
   int64_t k = 0;
@@ -15,7 +15,7 @@ static const double *piece_at(const Vertex *v, int64_t law, double phi) {
   return piece + 6 * k;
 }
 
-static double law_energy(const Vertex *v, const double *x) {
+static double law_energy(const Lawed *v, const double *x) {
   double total = 0.0;
   for (int64_t i = 0; i < v->n; i++) {
     if (v->law[i] < 0) continue;
@@ -26,7 +26,7 @@ static double law_energy(const Vertex *v, const double *x) {
 }
 
 /* Add the torques of laws, and write the stiffness of each hinge over the measure of it, 1 for springs. */
-static void add_laws(const Vertex *v, const double *x, const double *root, double *torque, double *soft) {
+static void add_laws(const Lawed *v, const double *x, const double *root, double *torque, double *soft) {
   for (int64_t i = 0; i < v->n; i++) {
     soft[i] = 1.0;
     if (!v->laws || v->law[i] < 0) continue;
