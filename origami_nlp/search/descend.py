@@ -27,17 +27,19 @@ MOST_STEPS = 200
 NAMES = {
     "APART": 1e-7,  # a slot that is open by more is dropped, over the sheet's size
     "BISECTIONS": 9,
+    "EXACT": 1e-10,
     "FACES": 0.5,  # features that face each other closer, over the sheet's size
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": 0.5,  # [rad]
     "MOST_CLOSING": 25,
     "MOST_CORRECTIONS": 12,
     "MOST_HALVINGS": 24,
+    "MOST_LAST": 80,
     "MOST_RETRACTIONS": 8,
     "MOST_SWEEPS": 30,
     "OFF_SADDLE": 0.05,
     "SHUT": 1e-11,  # over the sheet's size
-    "SOFTEST": 1e-6,
+    "SOFTEST": 1e-12,
     "STILL": 1e-10,
     "TIE": 1e-9,
     "TOUCHES": 1e-9,

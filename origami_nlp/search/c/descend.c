@@ -397,8 +397,8 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
         hold = 0, radius = LONGEST_STEP;
         continue;
       }
-      if (last) return ARRIVED;
-      last = 1; /* one more step */
+      /* a minimum without stiffness is come to by thirds */
+      if (largest(t->d, n) <= EXACT || ++last > MOST_LAST) return ARRIVED;
     } else
       last = 0;
     *saddles += off;
