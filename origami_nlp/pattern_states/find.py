@@ -286,8 +286,6 @@ class _Search(Parts):
         if not self.go_down.usable:
             return self._by_python(start.x)
         x, why = self.go_down(start, self._rng, self._side, self._is_end)
-        if np.abs(x - start.x).max(initial=0.0) <= BESIDE_SINGULAR:
-            x, why = start.x, ""  # where closure loses rank rounding moves it
         if why:
             self.tally.stopped[why] += 1
         elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:

@@ -4,7 +4,7 @@
 | --- | --- |
 | `Uniform` | any fold angles |
 | `FoldedCreases` | some creases fully folded, held until the others are at rest |
-| `Touch` | two facets that touch, held until the others are at rest |
+| `Touch` | facets that touch, held until the others are at rest |
 | `Changed` | a minimum crossed with another, or with one crease folded otherwise |
 
 Listed once: what the file states, branches of flat-folded states, minima with a hinge in another well of its law.

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, DUPLICATE_TOL
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import (
     CLOSES_NOT,
@@ -70,6 +70,20 @@ class Follower:
         known_end
             Whether an end is known: then it is asked no further.
         """
+        x, why = self._down(start, rng, aside, known_end)
+        moved, problem = float(np.abs(x - start.x).max(initial=0.0)), self.problem
+        if not DUPLICATE_TOL < moved <= BESIDE_SINGULAR or problem.residual(start.x) > CLOSURE_TOL:
+            return x, why
+        # where closure loses rank what closes to rounding is no motion
+        return (start.x, "") if problem.rank(start.x) < problem.rank(x, CLOSURE_TOL) else (x, why)
+
+    def _down(
+        self,
+        start: StartState,
+        rng: np.random.Generator,
+        aside: np.ndarray | None,
+        known_end: Callable[[np.ndarray], bool],
+    ) -> tuple[np.ndarray, str]:
         x, side, slots, hold = start.x, start.side, start.slots, start.hold
         known, before = set[Order](), None
         if side.any() and not hold:

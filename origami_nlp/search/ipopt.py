@@ -51,6 +51,8 @@ TOLERANCE = 1e-7
 """IPOPT's tolerance for springs of equal stiffness; soft springs need it smaller, the polish does the rest."""
 NEAR = 0.1
 """Features that face each other closer at the start, over the sheet's size, are rows."""
+EVERYWHERE = 10.0
+"""All features face each other closer, over the sheet's size."""
 MOST_ROUNDS = 4
 """Times that a start is solved from with more rows."""
 BESIDE = 1e-3
@@ -166,7 +168,7 @@ def _passed(problem: PatternProblem, start: np.ndarray, end: np.ndarray) -> list
     if not crossed:
         return []
     here, there = problem.placed(start), problem.placed(closed)
-    every = problem.features.facing(there, math.inf)
+    every = problem.features.facing(there, EVERYWHERE)
     of_pairs = [t for t, _ in every if tuple(sorted(t.facets)) in crossed]
     flipped = [problem.contact_of(t) for t in of_pairs]
     before = [t.gap(here) for t in of_pairs]

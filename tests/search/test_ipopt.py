@@ -8,6 +8,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, polish
 from origami_nlp.search import confirm, solve_with
 from origami_nlp.search.ipopt import rows_near
+from tests.search.test_fixed_points import PINNED
 
 
 @pytest.mark.parametrize("origami", ["miura:2x2", o.examples.degree6("pi/3", ratio=1.0)])
@@ -19,14 +20,7 @@ def test_both_engines_list_the_same_minima(origami):
         assert np.abs(np.subtract(a.fold_angles, b.fold_angles)).max() < 1e-6
 
 
-@pytest.mark.parametrize(
-    "scene",
-    [
-        o.examples.degree6("5*pi/12", ratio=1.0, symmetry="none"),
-        o.examples.degree6("pi/3", ratio=100.0),
-        o.examples.degree6("pi/4", ratio=1.0, symmetry="none"),
-    ],
-)
+@pytest.mark.parametrize("scene", PINNED, ids=lambda s: s.label)
 def test_multipliers_are_ours_where_they_are_unique(scene):
     problem, compared = o.pose(scene), 0
     for m in o.find_minima(scene, escape=False, prove=False).minima:
@@ -43,8 +37,8 @@ def test_multipliers_are_ours_where_they_are_unique(scene):
         _, pressed, forces = solve_with(problem, x, rows)
         by = dict(zip(pressed, forces.tolist(), strict=True))
         for contact, force in zip(polished.rows, held.forces.tolist(), strict=True):
-            if contact in by:
-                assert by[contact] == pytest.approx(force, abs=1e-5)
+            if contact in by and force > 1e-3:
+                assert by[contact] == pytest.approx(force, rel=1e-5)
                 compared += 1
     assert compared
 
