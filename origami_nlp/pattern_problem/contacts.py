@@ -22,7 +22,6 @@ from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, CONTACT_TOL, INSIDE, LOA
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.borders import choices, without_passing
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry, gaps_and_rows
-from origami_nlp.pattern_problem.crossings import MOST_LISTED
 from origami_nlp.pattern_problem.equations import MOST_DENSE, PatternEquations
 from origami_nlp.pattern_problem.faces import CoplanarContact, Faces
 from origami_nlp.pattern_problem.meeting_features import contact_pair_words, needed_rows, touches_at
@@ -57,6 +56,10 @@ class PatternLocal(Local):
             else:
                 values[r], slopes[r] = self.known[contact]
         return values, slopes
+
+
+MOST_NEAR = 150
+"""Pieces up to which it is asked of all pairs at once whether any are near: with more that costs more than it saves."""
 
 
 class PatternContacts(PatternEquations):
@@ -188,7 +191,7 @@ class PatternContacts(PatternEquations):
 
     def _apart(self, x: np.ndarray) -> bool:
         c = self.crossings
-        if c.cell is not None or len(c.pieces) > MOST_LISTED:
+        if c.cell is not None or len(c.pieces) > MOST_NEAR:
             return False
         return not c.near(x, 2 * INSIDE * c.size).any()
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.kkt import KNOWN, STOPPED, follow
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL
+from origami_nlp.kkt import STOPPED, follow
+from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
 from origami_nlp.pattern_states.descent import TRUST, Descended
 
@@ -20,11 +20,6 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, do so closely."""
 UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
-NEAR = 0.05
-"""Largest change of a fold angle to a known minimum to which a straight way down is looked for [rad].  Minima of
-waterbomb:2x2 lie 0.009 to 0.08 rad apart in pairs: of 0.3 rad a search lost two of them."""
-APART = 0.02
-"""Largest change of a fold angle between states on that way, about [rad]."""
 SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
@@ -33,11 +28,8 @@ def contact_descent(
     problem: PatternProblem,
     phi: np.ndarray,
     keep: bool = False,
-    known: np.ndarray | None = None,
 ) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
-
-    Where a minimum is known to which the straight way leads down, that way is gone.
 
     Parameters
     ----------
@@ -47,8 +39,6 @@ def contact_descent(
         The start, within the fold limits, [n] [rad].
     keep
         Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
-    known
-        Minima that were judged before, [m, n]: they are not judged again.
 
     Returns
     -------
@@ -59,9 +49,6 @@ def contact_descent(
         many = f"the pattern has {problem.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
     pops = PopSigns(problem.pattern)
-    minima = np.empty((0, problem.size)) if known is None else known
-    asked = np.full(len(minima), 2 * NEAR)
-    met: list[np.ndarray] = []
 
     def crowded(x: np.ndarray) -> bool:
         facing = problem.features.facing(problem.placed(x), REACH)
@@ -70,15 +57,6 @@ def contact_descent(
     def leads(x: np.ndarray, y: np.ndarray) -> bool:
         return not (keep and pops.is_jump(x, y))
 
-    def arrives(x: np.ndarray) -> bool:
-        far = np.abs(minima - x).max(axis=1)
-        for k in np.flatnonzero(far <= 0.5 * asked):  # asked again from half as far
-            asked[k] = far[k]
-            if leads(x, minima[k]) and _leads_down(problem, x, minima[k]):
-                met.append(minima[k])
-                return True
-        return False
-
     many_facets = math.comb(problem.pattern.facets, 2) > MOST_PAIRS
     try:
         found = follow(
@@ -86,20 +64,16 @@ def contact_descent(
             phi,
             curved=True,
             longest=TRUST,
-            until=lambda x: arrives(x) or (many_facets and crowded(x)),
+            until=lambda x: many_facets and crowded(x),
             leads=leads if keep else None,
-            known=lambda x: bool((np.abs(minima - x).max(axis=1) <= 10 * DUPLICATE_TOL).any()),
             most_steps=MOST_STEPS,
         )
     except np.linalg.LinAlgError:  # a ValueError as well
         raise
     except ValueError as refused:
         return Descended(phi, False, 0, str(refused))
-    if met:
-        path = (*found.states, met[0])
-        return Descended(met[0], True, len(path) - 1, "still", path=path)
     arrived, why = found.what.verdict == "minimum", UNTOLD
-    if arrived and found.what is not KNOWN:
+    if arrived:
         problem.kept("classified", found.end, lambda: found.what)
     elif found.what is STOPPED:
         why = f"more than {MOST_PAIRS} pairs of facets come close to each other"
@@ -107,20 +81,7 @@ def contact_descent(
     return Descended(found.end, arrived, len(path) - 1, "still" if arrived else why, path=path)
 
 
-def _leads_down(problem: PatternProblem, phi: np.ndarray, to: np.ndarray) -> bool:
-    """Return whether the energy falls along closed, admissible states straight from one to another."""
-    energy, parts = problem.scaled_energy(phi), 2 + int(np.abs(to - phi).max() / APART)
-    for left in range(parts, 1, -1):
-        phi, residual = problem.project(phi + (to - phi) / left)
-        before, energy = energy, problem.scaled_energy(phi)
-        if residual > CLOSURE_TOL or energy >= before or problem.refuses(phi):
-            return False
-    return problem.scaled_energy(to) < energy
-
-
-def contact_descent_off(
-    problem: PatternProblem, path: Sequence[np.ndarray], known: np.ndarray | None = None
-) -> Descended | None:
+def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> Descended | None:
     """Go down where a descent that let facets cross would have had to stop.
 
     Parameters
@@ -129,8 +90,6 @@ def contact_descent_off(
         The problem.
     path
         Closed states of the descent, [n] [rad] each.
-    known
-        As of `contact_descent`.
 
     Returns
     -------
@@ -146,10 +105,10 @@ def contact_descent_off(
     if crossed is None:
         return None
     if crossed:
-        return contact_descent(problem, path[crossed - 1], known=known)
+        return contact_descent(problem, path[crossed - 1])
     start = less_folded(problem, path[0])
     if start is not None:
-        return contact_descent(problem, start, known=known)
+        return contact_descent(problem, start)
     return Descended(path[0], False, 0, "no start was found at which facets do not cross")
 
 
