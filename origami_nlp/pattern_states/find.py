@@ -169,7 +169,7 @@ def find_states(
     search = _Search(pattern, contact, begin + seconds, asked)
     if method == "ipopt":
         search.go_down = ByIpopt(search.problem)
-    starts, most = asked.random_starts(starts, max_starts, search.problem.dof)
+    starts, most = asked.random_starts(starts, max_starts, search.dof)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
@@ -203,6 +203,7 @@ class _Search(Parts):
         self._since, self.options = time.perf_counter(), options
         self.labels, self.contact = find_labels(pattern), contact
         self.problem = PatternProblem(self.labels.arranged(pattern), contact)
+        self.dof = self.problem.dof  # before the clock can stop it
         self.problem.until = until
         self.problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
         self._symmetries = self.labels.symmetries(pattern)
