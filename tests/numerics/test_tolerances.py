@@ -44,7 +44,7 @@ BESIDE_THE_TABLE = {
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
-        starts/near_flat.INSIDE
+        search/ipopt.BESIDE starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
@@ -53,7 +53,7 @@ BESIDE_THE_TABLE = {
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
-         starts/moments.SHORTEST_SHARE
+        search/descend.SOFT starts/moments.SHORTEST_SHARE
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         search/descend.NAMES
@@ -89,7 +89,8 @@ BESIDE_THE_TABLE = {
         inverse_design/convex.LEAST_MARGIN
     """,
     "options of IPOPT and of a conic solver": """
-        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM numerics/conic.ACCURACIES
+        search/ipopt.BESIDE_OPTIONS search/ipopt.NEARBY search/ipopt.OPTIONS search/ipopt.TOLERANCE
+        numerics/conic.ACCURACIES
     """,
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST
