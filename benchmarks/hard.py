@@ -18,17 +18,12 @@ from benchmarks.reference import Reference, Unsolved, solve_reference
 from origami_nlp.display import Table
 from origami_nlp.errors import SceneError
 from origami_nlp.kkt import State, classify, polish, project
-from origami_nlp.minima import (
-    JudgedState,
-    MinimaResult,
-    Record,
-    find_minima,
-    solve_without_crossing,
-)
+from origami_nlp.minima import JudgedState, MinimaResult, find_minima
 from origami_nlp.numerics import CLOSURE_TOL, EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
+from origami_nlp.search import solve_apart
 from origami_nlp.starts import BATCH, Projected
 
 CLOSURE_PULL = 0.3
@@ -105,7 +100,7 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
 
 def _solved(model: Model, start: np.ndarray) -> tuple[Any, Any]:
     problem = pose(model.scene)
-    state = polish(model, solve_without_crossing(model, start, Record(problem)))
+    state = polish(model, solve_apart(problem, start)[0])
     return state, classify(State(problem, state.x), polished=state.converged)
 
 

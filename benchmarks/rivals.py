@@ -1,9 +1,9 @@
 """Searches that a user would write without this package, for as long as they are given: multi-starts of SciPy's SLSQP,
 of NLopt's where it is installed, and of IPOPT.
 
-They get the package's own problem (closure, planes between facets that an answer makes cross) with exact derivatives,
-and none of its starts: uniform random fold angles, or some of them fully folded at random.  What they end at is
-recorded as it comes, with the processor time; nothing is judged here.
+They get the package's own problem (closure, gaps between facets that are near or that an answer makes cross) with exact
+derivatives, and none of its starts: uniform random fold angles, or some of them fully folded at random, closed.  What
+they end at is recorded as it comes, with the processor time of the solver alone; nothing is judged here.
 """
 
 from __future__ import annotations
@@ -14,17 +14,20 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from origami_nlp.minima import MOST_PAIR_ROUNDS, OPTIONS, build_solver
+from origami_nlp.kkt import Solve
 from origami_nlp.numerics import ANSWERED
-from origami_nlp.problem import Model, separating_normal
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.problem import Contact
+from origami_nlp.search import OPTIONS, Solved, solve_apart
 
 TOLERANCE = 1e-12
 """Of SLSQP; 1e-8 of IPOPT."""
@@ -33,66 +36,55 @@ MOST_ITERATIONS = 100
 FEASIBLE = ANSWERED
 """An answer that violates a constraint by more is not claimed, whatever a solver's status says."""
 
-Pairs = tuple[tuple[int, int], ...]
-Solve = Callable[["Program", np.ndarray], tuple[np.ndarray, bool]]
-"""Solves a program from z: the answer, and whether the solver says that it succeeded."""
+Answer = tuple[np.ndarray, bool]
+"""Fold angles [n], and whether the solver says that it succeeded."""
 
 
 class Program:
-    """min f(z) with lower <= g(z) <= upper and |z| <= bound: fold angles [n], and one plane [3] for each pair.
+    """min f(x) with lower <= g(x) <= upper, low <= x <= high: closure, and the gaps that are rows.
 
-    `at(z)` evaluates f [1], gradient [k], g [m] and Jacobian [m, k], overwritten by the next call at another z.
+    `at(x)` evaluates f [1], gradient [n], g [m] and Jacobian [m, n], overwritten by the next call at another x.
     """
 
-    def __init__(self, model: Model, pairs: Pairs) -> None:
-        built = build_solver(model.structure, pairs, 1e-8)
-        self.model, self.pairs, self.oracle = model, pairs, built.solver.oracle()
-        self.lower, self.upper = built.lower, built.upper
+    def __init__(self, problem: PatternProblem, start: np.ndarray, rows: Sequence[Contact]) -> None:
+        symbols = problem.symbols()
+        nlp = symbols.nlp(start, rows)
+        self.p, self.lower, self.upper = symbols.values, nlp.lower, nlp.upper
+        self.low, self.high = problem.fold_limits.low, problem.fold_limits.high
+        self.form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
         self.equal = np.array(self.lower == self.upper)
-        self.bound = np.concatenate(
-            [np.full(model.size, model.bound), np.full(3 * len(pairs), 1.5)]
-        )
-        count, rows = self.oracle.size1_in(0), self.oracle.size1_out(1)
-        z, p = ca.SX.sym("z", count), ca.SX.sym("p", self.oracle.size1_in(1))
-        f, g = self.oracle(z, p)
-        dense = [ca.densify(e) for e in (f, ca.gradient(f, z), g, ca.jacobian(g, z))]
-        self._function = ca.Function("first", [z, p], dense)
-        self._z, self._p = np.zeros(count), np.array(model.parameters.vector, dtype=float)
-        self.f, self.gradient, self.g = np.zeros(1), np.zeros(count), np.zeros(rows)
-        self.jacobian = np.zeros((rows, count), order="F")
+        every = (nlp.f, ca.gradient(nlp.f, nlp.x), nlp.g, ca.jacobian(nlp.g, nlp.x))
+        self._function = ca.Function("first", [nlp.x, nlp.p], [ca.densify(e) for e in every])
+        self._x, m = np.zeros(problem.size), len(self.lower)
+        self.f, self.gradient, self.g = np.zeros(1), np.zeros(problem.size), np.zeros(m)
+        self.jacobian = np.zeros((m, problem.size), order="F")
         buffer: Any
         buffer, self._call = self._function.buffer()
-        for i, a in enumerate((self._z, self._p)):
+        for i, a in enumerate((self._x, self.p)):
             buffer.set_arg(i, memoryview(a))  # type: ignore[arg-type]
         for i, r in enumerate((self.f, self.gradient, self.g, self.jacobian)):
             buffer.set_res(i, memoryview(r.ravel(order="K")))  # type: ignore[arg-type]
         self._buffer, self._last = buffer, b""
 
-    def begin(self, x: np.ndarray) -> np.ndarray:
-        """Return z at fold angles x, planes where the package starts them."""
-        rays = self.model.rays(x)
-        z = np.concatenate([x, *(separating_normal(rays, pair) for pair in self.pairs)])
-        return np.clip(z, -self.bound, self.bound)
-
-    def at(self, z: np.ndarray) -> Program:
-        """Evaluate at z, once for repeated z."""
-        key = z.tobytes()
+    def at(self, x: np.ndarray) -> Program:
+        """Evaluate at x, once for repeated x."""
+        key = x.tobytes()
         if key != self._last:
-            self._z[:] = z
+            self._x[:] = x
             self._call()
             self._last = key
         return self
 
-    def violation(self, z: np.ndarray) -> float:
-        """Return the largest violation of rows and bounds at z, inf if not finite."""
-        if not np.isfinite(z).all():
+    def violation(self, x: np.ndarray) -> float:
+        """Return the largest violation of rows and bounds at x, inf if not finite."""
+        if not np.isfinite(x).all():
             return math.inf
-        g = self.at(z).g
-        rows = np.maximum(self.lower - g, g - self.upper)
-        return float(max(rows.max(initial=0.0), (np.abs(z) - self.bound).max()))
+        g = self.at(x).g
+        off = [self.lower - g, g - self.upper, self.low - x, x - self.high]
+        return float(np.concatenate(off).max(initial=0.0))
 
 
-def slsqp(program: Program, z: np.ndarray) -> tuple[np.ndarray, bool]:
+def slsqp(program: Program, x: np.ndarray) -> Answer:
     """Solve by SciPy's SLSQP."""
     from scipy.optimize import Bounds, minimize
 
@@ -109,21 +101,21 @@ def slsqp(program: Program, z: np.ndarray) -> tuple[np.ndarray, bool]:
         warnings.simplefilter("ignore")
         out = minimize(
             lambda y: (float(program.at(y).f[0]), program.gradient.copy()),
-            z,
+            x,
             jac=True,
             method="SLSQP",
-            bounds=Bounds(-program.bound, program.bound),
+            bounds=Bounds(program.low, program.high),
             constraints=rows,
             options={"ftol": TOLERANCE, "maxiter": MOST_ITERATIONS},
         )
     return out.x, bool(out.success)
 
 
-def nlopt_slsqp(program: Program, z: np.ndarray) -> tuple[np.ndarray, bool]:
+def nlopt_slsqp(program: Program, x: np.ndarray) -> Answer:
     """Solve by NLopt's SLSQP (`pip install nlopt`)."""
     import nlopt
 
-    solver = nlopt.opt(nlopt.LD_SLSQP, len(z))
+    solver = nlopt.opt(nlopt.LD_SLSQP, len(x))
 
     def objective(y: np.ndarray, gradient: np.ndarray) -> float:
         at = program.at(y)
@@ -145,71 +137,60 @@ def nlopt_slsqp(program: Program, z: np.ndarray) -> tuple[np.ndarray, bool]:
         if len(of):
             room = np.full(len(of), TOLERANCE)
             add(lambda result, y, gradient, of=of: rows(of, result, y, gradient), room)
-    solver.set_lower_bounds(-program.bound)
-    solver.set_upper_bounds(program.bound)
+    solver.set_lower_bounds(program.low)
+    solver.set_upper_bounds(program.high)
     solver.set_xtol_rel(TOLERANCE)
     solver.set_maxeval(3 * MOST_ITERATIONS)
     try:
-        x, said = solver.optimize(z), solver.last_optimize_result()
+        answer, said = solver.optimize(x), solver.last_optimize_result()
     except (nlopt.runtime_error, nlopt.RoundoffLimited, RuntimeError):
-        return z, False
-    return x, said != nlopt.MAXEVAL_REACHED
+        return x, False
+    return answer, said != nlopt.MAXEVAL_REACHED
 
 
-class Ipopt:
-    """IPOPT with the package's options at a tolerance of 1e-8; solvers are kept by their pairs."""
+def ipopt(program: Program) -> Callable[[np.ndarray], Answer]:
+    """Build IPOPT with the package's options at a tolerance of 1e-8."""
+    tight = dict.fromkeys(("tol", "constr_viol_tol", "compl_inf_tol"), 1e-8)
+    options: Any = {"print_time": False, "error_on_fail": False, "ipopt": {**OPTIONS, **tight}}
+    solver = ca.nlpsol("rival", "ipopt", program.form, options)
+    bounds = {"lbx": program.low, "ubx": program.high, "lbg": program.lower, "ubg": program.upper}
 
-    def __init__(self) -> None:
-        tight = dict.fromkeys(("tol", "constr_viol_tol", "compl_inf_tol"), 1e-8)
-        self._options: dict[str, Any] = {"print_time": False, "ipopt": {**OPTIONS, **tight}}
-        self._solvers: dict[Pairs, ca.Function] = {}
-
-    def __call__(self, program: Program, z: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Solve from z."""
-        if program.pairs not in self._solvers:
-            made = ca.nlpsol("rival", "ipopt", program.oracle, self._options)
-            self._solvers[program.pairs] = made
-        solver, bound = self._solvers[program.pairs], program.bound
-        out = solver(
-            x0=z,
-            p=program.model.parameters.vector,
-            lbx=-bound,
-            ubx=bound,
-            lbg=program.lower,
-            ubg=program.upper,
-        )
+    def solve(x: np.ndarray) -> Answer:
+        out = solver(x0=x, p=program.p, **bounds)
         return np.asarray(out["x"]).ravel(), bool(solver.stats()["success"])
 
+    return solve
 
-def uniform(model: Model, rng: np.random.Generator) -> np.ndarray:
+
+def uniform(problem: PatternProblem, rng: np.random.Generator) -> np.ndarray:
     """Draw fold angles uniformly."""
-    return rng.uniform(-model.bound, model.bound, model.size)
+    return rng.uniform(problem.fold_limits.low, problem.fold_limits.high)
 
 
-def at_limit(model: Model, rng: np.random.Generator) -> np.ndarray:
+def at_limit(problem: PatternProblem, rng: np.random.Generator) -> np.ndarray:
     """Draw fold angles uniformly, then fully folded (+-pi) a random share of them."""
-    x = uniform(model, rng)
-    return np.where(rng.random(model.size) < rng.random(), np.copysign(np.pi, x), x)
+    x = uniform(problem, rng)
+    return np.where(rng.random(problem.size) < rng.random(), np.copysign(np.pi, x), x)
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A search: its name, what makes its solver (of a model), and how a start is drawn."""
+    """A search: its name, what builds its solver of a program, and how a start is drawn."""
 
     name: str
-    make: Callable[[], Solve]
-    start: Callable[[Model, np.random.Generator], np.ndarray] = uniform
+    build: Callable[[Program], Callable[[np.ndarray], Answer]]
+    start: Callable[[PatternProblem, np.random.Generator], np.ndarray] = uniform
 
 
 def rivals() -> list[Rival]:
     """Return the searches that can run here."""
     out = [
-        Rival("SLSQP", lambda: slsqp),
-        Rival("SLSQP, some fully folded", lambda: slsqp, at_limit),
-        Rival("IPOPT", Ipopt),
+        Rival("SLSQP", lambda program: partial(slsqp, program)),
+        Rival("SLSQP, some fully folded", lambda program: partial(slsqp, program), at_limit),
+        Rival("IPOPT", ipopt),
     ]
     if importlib.util.find_spec("nlopt"):
-        out.append(Rival("NLopt SLSQP", lambda: nlopt_slsqp))
+        out.append(Rival("NLopt SLSQP", lambda program: partial(nlopt_slsqp, program)))
     return out
 
 
@@ -217,8 +198,8 @@ def rivals() -> list[Rival]:
 class Ends:
     """Where the attempts of one search ended.
 
-    seconds: processor time at the end of each attempt, from the first start [a].  claims: whether the method says that
-    it is a minimum and constraints hold to 1e-6 [a].  x: the state [a, n]; NaN where there is none.
+    seconds: processor time that the solver has taken by the end of each attempt [a].  claims: whether the method says
+    that it is a minimum and constraints hold to 1e-6 [a].  x: the state [a, n].
     """
 
     name: str
@@ -227,41 +208,35 @@ class Ends:
     x: np.ndarray
 
 
-def run_rival(rival: Rival, model: Model, seed: int, budget: float) -> Ends:
-    """Run a search for `budget` seconds of processor time (the attempt under way is finished)."""
-    rng, programs = np.random.default_rng([seed, 7]), dict[Pairs, Program]()
-    solve = rival.make()
+def run_rival(rival: Rival, problem: PatternProblem, seed: int, budget: float) -> Ends:
+    """Run a search until its solver has taken `budget` seconds of processor time (what is under way is finished)."""
+    rng, spent = np.random.default_rng([seed, 7]), 0.0
 
-    def attempt(x: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Solve; facet pairs that the answer makes cross get a plane, and it is solved again, as the package does."""
-        pairs: Pairs = ()
-        for _ in range(MOST_PAIR_ROUNDS):
-            if pairs not in programs:
-                programs[pairs] = Program(model, pairs)
-            program = programs[pairs]
-            try:
-                z, good = solve(program, program.begin(x))
-            except (ValueError, RuntimeError, np.linalg.LinAlgError):
-                return np.full(model.size, np.nan), False
-            if not np.isfinite(z).all():
-                return np.full(model.size, np.nan), False
-            answer, good = z[: model.size], good and program.violation(z) <= FEASIBLE
-            crossed = model.crossed(answer, ANSWERED)
-            if not crossed or set(crossed) <= set(pairs):
-                break
-            pairs = tuple(sorted({*pairs, *crossed}))
-        return np.clip(answer, -model.bound, model.bound), good
+    def solver(problem: PatternProblem, start: np.ndarray, rows: Sequence[Contact]) -> Solved:
+        nonlocal spent
+        program = Program(problem, start, rows)
+        solve = rival.build(program)
+        begin = time.process_time()
+        try:
+            x, good = solve(start)
+        except (ValueError, RuntimeError, np.linalg.LinAlgError):
+            x, good = start, False
+        spent += time.process_time() - begin
+        residual = program.violation(x)
+        x = problem.fold_limits.clip(x) if residual < math.inf else start
+        good = good and max(residual, problem.residual(x)) <= FEASIBLE
+        status = "Solve_Succeeded" if good else "failed"
+        return Solve(x, status, 0, residual, np.zeros(len(x)), None), (), np.zeros(0)
 
+    seconds: list[float] = []
+    answers: list[Solve] = []
     with silence():
-        attempt(np.zeros(model.size))  # warm-up
-        first = time.process_time()
-        seconds: list[float] = []
-        answers: list[tuple[np.ndarray, bool]] = []
-        while not seconds or seconds[-1] < budget:
-            answers.append(attempt(rival.start(model, rng)))
-            seconds.append(time.process_time() - first)
-    claims = np.array([good for _, good in answers])
-    return Ends(rival.name, np.array(seconds), claims, np.array([x for x, _ in answers]))
+        while spent < budget:
+            start = rival.start(problem, rng)
+            answers.append(solve_apart(problem, start, solver)[0])
+            seconds.append(spent)
+    claims = np.array([a.succeeded for a in answers])
+    return Ends(rival.name, np.array(seconds), claims, np.array([a.x for a in answers]))
 
 
 @contextmanager

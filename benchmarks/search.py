@@ -26,6 +26,7 @@ from origami_nlp.io import Unbounded, from_plain, save_figure, to_plain
 from origami_nlp.kkt import Solve, State, classify, exact_beside, polish
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, ENDPOINT_TOL
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 
 SCHEMA = "origami-nlp/coverage/1"
@@ -205,7 +206,7 @@ def measure_search(
         runs = {OURS: [run_ours(model, known, seed) for seed in range(SEEDS)]}
         for seed in range(SEEDS, SEEDS + KNOWN):
             run_ours(model, known, seed, effort="thorough")
-        ends = [run_rival(rival, model, 1, budget) for rival in rivals()]
+        ends = [run_rival(rival, pose(scene), 1, budget) for rival in rivals()]
         claims = [known.claimed(e) for e in ends]
         for e, (good, false) in zip(ends, claims, strict=True):
             runs[e.name] = [known.judge(e, 1, good, false)]

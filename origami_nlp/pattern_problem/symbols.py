@@ -21,6 +21,9 @@ from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.faces import CoplanarContact
 from origami_nlp.problem import Contact, Nlp, law_energy
 
+ASIDE = 0.1
+"""How far beside a singular state rows of closure are counted [rad]."""
+
 
 class Symbols:
     """Symbols of min U(y) subject to closure(y) = 0 and gaps(y) >= 0.
@@ -103,7 +106,7 @@ class Symbols:
         ----------
         y0
             A state [n]: closure is projected on its row space at the closed state beside it (off closure dependent rows
-            have another rank), so that rows are independent.
+            have another rank), so that rows are independent; where that is singular, as the flat one, beside it again.
         contacts
             Gaps that stay open.
 
@@ -113,6 +116,9 @@ class Symbols:
             Its parameters are `values`; fold limits are bounds for the caller to set.
         """
         beside, _ = self.problem.project(np.asarray(y0, float))
+        aside, _ = self.problem.project(beside + ASIDE * np.sin(1.0 + np.arange(len(beside))))
+        if self.problem.rank(aside) > self.problem.rank(beside):
+            beside = aside
         u, sizes, _ = np.linalg.svd(dense(self.problem.jacobian(beside)))
         rows = u[:, : int((sizes > RANK).sum())]
         gaps = [self.gap(c) for c in contacts if not c.is_limit]

@@ -7,11 +7,14 @@ from .descend import (
 from .follow import Follower as Follower
 from .ipopt import (
     MOST_CONFIRMED as MOST_CONFIRMED,
+    OPTIONS as OPTIONS,
     ByIpopt as ByIpopt,
     Confirmation as Confirmation,
     IpoptAnswer as IpoptAnswer,
+    Solved as Solved,
     confirm as confirm,
     solve as solve,
+    solve_apart as solve_apart,
     solve_with as solve_with,
 )
 from .layers import ordered_slots as ordered_slots

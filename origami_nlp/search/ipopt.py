@@ -61,6 +61,8 @@ NEARBY = 0.05
 """A lower answer that is nearer to a minimum speaks against it [rad]; further away it is another state."""
 MOST_CONFIRMED = 40
 """Variables up to which minima are confirmed."""
+Solved = tuple[Solve, tuple[Contact, ...], np.ndarray]
+"""What a solver ended at, what presses there, and with which multipliers."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -124,21 +126,21 @@ def solve(problem: PatternProblem, y0: np.ndarray) -> IpoptAnswer:
     >>> answer.status, round(answer.energy, 6), answer.contacts
     ('Solve_Succeeded', 0.014778, ())
     """
-    ended, pressed, forces, solves = _solved(problem, np.asarray(y0, float))
+    ended, pressed, forces, solves = solve_apart(problem, np.asarray(y0, float))
     x, status = ended.x, ended.status
     shown = x, problem.expand(x), float(problem.energy(x))
     return IpoptAnswer(*shown, status, ended.iterations, ended.residual, solves, pressed, forces)
 
 
-def _solved(
-    problem: PatternProblem, y0: np.ndarray
+def solve_apart(
+    problem: PatternProblem, y0: np.ndarray, solver: Callable[..., Solved] | None = None
 ) -> tuple[Solve, tuple[Contact, ...], np.ndarray, int]:
-    """Solve from a start, again with more rows as long as facets pass through each other."""
+    """Solve from a start by `solve_with` or another, again with more rows as long as facets pass through each other."""
     start, _ = problem.project(problem.fold_limits.clip(y0))
     start = problem.fold_limits.clip(start)
     rows = list(rows_near(problem, start))
     for solves in range(1, MOST_ROUNDS + 1):
-        solved = (*solve_with(problem, start, rows), solves)
+        solved = (*(solver or solve_with)(problem, start, rows), solves)
         ended = solved[0]
         new = [c for c in _passed(problem, start, ended.x) if c not in rows]
         if not new:
@@ -184,7 +186,7 @@ def solve_with(
     start: np.ndarray,
     contacts: Sequence[Contact],
     options: Mapping[str, object] = OPTIONS,
-) -> tuple[Solve, tuple[Contact, ...], np.ndarray]:
+) -> Solved:
     """Minimise the energy from a state `start` [n], where gaps of contacts stay open; what presses, with multipliers.
 
     Fold limits among the contacts are told of; all limits are bounds.
@@ -288,7 +290,7 @@ class ByIpopt:
         known_end: Callable[[np.ndarray], bool] = lambda x: False,
     ) -> tuple[np.ndarray, str]:
         """Return where a start leads, polished, [n], and why it ends there: ``""`` where IPOPT converged."""
-        ended, pressed, _, _ = _solved(self.problem, start.x)
+        ended, pressed, _, _ = solve_apart(self.problem, start.x)
         self.work += ended.iterations
         if not ended.succeeded:
             return ended.x, f"IPOPT: {ended.status}"

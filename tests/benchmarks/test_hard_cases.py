@@ -9,8 +9,9 @@ import pytest
 from benchmarks.hard import CASES, Outcome, exact_state, hard_table, regular_at_pi, run_case
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import polish
-from origami_nlp.minima import ipopt
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
+from origami_nlp.search import solve_with
 
 QUICK = ("flat state as a start", "weakly active contact")
 
@@ -54,8 +55,8 @@ def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_regular_state_just_off_the_fold_limit_does_not_snap_to_it(distance, sign):
     scene, x = regular_at_pi(sign * (math.pi - distance))
-    model = Model(scene)
-    state = polish(model, ipopt.solve(model, x + 0.01))
+    problem = pose(scene)
+    state = polish(problem, *solve_with(problem, x + 0.01, ())[:2])
     assert state.converged and np.abs(state.x - x).max() <= 1e-14
 
 

@@ -10,6 +10,7 @@ from benchmarks import draw_search, family_scene, measure_search, patterns, sear
 from benchmarks.rivals import Program, rivals
 from benchmarks.search import OURS, Known, rows, scenes_of, share_at
 from origami_nlp import examples, find_minima
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from tests.documentation.pages import ROOT
 
@@ -18,21 +19,18 @@ PAGE = (ROOT / "docs" / "validation" / "speed.md").read_text()
 
 @pytest.mark.parametrize("index", [4, 17])
 def test_rivals_get_the_problem_of_the_package_and_right_gradients(index):
-    model = Model(examples.panels()[index])
-    program = Program(model, model.structure.pairs)
-    rng = np.random.default_rng(index)
-    x = rng.uniform(-1, 1, model.size)
-    z = program.begin(x)
-    at = program.at(z)
-    assert float(at.f[0]) * model.scale == pytest.approx(model.energy(x), rel=1e-12)
-    assert at.g[: model.equation_count] == pytest.approx(model.closure(x)[0])
-    assert program.equal.sum() == model.equation_count + len(program.pairs)
+    problem = pose(examples.panels()[index])
+    x, _ = problem.project(np.sin(1.0 + np.arange(problem.size)))
+    program = Program(problem, x, problem.gaps[:2])
+    at = program.at(x)
+    assert np.abs(at.g[program.equal]).max() < 1e-12
+    assert float(at.f[0]) * problem.scale == pytest.approx(problem.energy(x), rel=1e-12)
+    assert program.equal.sum() == problem.size - problem.dof == len(at.g) - len(problem.gaps[:2])
     jacobian, gradient, h = at.jacobian.copy(), at.gradient.copy(), 1e-6
-    for k in range(len(z)):
-        step = h * np.eye(len(z))[k]
-        up = program.at(z + step)
+    for k, step in enumerate(h * np.eye(problem.size)):
+        up = program.at(x + step)
         f, g = up.f[0], up.g.copy()
-        down = program.at(z - step)
+        down = program.at(x - step)
         assert (f - down.f[0]) / (2 * h) == pytest.approx(gradient[k], abs=1e-7)
         assert (g - down.g) / (2 * h) == pytest.approx(jacobian[:, k], abs=1e-7)
 

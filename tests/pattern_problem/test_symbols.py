@@ -123,11 +123,14 @@ def test_ipopt_leaves_what_is_no_minimum():
 
 
 @pytest.mark.parametrize("pattern", [miura(4, 4), miura(5, 5, without=((2, 2),))])
-def test_rows_of_closure_are_independent_and_span_all(pattern):
+def test_rows_of_closure_span_all_where_it_lies_flat_and_beside(pattern):
     problem = pose(pattern)
-    phi, _ = problem.project(0.5 * pattern.signs)
-    nlp, j = problem.symbols().nlp(phi), problem.jacobian(phi)
+    flat = np.zeros(problem.size)
+    nlp, values = problem.symbols().nlp(flat), problem.symbols().values
     slope = ca.Function("g", [nlp.x, nlp.p], [ca.jacobian(nlp.g, nlp.x)])
-    rows = np.array(slope(phi, problem.symbols().values))
-    assert len(rows) == problem.rank(phi) < len(j)
-    assert np.abs(j - j @ np.linalg.pinv(rows) @ rows).max() < 1e-9
+    for aside in (0.0, 0.1, 0.2):
+        phi, _ = problem.project(flat + aside * np.sin(1.0 + np.arange(problem.size)))
+        rows, j = np.array(slope(phi, values)), problem.jacobian(phi)
+        assert problem.rank(phi) <= len(rows) < len(j)
+        assert np.abs(j - j @ np.linalg.pinv(rows, 1e-10) @ rows).max() < 1e-9
+    assert problem.rank(phi) == len(rows) > problem.rank(flat)
