@@ -15,7 +15,7 @@ import origami_nlp
 from origami_nlp.cli import app as command_line
 
 ROOMS = (
-    "drawings pattern problem kkt minima loading bifurcation inverse_design proof contact "
+    "drawings pattern problem kkt search minima loading bifurcation inverse_design proof contact "
     "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()
@@ -44,7 +44,7 @@ TASKS = {
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"
     ),
-    "Proofs, the model, what solvers see": "ProofOptions pose State Stratum",
+    "Proofs, the model, what solvers see": "ProofOptions pose solve IpoptAnswer State Stratum",
     "The source paper": "paper",
     "Errors and version": "OrigamiError __version__",
 }

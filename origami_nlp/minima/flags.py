@@ -111,7 +111,7 @@ class StateFlags(Flags):
         (`escape`): errors of rest angles of a hundredth of a degree make such states, and remove them. Cure: Do not
         build on it; `find_minima(..., noise=degrees)` says what survives errors of a size that you state.
     solver_disagrees
-        IPOPT, started there, left the state or did not converge (`solver`). Cure: Trust the certificate, which does
+        IPOPT, started beside it, ended at a lower state near it (`solver`). Cure: Trust the certificate, which does
         not rest on IPOPT; check the state with `check_admissible` if in doubt.
     residual_above_tolerance
         The state closes, or balances, less well than states do that Newton has polished. Cure: Do not use its digits

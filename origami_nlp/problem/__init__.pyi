@@ -24,13 +24,10 @@ from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
 from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap
-from .nlp import (
-    Nlp as Nlp,
-    Pairs as Pairs,
-)
+from .nlp import Nlp as Nlp
 from .parameters import Parameters as Parameters
 from .posed import Energies as Energies
-from .protocol import Problem as Problem, Solvable as Solvable, Sparse as Sparse
+from .protocol import Problem as Problem, Sparse as Sparse
 from .strata import (
     random_strata as random_strata,
     vertex_candidates as vertex_candidates,

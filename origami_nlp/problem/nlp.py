@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-Pairs = tuple[tuple[int, int], ...]
-
 
 @dataclass(frozen=True, eq=False)
 class Nlp:

@@ -115,14 +115,6 @@ class Problem(Protocol):
     ) -> tuple[np.ndarray, np.ndarray]: ...
 
 
-class Solvable(Problem, Protocol):
-    """What IPOPT needs besides: symbols to build a solver from (`nlp`), and planes that keep facets apart."""
-
-    structure: Any  # hashable; problems of one structure share their solvers
-
-    def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
-
-
 class Sparse(Problem, Protocol):
     """What certificates of large problems need besides: sparse matrices, and steps by their factors."""
 
