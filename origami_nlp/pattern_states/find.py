@@ -26,7 +26,7 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
+from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
@@ -77,6 +77,8 @@ CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
 MOST_TRIED = 10
 """Draws for each start that is to close, where few do."""
+HALVINGS = 20
+"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
 DEEP = 6
 """Times that a lower state beside one that was refuted is gone on from."""
 OUT = 0.2
@@ -385,7 +387,9 @@ class _Search(Parts):
             self.attempt(self._settle_well, well)
         if (seen := traced.stretches) is not None:
             for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
-                self.explore(seen.states[i + 1 if seen.crosses[i] else i], CURVES)
+                free, crossed = (i + 1, i) if seen.crosses[i] else (i, i + 1)
+                start = _last_free(self.problem, seen.states[free], seen.states[crossed])
+                self.explore(start, CURVES)
 
     def _settle_well(self, well: np.ndarray) -> None:
         """Judge the stationary state at a well of a curve, and go downhill from it."""
@@ -397,12 +401,24 @@ class _Search(Parts):
                 np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged
             )
 
-        if not judged() and (closed := close(self.problem, well)) is not None:
+        if (closed := close(self.problem, well)) is not None:
             beside = stationary_beside(self.problem, closed)
-            if beside is not None and not self.known(beside):
-                self.add(judge_end(self.problem, beside, self.contact))
+            if beside is not None:
+                self._add_exact(beside)
+        if not judged():
             self.follow(StartState(well, at_limits(self.problem, well)))
         self.tally.resolved += judged()
+
+    def _add_exact(self, x: np.ndarray) -> None:
+        """Add the state at a well; where it is not decided, it stands for a minimum that is not told from it."""
+        state = judge_end(self.problem, x, self.contact)
+        beside = [
+            k for k, s in enumerate(self.judged) if np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL
+        ]
+        if not self.known(x):
+            self.add(state)
+        elif state.verdict == "undecided":
+            self.judged[beside[0]] = state
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
@@ -510,3 +526,16 @@ class _Search(Parts):
                 self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
         if not lines and not ways.families and not self.known(phi):
             self.add(judge(self.problem, phi, self.contact))
+
+
+def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
+    for _ in range(HALVINGS):
+        middle, residual = problem.project(0.5 * (free + crossed))
+        if residual > CLOSURE_TOL:
+            break
+        if problem.crossings.find(middle):
+            crossed = middle
+        else:
+            free = middle
+    return free

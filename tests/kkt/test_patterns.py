@@ -17,15 +17,15 @@ from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, strip
 
-COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
-    "metasheet:3x3": (2, 1, 1, 0),
-    "metasheet:4x4": (2, 1, 2, 0),
-    "metasheet:8x8": (2, 1, 3, 0),
-    "miura:2x3": (4, 9, 0, 0),
-    "miura:3x3": (54, 11, 2, 0),
-    "waterbomb:1x1": (2, 1, 0, 0),
-    "squaretwist": (8, 1, 0, 0),
-    "yoshimura:2x2": (2, 1, 0, 0),
+COUNTS = {  # states as a separate judgement of patterns decided on them: minima, not decided
+    "metasheet:3x3": (2, 0),
+    "metasheet:4x4": (2, 0),
+    "metasheet:8x8": (2, 0),
+    "miura:2x3": (4, 0),
+    "miura:3x3": (54, 0),
+    "waterbomb:1x1": (2, 0),
+    "squaretwist": (8, 0),
+    "yoshimura:2x2": (2, 0),
 }
 READ = "metasheet:3x3", "metasheet:4x4", "squaretwist", "yoshimura:2x2"
 """Searched for other tests as well."""
@@ -36,10 +36,9 @@ FAST = (*READ, "miura:2x3")
     "name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
 )
 def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
-    found = states(name) if name in READ else o.find_minima(name, starts=10, escape=False)
+    found = states(name) if name in READ else o.find_minima(name, escape=False)
     many = Counter(s.verdict for s in found.states)
-    refuted = many["saddle"] + many["not stationary"]
-    reported = many["minimum"], refuted, many["not admissible"], many["undecided"]
+    reported = many["minimum"], many["undecided"]
     assert reported == COUNTS[name]
     problem = PatternProblem(found.pattern)
     for state in found.states:  # in the numbering of the file, not that of the search
