@@ -156,7 +156,9 @@ def test_what_is_wrong_with_a_state():
     assert up(closure_residual=1e-9) == {"residual_above_tolerance"}
     assert up(kkt_residual=1e-9) == {"residual_above_tolerance"}
     assert up(kkt_residual=math.nan) == set()  # where nothing has to balance
-    assert up(solver=dataclasses.replace(state.solver, moved=0.5)) == {"solver_disagrees"}
+    assert up(solver=dataclasses.replace(state.solver, moved=0.02, lower=True)) == {
+        "solver_disagrees"
+    }
     open_ = dataclasses.replace(proved().minima[0].full_space, verdict="undecided")
     assert up(full_space=open_) == {"not_decided_in_full_space"}
     bad = dataclasses.replace(state, closure_residual=1e-9)
