@@ -78,7 +78,7 @@ class Symbols:
         self.springs = ca.vertcat(k, rest, load, weight, shift)
         self.corners = ca.SX.sym("X", len(problem.crossings.poses.pattern.corners), 3)
         orbits = problem.orbits
-        phi = self.y if orbits is None else ca.DM(orbits.sign) * self.y[orbits.orbit.tolist()]
+        phi = self.y if orbits is None else ca.DM(orbits.sign) * self.y[orbits.orbit.tolist(), 0]
         self._turns = phi - ca.DM(pattern.reference)
         turning = (*pattern.vertices, *pattern.generators)
         loops = [self._loop(loop, hole=False)[:3] for loop in turning]

@@ -39,9 +39,8 @@ BESIDE_THE_TABLE = {
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG
-        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.APART
-        pattern_states/contact_descents.NEAR pattern_states/contact_descents.REACH
-         pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
+        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
+        pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
         search/ipopt.BESIDE starts/near_flat.INSIDE
