@@ -49,6 +49,22 @@ def patterns(out: Output, quick: o.Quick = False) -> None:
     out.write("json", _stamped, data)
 
 
+@writes("json", "figure")
+def engines(
+    out: Output,
+    vertices: Annotated[int, typer.Option(metavar="COUNT", help="Random vertices.")] = 20,
+    budget: Annotated[float, typer.Option(metavar="S", help="Seconds of each search.")] = 4.0,
+) -> None:
+    """Search by compiled descents and by IPOPT on one problem: what each finds, against seconds."""
+    from benchmarks.engines import draw_engines, engines_table, measure_engines
+
+    with progress.progress("engines") as report:
+        data = measure_engines(vertices, budget, lambda text: report(text=text))
+    out.say(engines_table(data))
+    out.write("json", _stamped, data)
+    out.save("figure", draw_engines, data)
+
+
 @writes("json")
 def hard(out: Output) -> None:
     """Run the hard cases: error and verdict of each.
@@ -66,7 +82,7 @@ def hard(out: Output) -> None:
 
 
 app = Group("Speed against error of this package and of others, measured on this machine.")
-app.add(search, patterns, hard)
+app.add(search, patterns, engines, hard)
 
 if __name__ == "__main__":
     main(app)
