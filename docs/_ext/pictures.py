@@ -177,6 +177,15 @@ def recorded(name: str) -> None:
     draw_search(json.loads(RECORD.read_text()), FOLDER / f"{name}.png")
 
 
+def recorded_engines(name: str) -> None:
+    """Draw what both engines of a search found in a recorded run."""
+    from benchmarks.engines import draw_engines
+    from benchmarks.search import RECORD
+
+    data = json.loads(RECORD.with_name("engines.json").read_text())
+    draw_engines(data, FOLDER / f"{name}.png")
+
+
 PICTURES: dict[str, Callable[[str], None]] = {
     "states": own,
     "degree6_pi3": own,
@@ -195,6 +204,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "bistable_waterbomb": drawn_load,
     "hinges": drawn_hinges,
     "speed": recorded,
+    "engines": recorded_engines,
 }
 """What makes each picture of the documentation; ``examples`` and ``sheets`` their folder and page."""
 SLOW = ("examples", "sheets", "states_degree6", "states_degree8")
