@@ -213,6 +213,13 @@ Effort = Annotated[
         help="Starts, and how often each minimum is to be reached before the search stops.",
     ),
 ]
+Method = Annotated[
+    str,
+    typer.Option(
+        **_one_of("batch", "ipopt"),
+        help="What goes down from starts: compiled descents, or IPOPT on the same problem, which is slower.",
+    ),
+]
 FullOrNot = Annotated[
     bool | None,
     typer.Option(
