@@ -1,4 +1,4 @@
-"""Speed against error, `python -m benchmarks`: `search` (found and right against seconds), `engines`, `patterns`, `hard`.
+"""Speed against error, `python -m benchmarks`: `search` (found against seconds), `engines`, `patterns`, `hard`.
 
 `families` says which scenes, `rivals` are the searches of others, `reference` solves to 50 digits, `records` holds what
 was measured for the documentation.

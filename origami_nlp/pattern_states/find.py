@@ -64,6 +64,7 @@ from origami_nlp.search import (
     confirm,
     given,
     hinge_rests,
+    on_grid,
     other_wells,
 )
 from origami_nlp.starts import OWN, SearchOptions, options_of
@@ -75,6 +76,8 @@ SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
+FOLLOWED = 60
+"""What a start that is followed takes, in evaluations of closure."""
 MOST_TRIED = 10
 """Draws for each start that is to close, where few do."""
 HALVINGS = 20
@@ -155,7 +158,7 @@ def find_states(
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     pattern = as_pattern(pattern)
     asked = options_of(effort, options)
-    rng = np.random.default_rng(check_whole("seed", seed, 0))
+    check_whole("seed", seed, 0)
     check_flag("escape", escape)
     check_noise(noise)
     if noise is not None:
@@ -180,7 +183,7 @@ def find_states(
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
-        search.go(pattern, rng, seed, starts, most)
+        search.go(pattern, seed, starts, most)
         if not search.tally.interrupted:
             search.problem.until = until
         if is_tried(pattern, prove, contact):
@@ -221,25 +224,23 @@ class _Search(Parts):
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
         self.go_down: Follower | ByIpopt = Follower(self.problem)
-        self._rng = np.random.default_rng(0)
+        self._seed = 0
 
     @property
     def proved(self) -> bool:
         """Whether all that was found is proved to be all."""
         return self.completeness is not None and self.completeness.proved
 
-    def go(
-        self, pattern: Pattern, rng: np.random.Generator, seed: int, starts: int, most: int
-    ) -> None:
+    def go(self, pattern: Pattern, seed: int, starts: int, most: int) -> None:
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
-        self._rng = rng
+        self._seed = seed
         for start in given(self.problem.pattern):
             self.part(GIVEN, self.explore, start, GIVEN)
         if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
             self.part(VERTEX, self.round_the_vertex, seed)
-        self.part("random starts", self.draw, rng, starts, most)
+        self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
 
     def round_the_vertex(self, seed: int) -> None:
@@ -253,23 +254,30 @@ class _Search(Parts):
             self.begin(VERTEX)
             self.attempt(self.settle, phi)
 
-    def draw(self, rng: np.random.Generator, starts: int, most: int) -> None:
-        """Make random starts, by what families led to and evenly, until so many led to nothing new."""
+    def draw(self, starts: int, most: int) -> None:
+        """Make random starts, by what families led to and evenly, until so many led to nothing new.
+
+        Each family draws from numbers of its own, and what a start takes is counted, not measured: rounding, which
+        makes a step more or less, does not show.
+        """
         shares = Shares([family.name for family in self._families])
-        by_name = {family.name: family for family in self._families}
+        by_name = {
+            family.name: (family, np.random.default_rng([self._seed, k]))
+            for k, family in enumerate(self._families)
+        }
         for _ in range(MOST_TRIED * most):
             if self.tally.drawn >= most or self.tally.quiet >= starts:
                 return
             self.problem.check_time()
-            name, before, counted = shares.next(), self.count()[0], self.go_down.work
+            name, before = shares.next(), self.count()[0]
+            family, rng = by_name[name]
             lost = self.tally.stopped[CLOSES_NOT] + self.tally.open
-            start = by_name[name].draw(rng)
-            shares.work[name] += by_name[name].cost
+            start = family.draw(rng)
+            shares.work[name] += family.cost + FOLLOWED * (start is not None)
             if start is not None:
                 self.begin(name)
                 self.attempt(self.follow, start)
             new = self.count()[0] - before
-            shares.work[name] += self.go_down.work - counted
             shares.new[name] += new
             closed = start is not None and lost == self.tally.stopped[CLOSES_NOT] + self.tally.open
             self.tally.drawn += closed
@@ -288,7 +296,8 @@ class _Search(Parts):
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
         if not self.go_down.usable:
             return self._by_python(start.x)
-        x, why = self.go_down(start, self._rng, self._side, self._is_end)
+        rng = np.random.default_rng([self._seed, len(self._families), self.tally.starts])
+        x, why = self.go_down(start, rng, self._side, self._is_end)
         if why:
             self.tally.stopped[why] += 1
         elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
@@ -321,7 +330,7 @@ class _Search(Parts):
         if state.verdict == "minimum":
             images = [image(symmetry, state.phi) for symmetry in self._symmetries]
             if state.phi.any():
-                self._changed.add(state.phi, images)
+                self._changed.add(*(on_grid(self.problem, x) for x in (state.phi, *images)))
             for other in images:
                 self.attempt(self.settle, other, 0)
             self.snap(state.phi)

@@ -30,5 +30,6 @@ from .starts import (
     creases_around as creases_around,
     given as given,
     hinge_rests as hinge_rests,
+    on_grid as on_grid,
     other_wells as other_wells,
 )

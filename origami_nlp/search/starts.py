@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, permutations
 from typing import ClassVar
@@ -22,6 +22,8 @@ FOLDING, MOST_HELD = 8, 4
 """Steps in which creases go to their limits, and times that others are kept at theirs in each."""
 TRIED = 5
 """Closed states that are drawn until one has room for a touch."""
+GRID = 2.0**-33
+"""Of fold angles of minima that are changed [rad]."""
 FURTHEST = 0.5
 """Features that are made to touch face each other closer, over the sheet's size."""
 SOONER = 0.15
@@ -75,7 +77,7 @@ class Uniform(StartKind):
 
     name = "uniform"
     sentence = "any fold angles"
-    cost = 10
+    cost = 4
 
     def draw(self, rng: np.random.Generator) -> StartState | None:
         """Draw fold angles in the order of labels, and close them."""
@@ -92,7 +94,7 @@ class FoldedCreases(StartKind):
 
     name = "strata"
     sentence = "some creases fully folded, held until the others are at rest"
-    cost = 25
+    cost = 10
 
     def draw(self, rng: np.random.Generator) -> StartState | None:
         """Draw creases and sides."""
@@ -133,7 +135,7 @@ class Touch(FoldedCreases):
 
     name = "touch"
     sentence = "facets that touch, held until the others are at rest"
-    cost = 100
+    cost = 40
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         super().__init__(problem, labels)
@@ -174,7 +176,7 @@ class Changed(StartKind):
 
     name = "changed"
     sentence = "a minimum crossed with another, or with one crease folded otherwise"
-    cost = 5
+    cost = 2
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         super().__init__(problem, labels)
@@ -182,7 +184,7 @@ class Changed(StartKind):
         self._made, self._way = list[int](), 0
         self._around = creases_around(problem.pattern, labels)
 
-    def add(self, x: np.ndarray, images: Sequence[np.ndarray] = ()) -> None:
+    def add(self, x: np.ndarray, *images: np.ndarray) -> None:
         """Add a minimum [n], and its images under symmetries: with these others are crossed."""
         self._states.append(x)
         self._others += [x, *images]
@@ -208,6 +210,11 @@ class Changed(StartKind):
             x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]
         x = self.problem.fold_limits.clip(x)
         return StartState(x, at_limits(self.problem, x))
+
+
+def on_grid(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
+    """Return a state [n] without the digits that rounding makes, fully folded creases as they are."""
+    return np.where(at_limits(problem, x) != 0, x, np.round(x / GRID) * GRID)
 
 
 def at_limits(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
