@@ -76,7 +76,7 @@ class SearchOptions:
     fewest_for_moments: int = 16
     most_batched: int = 24
     judging: float = 0.3
-    in_a_row: int = 120
+    in_a_row: int = 60
     most_drawn: int = 10
     most_on: int = 3000
     most_traced: int = 250
@@ -126,7 +126,7 @@ class SearchOptions:
 
 EFFORTS = {
     "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=20
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
     ),
     "normal": SearchOptions(),
     "thorough": SearchOptions(
@@ -136,7 +136,7 @@ EFFORTS = {
         rounds=40,
         hits=4,
         quiet=4,
-        in_a_row=320,
+        in_a_row=160,
     ),
 }
 """By name."""
