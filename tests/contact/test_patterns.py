@@ -9,7 +9,7 @@ from origami_nlp.kkt import newton
 
 @pytest.fixture(scope="module")
 def found():
-    return o.find_minima("resch:1x2", escape=False)
+    return o.find_minima("resch:1x2", max_starts=10, escape=False)
 
 
 def test_forces_are_those_of_the_states(found):
@@ -30,7 +30,7 @@ def test_forces_are_those_of_the_states(found):
 @pytest.mark.slow
 def test_a_contact_opens_at_the_margin_and_not_before():
     """Solved under the worst load with the contacts held: just below all push, just above one pulls."""
-    found = o.find_minima("resch:1x2", starts=4, escape=False)
+    found = o.find_minima("resch:1x2", max_starts=10, escape=False)
     report, reported = o.find_contacts(found), 0
     for state in report.states:
         margin = state.margin
