@@ -46,7 +46,7 @@ from origami_nlp.pattern import Scene, canonical_labels
 from origami_nlp.pattern_problem import CanonicalLabelling, pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
-from origami_nlp.search import MOST_CONFIRMED, Confirmation, confirm
+from origami_nlp.search import Confirmation, confirm
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
 FEWEST_STARTS = 1
@@ -341,14 +341,11 @@ def _minimum(
 
 def _confirmed(answer: FoundState, record: Record) -> Confirmation | None:
     """Let IPOPT solve from beside a minimum; None with too many variables."""
-    problem = record.problem
-    if problem.size > MOST_CONFIRMED or problem.parameters.dead is not None:
-        return None
     with record.surviving("a confirmation by IPOPT"):
-        solver = confirm(problem, answer.polished.x)
-        record.solves += 1
-        record.statuses[solver.status] += 1
-        record.iterations += solver.iterations
+        if (solver := confirm(record.problem, answer.polished.x)) is not None:
+            record.solves += 1
+            record.statuses[solver.status] += 1
+            record.iterations += solver.iterations
         return solver
     return None
 

@@ -295,7 +295,7 @@ class Job:
             if (start := starts.draw(rng)) is None:
                 yield None
                 continue
-            x, why = solve(start, rng)
+            x, why = solve(start)
             record.solves += 1
             record.iterations += solve.work - before
             record.statuses[why or "Solve_Succeeded"] += 1

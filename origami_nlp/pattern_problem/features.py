@@ -168,7 +168,7 @@ class Features:
         return FacingInC(self.rings_of_pieces) if self.crossings.poses.compiled else None
 
     @cached_property
-    def _shared(self) -> tuple[np.ndarray, np.ndarray]:
+    def shared(self) -> tuple[np.ndarray, np.ndarray]:
         """Of any two pieces how many corners they share, and the places of the first as one number, [P, P]."""
         ids, valid = self.crossings.pieces, self.rings_of_pieces.valid
         many, first = np.zeros((2, len(ids), len(ids)), int)
@@ -182,7 +182,7 @@ class Features:
         self, planes: Planes, pairs: np.ndarray, reach: float
     ) -> Iterator[tuple[ContactPair, float, float]]:
         """Go through what `_corners` and `_sides` find, by compiled functions."""
-        rings, crossings, (many, first) = self.rings_of_pieces, self.crossings, self._shared
+        rings, crossings, (many, first) = self.rings_of_pieces, self.crossings, self.shared
         ids, facet, size, shared = crossings.pieces, crossings.facet, crossings.size, many[*pairs.T]
         find: Any = self._compiled
         apart, joined = (pairs[shared == k] for k in (0, 1))

@@ -18,6 +18,7 @@ from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
+    MEETINGS,
     Completeness,
     JudgedState,
     MinimaResult,
@@ -51,7 +52,7 @@ from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
     CLOSES_NOT,
-    MOST_CONFIRMED,
+    NO_LOWER,
     ByIpopt,
     Changed,
     FoldedCreases,
@@ -257,22 +258,21 @@ class _Search(Parts):
     def draw(self, starts: int, most: int) -> None:
         """Make random starts, by what families led to and evenly, until so many led to nothing new.
 
-        Each family draws from numbers of its own, and what a start takes is counted, not measured: rounding, which
-        makes a step more or less, does not show.
+        Each start is drawn from numbers of its own, and what it takes is counted, not measured: one that rounding sends
+        elsewhere moves no other.
         """
         shares = Shares([family.name for family in self._families])
-        by_name = {
-            family.name: (family, np.random.default_rng([self._seed, k]))
-            for k, family in enumerate(self._families)
-        }
+        numbers = {family.name: k for k, family in enumerate(self._families)}
+        made = dict.fromkeys(numbers, 0)
         for _ in range(MOST_TRIED * most):
             if self.tally.drawn >= most or self.tally.quiet >= starts:
                 return
             self.problem.check_time()
             name, before = shares.next(), self.count()[0]
-            family, rng = by_name[name]
+            number, family = numbers[name], self._families[numbers[name]]
             lost = self.tally.stopped[CLOSES_NOT] + self.tally.open
-            start = family.draw(rng)
+            made[name] += 1
+            start = family.draw(np.random.default_rng([self._seed, number, made[name]]))
             shares.work[name] += family.cost + FOLLOWED * (start is not None)
             if start is not None:
                 self.begin(name)
@@ -296,8 +296,12 @@ class _Search(Parts):
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
         if not self.go_down.usable:
             return self._by_python(start.x)
-        rng = np.random.default_rng([self._seed, len(self._families), self.tally.starts])
-        x, why = self.go_down(start, rng, self._side, self._is_end)
+        here = [*self.family.encode(), self.tally.by_source[self.family]]
+        rng = np.random.default_rng([self._seed, *here])
+        aside = self.labels.drawn(rng.normal(size=self.problem.size))
+        x, why = self.go_down(start, aside, self._is_end)
+        if why == NO_LOWER and (near := singular_beside(self.problem, x)) is not None:
+            x, why = near, ""  # it is not told from that state, where closure loses rank
         if why:
             self.tally.stopped[why] += 1
         elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
@@ -314,30 +318,41 @@ class _Search(Parts):
         return True
 
     def settle(self, x: np.ndarray, deep: int = DEEP) -> None:
-        """Judge where a descent ended; beside one that is refuted, go on from a lower state."""
-        if self._is_end(x) or self.known(x):
+        """Judge where a descent ended, and its images; beside one that is refuted, go on from a lower state."""
+        if self._is_end(x) or self.known(x) or (state := self._judged(x)) is None:
             return
-        self._ends.append(x)
-        state = judge_end(self.problem, x, self.contact)
-        near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
-        if near is not None:
-            exact = judge(self.problem, near, self.contact)
-            if exact.verdict == "minimum" or state.verdict == "undecided":
-                state = exact  # the end is not told from it
-        if self.known(state.phi, state.verdict):
-            return
-        self.add(state)
+        images = self._images(state.phi)
+        if state.verdict == "minimum" and state.phi.any():
+            self._changed.add(*(on_grid(self.problem, x) for x in images))
+        for other in images[1:]:
+            if not state.refuted and not self.known(other):
+                self.attempt(self._judged, other)
         if state.verdict == "minimum":
-            images = [image(symmetry, state.phi) for symmetry in self._symmetries]
-            if state.phi.any():
-                self._changed.add(*(on_grid(self.problem, x) for x in (state.phi, *images)))
-            for other in images:
-                self.attempt(self.settle, other, 0)
             self.snap(state.phi)
         elif state.refuted and deep:
             lower = classified(self.problem, state.phi).lower
             if lower is not None:
                 self.follow(StartState(lower, at_limits(self.problem, lower)), deep - 1)
+
+    def _judged(self, x: np.ndarray) -> JudgedState | None:
+        """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
+        self._ends.append(x)
+        state = judge_end(self.problem, x, self.contact)
+        near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
+        if near is not None:
+            exact = judge(self.problem, near, self.contact)
+            state = state if exact.verdict == "undecided" else exact
+        if any(
+            self.known(y, state.verdict)
+            for y in self._images(state.phi)[: None if state.refuted else 1]
+        ):
+            return None  # of what is refuted one image is kept
+        self.add(state)
+        return state
+
+    def _images(self, x: np.ndarray) -> list[np.ndarray]:
+        """Return a state and its images under the symmetries of the sheet and its springs."""
+        return [x, *(image(symmetry, x) for symmetry in self._symmetries)]
 
     def snap(self, x: np.ndarray) -> None:
         """Start from a minimum with each hinge in each other well of its law."""
@@ -379,7 +394,7 @@ class _Search(Parts):
             if phi not in self.curves and self.judged[gone - 1].verdict != "not admissible":
                 self._trace(phi)
             if gone == len(self.judged):
-                self._leave_meetings()
+                self.part(MEETINGS, self._leave_meetings)
 
     def _trace(self, phi: np.ndarray) -> None:
         """Trace the curve through a closed state, where one degree of freedom is left."""
@@ -460,14 +475,14 @@ class _Search(Parts):
 
     def add_confirmations(self) -> None:
         """Add what IPOPT says of the lowest minima from beside them, up to so many creases."""
-        few = [s for s in self.by_energy() if s.verdict == "minimum"][:MOST_STATES]
-        plain = self.problem.parameters.dead is None and self.problem.size <= MOST_CONFIRMED
-        for state in few if plain else ():
+        self.judged = self.by_energy()
+        lowest = [k for k, s in enumerate(self.judged) if s.verdict == "minimum"][:MOST_STATES]
+        for k in lowest:
             self.problem.check_time()
-            solver = confirm(self.problem, state.phi)
-            self.tally.solves += 1
-            self.tally.iterations += solver.iterations
-            self.judged[self.judged.index(state)] = replace(state, solver=solver)
+            if (solver := confirm(self.problem, self.judged[k].phi)) is not None:
+                self.tally.solves += 1
+                self.tally.iterations += solver.iterations
+                self.judged[k] = replace(self.judged[k], solver=solver)
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
@@ -502,7 +517,8 @@ class _Search(Parts):
             states = np.zeros((1, pattern.creases))
         tally.flat_folded = len(states)
         order = sorted(
-            range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
+            range(len(states)),
+            key=lambda i: (round(np.abs(states[i]).sum(), 6), self.labels.key(states[i])),
         )
         self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order])
 
@@ -518,7 +534,8 @@ class _Search(Parts):
     def _leave_flat_folded(self, states: np.ndarray) -> None:
         """Go all branch directions of flat-folded states [S, n]."""
         for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
-            self.explore(phi, BRANCHES)
+            self.begin(BRANCHES)
+            self.attempt(self.settle, phi, 0)  # there is no one way down: its branches are
             self._leave(phi, split(self.problem, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:

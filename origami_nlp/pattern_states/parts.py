@@ -85,7 +85,7 @@ class Parts:
             self.tally.fail(failure)
         return True
 
-    def attempt(self, work: Callable[..., None], *given: Any) -> None:
+    def attempt(self, work: Callable[..., object], *given: Any) -> None:
         """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
         try:
             work(*given)

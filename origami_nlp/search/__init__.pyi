@@ -1,12 +1,12 @@
 from .descend import (
     CLOSES_NOT as CLOSES_NOT,
+    NO_LOWER as NO_LOWER,
     CompiledDescent as CompiledDescent,
     DescentEnd as DescentEnd,
     Slot as Slot,
 )
 from .follow import Follower as Follower
 from .ipopt import (
-    MOST_CONFIRMED as MOST_CONFIRMED,
     OPTIONS as OPTIONS,
     ByIpopt as ByIpopt,
     Confirmation as Confirmation,

@@ -16,7 +16,12 @@ import numpy as np
 
 from origami_nlp import numerics, problem as stated
 from origami_nlp.numerics import address, compiled
-from origami_nlp.pattern_problem import PatternProblem, compiled_closure, compiled_facets
+from origami_nlp.pattern_problem import (
+    ContactPair,
+    PatternProblem,
+    compiled_closure,
+    compiled_facets,
+)
 
 SLOTS = 64
 """Gaps that a descent holds at most."""
@@ -31,9 +36,10 @@ NAMES = {
     "FACES": 0.5,  # features that face each other closer, over the sheet's size
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": 0.5,  # [rad]
-    "MOST_CLOSING": 25,
-    "MOST_CORRECTIONS": 12,
+    "MOST_CLOSING": 40,
+    "MOST_CORRECTIONS": 16,
     "MOST_HALVINGS": 24,
+    "MOST_IDLE": 90,  # steps that lower no energy
     "MOST_LAST": 80,
     "MOST_RETRACTIONS": 8,
     "MOST_SWEEPS": 30,
@@ -45,7 +51,7 @@ NAMES = {
     "TOUCHES": 1e-9,
 }
 """Numbers of the source."""
-NUMERICS = "BALANCED CLOSURE_TOL DECREASE INSIDE OUTSIDE RANK TINY".split()
+NUMERICS = "BALANCED CLOSURE_TOL DECREASE INSIDE OUTSIDE RANK SETTLED".split()
 WHOLE = "n m placed facets root steps pieces q pairs laws".split()
 REAL = "size deep".split()
 FLOATS = (
@@ -74,9 +80,10 @@ _OUTSIDE = ctypes.CFUNCTYPE(
 """Energy of a state, and what is asked for besides: its torque, or its Hessian."""
 CLOSES_NOT = "the start does not close, or its facets cross"
 LEVEL = "facets come to lie on each other"
+NO_LOWER = "no lower state within reach"
 REASONS = (
     "arrived",
-    "no lower state within reach",
+    NO_LOWER,
     "too many steps",
     "facets meet where no single gap keeps them apart",
     CLOSES_NOT,
@@ -142,6 +149,12 @@ class Slot:
     points: np.ndarray | None = None
     orders: bool = False
 
+    @classmethod
+    def of(cls, touch: ContactPair, corners: np.ndarray, orders: bool = False) -> Slot:
+        """Return the gap of two features, of a pattern with corners [V, 3], by its points."""
+        sides, points = touch.type == "edge-edge", touch.reference(corners)
+        return cls((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points, orders)
+
 
 @dataclass(frozen=True)
 class DescentEnd:
@@ -177,7 +190,7 @@ class DescentEnd:
 
 
 class CompiledDescent:
-    """CompiledDescent of a problem.
+    """Descents of a problem, compiled.
 
     Parameters
     ----------
@@ -238,7 +251,7 @@ class CompiledDescent:
             walk[to, crossed[k]] += sense[k]
             chain[to] = [*chain[of], int(crossed[k])]
         pairs = c.listed if problem.contact else c.listed[:0]
-        many, first = problem.features._shared
+        many, first = problem.features.shared
         shared = many[*pairs.T]
         common = np.stack([first[*pairs.T], first[pairs[:, 1], pairs[:, 0]]], axis=1)
         common = np.where(shared[:, None] == 0, -1, np.where(shared[:, None] == 1, common, -2))
@@ -293,8 +306,10 @@ class CompiledDescent:
             int(problem.parameters.laws is not None),
         )
         names = (name for names in PARTS.values() for name in names)
-        deep = numerics.DEEP * c.size
-        return _SheetInC(*whole, c.size, deep, *map(at.__getitem__, names))
+        # whichever way the sheet lies in space
+        away = c.pattern.corners - c.pattern.corners.mean(axis=0)
+        size, deep = float(np.linalg.norm(away, axis=1).max()), numerics.DEEP * c.size
+        return _SheetInC(*whole, size, deep, *map(at.__getitem__, names))
 
     def __call__(
         self,
@@ -327,14 +342,13 @@ class CompiledDescent:
         """
         problem, n = self.problem, self.problem.size
         limits, kept = problem.fold_limits, self._kept
-        at = np.array(x, np.float64)
         on = np.zeros(n, np.int64) if side is None else np.array(side, np.int64)
-        at = np.where(on > 0, limits.high, np.where(on < 0, limits.low, at))
-        given, points = np.zeros((SLOTS, 9), np.int64), np.zeros((SLOTS, 12))
+        at = limits.hold(np.array(x, np.float64), on)
+        given, points = np.zeros((SLOTS, 8), np.int64), np.zeros((SLOTS, 12))
         signs, count = np.zeros(SLOTS), len(slots)
         for k, slot in enumerate(slots):
             (a, b), (i, j) = slot.pieces, slot.places
-            given[k] = a, i, b, j, *slot.facets, slot.sides, 0, slot.orders
+            given[k] = a, i, b, j, *slot.facets, slot.sides, slot.orders
             signs[k] = slot.sign
             if slot.points is not None:
                 points[k] = slot.points.ravel()

@@ -17,15 +17,13 @@ from origami_nlp.search.descend import (
     DescentEnd,
     Slot,
 )
-from origami_nlp.search.layers import Order, ordered_slots
+from origami_nlp.search.layers import AJAR, Order, ajar, leant, ordered_slots
 from origami_nlp.search.starts import StartState
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
 NO_ORDER = "facets that lie on each other have no order"
 NOWHERE = "facets come to lie on each other again and again"
-LAYERS = 25
-"""What an order of layers counts, in evaluations of closure."""
 
 
 class Follower:
@@ -35,15 +33,10 @@ class Follower:
     ----------
     problem
         The problem.
-
-    Attributes
-    ----------
-    work
-        Counted so far, in evaluations of closure: the same on every machine.
     """
 
     def __init__(self, problem: PatternProblem) -> None:
-        self.problem, self.descents, self.work = problem, CompiledDescent(problem), 0
+        self.problem, self.descents = problem, CompiledDescent(problem)
 
     @property
     def usable(self) -> bool:
@@ -53,8 +46,7 @@ class Follower:
     def __call__(
         self,
         start: StartState,
-        rng: np.random.Generator,
-        aside: np.ndarray | None = None,
+        aside: np.ndarray,
         known_end: Callable[[np.ndarray], bool] = lambda x: False,
     ) -> tuple[np.ndarray, str]:
         """Return where a start leads, [n], and why it ends there: ``""`` where that is stationary on what it holds.
@@ -63,14 +55,12 @@ class Follower:
         ----------
         start
             The start; it need not close.
-        rng
-            Draws orders of layers where several are possible.
         aside
-            Direction [n] that says to which side saddles are left.
+            Direction [n] that says to which side saddles are left, and how facets lie where they may lie either way.
         known_end
             Whether an end is known: then it is asked no further.
         """
-        x, why = self._down(start, rng, aside, known_end)
+        x, why = self._down(start, aside, known_end)
         moved, problem = float(np.abs(x - start.x).max(initial=0.0)), self.problem
         if not DUPLICATE_TOL < moved <= BESIDE_SINGULAR or problem.residual(start.x) > CLOSURE_TOL:
             return x, why
@@ -80,17 +70,20 @@ class Follower:
     def _down(
         self,
         start: StartState,
-        rng: np.random.Generator,
-        aside: np.ndarray | None,
+        aside: np.ndarray,
         known_end: Callable[[np.ndarray], bool],
     ) -> tuple[np.ndarray, str]:
         x, side, slots, hold = start.x, start.side, start.slots, start.hold
-        known, before = set[Order](), None
+        if (
+            self.problem.residual(x) > AJAR
+        ):  # one that is symmetric closes to one of several states, by rounding
+            x = leant(self.problem, x, aside)
+        known = set[Order]()
         if side.any() and not hold:
             end = self._leg(x, side, slots, True, aside, 0)
             if end.why == CLOSES_NOT:  # what is fully folded opens as it closes
                 side = np.zeros_like(side)
-            elif (ordered := self._ordered(end.x, None, known, rng)) is None:
+            elif (ordered := self._ordered(end.x, None, known, aside)) is None:
                 return end.x, NO_ORDER
             else:
                 x, slots = end.x, (*slots, *ordered)
@@ -104,8 +97,7 @@ class Follower:
             # facets that come to lie on each other stay on the side that they come from
             before = None if hold else x
             x, side, hold = end.x, end.side, False
-            ordered = self._ordered(x, before, known, rng)
-            if ordered is None:
+            if (ordered := self._ordered(x, before, known, aside)) is None:
                 return x, NO_ORDER
             slots = (*(s for s in end.slots if s.pieces[0] >= 0), *ordered)
         return x, NOWHERE
@@ -116,22 +108,16 @@ class Follower:
         side: np.ndarray,
         slots: tuple[Slot, ...],
         hold: bool,
-        aside: np.ndarray | None,
+        aside: np.ndarray,
         most: int = MOST_STEPS,
     ) -> DescentEnd:
         pauses = self.problem.contact
-        end = self.descents(x, side, slots[:SLOTS], hold, aside, pauses, most)
-        self.work += end.work
-        return end
+        return self.descents(x, side, slots[:SLOTS], hold, aside, pauses, most)
 
     def _ordered(
-        self,
-        x: np.ndarray,
-        before: np.ndarray | None,
-        known: set[Order],
-        rng: np.random.Generator,
+        self, x: np.ndarray, before: np.ndarray | None, known: set[Order], aside: np.ndarray
     ) -> tuple[Slot, ...] | None:
         if not self.problem.contact:
             return ()
-        self.work += LAYERS
-        return ordered_slots(self.problem, x, before, known, rng)
+        beside = ajar(self.problem, x, aside) if before is None else before
+        return ordered_slots(self.problem, x, beside, known)

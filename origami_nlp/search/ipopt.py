@@ -21,7 +21,7 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt import Solve, polish, project
+from origami_nlp.kkt import Solve, polish
 from origami_nlp.numerics import BALANCED, CLOSURE_TOL, OUTSIDE
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact
@@ -265,10 +265,14 @@ class Confirmation:
         return not (self.came_back == "other" and self.lower and self.moved <= NEARBY)
 
 
-def confirm(problem: PatternProblem, x: np.ndarray) -> Confirmation:
-    """Solve by IPOPT from beside a minimum [n], with the gaps of its piece."""
+def confirm(problem: PatternProblem, x: np.ndarray) -> Confirmation | None:
+    """Solve by IPOPT from beside a minimum [n], with the gaps of its piece; None with too many variables, or forces in
+    space.
+    """
+    if problem.size > MOST_CONFIRMED or problem.parameters.dead is not None:
+        return None
     aside = x + BESIDE * np.sin(1.0 + np.arange(len(x)))
-    start, _ = project(problem, problem.fold_limits.clip(aside))
+    start, _ = problem.project(problem.fold_limits.clip(aside))
     ended, _, _ = solve_with(
         problem, problem.fold_limits.clip(start), rows_near(problem, x), BESIDE_OPTIONS
     )
@@ -290,13 +294,7 @@ class ByIpopt:
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self.work = problem, 0
 
-    def __call__(
-        self,
-        start: StartState,
-        rng: np.random.Generator,
-        aside: np.ndarray | None = None,
-        known_end: Callable[[np.ndarray], bool] = lambda x: False,
-    ) -> tuple[np.ndarray, str]:
+    def __call__(self, start: StartState, *given: object) -> tuple[np.ndarray, str]:
         """Return where a start leads, polished, [n], and why it ends there: ``""`` where IPOPT converged."""
         ended, pressed, _, _ = solve_apart(self.problem, start.x)
         self.work += ended.iterations

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from origami_nlp.pattern_problem import ContactPair, PatternProblem
@@ -9,14 +11,25 @@ from origami_nlp.search.descend import Slot
 
 Order = tuple[int, int, float]
 """Facets f and g, and the sign with which gaps of g over f are positive."""
+AJAR = 0.05
+"""By how much creases are opened to see how facets would lie where several orders are possible [rad]."""
+
+
+def ajar(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarray:
+    """Return a state beside one at which facets lie on each other, in a direction [n] that labels do not change."""
+    beside: np.ndarray = problem.project(leant(problem, x, aside))[0]
+    return beside
+
+
+def leant(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarray:
+    """Return fold angles within their limits some way off others [n], in a direction [n]."""
+    largest = float(np.abs(aside).max(initial=0.0)) or 1.0
+    off: np.ndarray = problem.fold_limits.clip(x + AJAR / largest * aside)
+    return off
 
 
 def ordered_slots(
-    problem: PatternProblem,
-    x: np.ndarray,
-    before: np.ndarray | None,
-    known: set[Order],
-    rng: np.random.Generator,
+    problem: PatternProblem, x: np.ndarray, before: np.ndarray, known: set[Order]
 ) -> tuple[Slot, ...] | None:
     """Return gaps that keep an order of the facets that lie on each other at a state; None where there is no order.
 
@@ -25,53 +38,41 @@ def ordered_slots(
     problem, x
         The problem, and a closed state whose facets do not pierce each other, [n].
     before
-        A state at which they did not lie on each other yet, on the way: they stay on the side that they come from.
+        A state beside it at which they do not lie on each other: they lie as they do there, if they can.
     known
         Orders that hold already; what holds here is added.
-    rng
-        Draws an order where several are possible.
     """
     faces = problem.faces(x)
     if faces.reason:
         return None
-    chosen = dict(faces.known)
-    left = [k for k in faces.open if k not in chosen]
-    while left:
-        k = left[0]
-        above = _side(problem, faces.touches(k, True), before, known)
-        above = bool(rng.integers(2)) if above is None else above
-        given = {j: v for j, v in chosen.items() if j in faces.open}
+    chosen, place = dict(faces.known), problem.placed(before)
+
+    def furthest(k: int) -> float:
+        return max((t.gap(place) for t in faces.touches(k, True)), key=abs, default=0.0)
+
+    gaps = {k: furthest(k) for k in faces.open}
+    for k in sorted(faces.open, key=lambda k: -abs(gaps[k])):  # the plainest first
+        if k in chosen:
+            continue
+        held = _held(faces.touches(k, True), known)
+        above = gaps[k] > 0 if held is None else held
+        given = {j: v for j, v in chosen.items() if j in gaps}
         found = faces.follow(given | {k: above}) or faces.follow(given | {k: not above})
         if found is None:
             return None
-        chosen |= found
-        chosen.setdefault(k, above)
-        left = [j for j in left if j not in chosen]
+        chosen |= {k: above} | found
     corners, out = problem.crossings.pattern.corners, list[Slot]()
     for k, above in chosen.items():
         for t in faces.touches(k, above):
             known.add((*t.facets, t.sign))
-            sides = t.type == "edge-edge"
-            points = t.reference(corners)
-            out.append(Slot((-1, -1), (-1, -1), t.sign, t.facets, sides, points, orders=True))
+            out.append(Slot.of(t, corners, orders=True))
     return tuple(out)
 
 
-def _side(
-    problem: PatternProblem,
-    touches: tuple[ContactPair, ...],
-    before: np.ndarray | None,
-    known: set[Order],
-) -> bool | None:
-    """Return whether a pair lies as its gaps have it, by what holds already or by where facets come from."""
+def _held(touches: Sequence[ContactPair], known: set[Order]) -> bool | None:
+    """Return whether a pair lies as its gaps have it by what holds already; None where that says nothing."""
     for t in touches:
-        if (*t.facets, t.sign) in known:
-            return True
-        if (*t.facets, -t.sign) in known:
-            return False
-    if before is None:
-        return None
-    place = problem.placed(before)
-    gaps = [t.gap(place) for t in touches]
-    furthest = max(gaps, key=abs, default=0.0)
-    return None if furthest == 0.0 else furthest > 0
+        for sign in (1.0, -1.0):
+            if (*t.facets, sign * t.sign) in known:
+                return sign > 0
+    return None

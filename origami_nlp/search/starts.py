@@ -24,8 +24,8 @@ TRIED = 5
 """Closed states that are drawn until one has room for a touch."""
 GRID = 2.0**-33
 """Of fold angles of minima that are changed [rad]."""
-FURTHEST = 0.5
-"""Features that are made to touch face each other closer, over the sheet's size."""
+FURTHEST = 2.0
+"""Features that are made to touch face each other closer, over the longest crease."""
 SOONER = 0.15
 """Chance that a feature is made to touch rather than one of those that face each other less closely."""
 
@@ -107,8 +107,8 @@ class FoldedCreases(StartKind):
         sides[rng.permutation(n)[:many]] = 1.0
         sides = self.labels.drawn(sides * rng.choice([-1.0, 1.0], n))
         limits, held = problem.fold_limits, sides != 0.0
-        goal = np.where(sides > 0, limits.high, limits.low)
-        x, good = self._held(np.where(held, goal, self._anywhere(rng)), held)
+        goal = limits.hold(np.zeros(n), sides)
+        x, good = self._held(limits.hold(self._anywhere(rng), sides), held)
         if many and not good and (closed := self._closed(rng)) is not None:
             x, kept, good = closed, held, True
             for left in range(FOLDING, 0, -1):
@@ -152,15 +152,15 @@ class Touch(FoldedCreases):
         if start is None or not (problem.contact and self._close_on.usable):
             return None
         x, side, slots = start.x, start.side, tuple[Slot, ...]()
+        # the size of a sheet hangs on how it lies in space, lengths of creases do not
+        reach = FURTHEST * float(problem.pattern.lengths.max()) / problem.crossings.size
         for _ in range(min(int(rng.geometric(0.5)), problem.dof)):
-            facing = problem.features.facing(problem.placed(x), FURTHEST)
+            facing = problem.features.facing(problem.placed(x), reach)
             facing = sorted((t for t in facing if t[1] > CONTACT_TOL), key=lambda t: round(t[1], 9))
             if not facing:
                 break
             touch, _ = facing[min(int(rng.geometric(SOONER)), len(facing)) - 1]
-            points = touch.reference(problem.crossings.pattern.corners)
-            sides = touch.type == "edge-edge"
-            more = (*slots, Slot((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points))
+            more = (*slots, Slot.of(touch, problem.crossings.pattern.corners))
             end = self._close_on(x, side, more, hold=True, most=0)
             if end.why == CLOSES_NOT:
                 break
@@ -219,9 +219,7 @@ def on_grid(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
 
 def at_limits(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
     """Return at which fold limits a state is, by sign, [n]."""
-    limits = problem.fold_limits
-    high, low = limits.high - x <= OUTSIDE, x - limits.low <= OUTSIDE
-    return np.where(high, 1, np.where(low, -1, 0))
+    return problem.fold_limits.near(x, OUTSIDE)
 
 
 def given(pattern: Pattern) -> Iterator[np.ndarray]:

@@ -169,9 +169,9 @@ static double side_of(double gap, double lean) {
   return (by > 0) - (by < 0);
 }
 
-/* Corners of piece a over piece b, which have `common` places of a corner in common, or -1 (`Features._corners`). */
-static int64_t over(const Pieces *p, int64_t a, int64_t b, int64_t common, double reach, double size, int64_t *place,
-                    double *found) {
+/* Corners of piece a over piece b, inside by more than `least`, which have `common` places of a corner in common, or -1 (`Features._corners`). */
+static int64_t over(const Pieces *p, int64_t a, int64_t b, int64_t common, double reach, double least, double size,
+                    int64_t *place, double *found) {
   int64_t q = p->q, many = 0, at_a = common / q, at_b = common % q;
   const double *of = p->x + 3 * q * a, *on = p->x + 3 * q * b;
   double height[q], far[q];
@@ -198,15 +198,16 @@ static int64_t over(const Pieces *p, int64_t a, int64_t b, int64_t common, doubl
       if (!(depth >= inside)) inside = depth;
     }
     double sign = side_of(height[i] / size, lean);
-    if (sign == 0.0 || !(inside > 0)) continue;
+    if (sign == 0.0 || !(inside > least)) continue;
     place[2 * many] = i, place[2 * many + 1] = -1;
     found[3 * many] = sign, found[3 * many + 1] = sign * height[i] / size, found[3 * many++ + 2] = inside;
   }
   return many;
 }
 
-/* Sides of pieces a and b that share no corner (`Features._sides`). */
-static int64_t sides_of(const Pieces *p, int64_t a, int64_t b, double reach, double size, int64_t *place, double *found) {
+/* Sides of pieces a and b that share no corner, inside each other by more than `least` (`Features._sides`). */
+static int64_t sides_of(const Pieces *p, int64_t a, int64_t b, double reach, double least, double size, int64_t *place,
+                        double *found) {
   int64_t q = p->q, many = 0;
   const double *of = p->x + 3 * q * a, *on = p->x + 3 * q * b;
   double heart[3] = {0.0, 0.0, 0.0}; /* from the middle of one to that of the other */
@@ -226,7 +227,7 @@ static int64_t sides_of(const Pieces *p, int64_t a, int64_t b, double reach, dou
       cross(r, u, y);
       double t = dot(y, w) / square, inside = fmin(fmin(s, 1 - s), fmin(t, 1 - t));
       double gap = dot(r, w) / sqrt(square) / size;
-      if (!(inside > 0) || !(fabs(gap) < reach)) continue;
+      if (!(inside > least) || !(fabs(gap) < reach)) continue;
       for (int k = 0; k < 3; k++) y[k] = heart[k] - r[k];
       double sign = side_of(gap, dot(y, w) / sqrt(square) / size);
       if (sign == 0.0) continue;
@@ -242,7 +243,7 @@ void face(const Pieces *p, int64_t what, int64_t pairs, const int64_t *pair, con
           double size, int64_t *many, int64_t *place, double *found) {
   for (int64_t k = 0; k < pairs; k++) {
     int64_t a = pair[2 * k], b = pair[2 * k + 1];
-    many[k] = what ? sides_of(p, a, b, reach, size, place, found) : over(p, a, b, common[k], reach, size, place, found);
+    many[k] = what ? sides_of(p, a, b, reach, 0.0, size, place, found) : over(p, a, b, common[k], reach, 0.0, size, place, found);
     place += 2 * many[k], found += 3 * many[k];
   }
 }

@@ -39,21 +39,23 @@ static double close_on(Descent *t, double *x, int most, int *lifts) {
     left = largest(t->value, m);
     int64_t k = 0, equal = 0;
     for (int64_t e = 0; e < t->held->many; e++) equal += t->held->equal[e];
-    if (equal) {
+    /* off closure a gap is one along a walk, and which walk hangs on how facets are numbered: closure comes first */
+    int closed = left <= CLOSURE_TOL;
+    if (equal && closed) {
       carry(s, x, &t->there);
       if (!gaps_of(s, t->held, &t->there, t->other_gap, t->other_row)) return INFINITY;
       for (int64_t e = 0; e < t->held->many; e++)
         if (t->held->equal[e] && fabs(t->other_gap[e]) > left) left = fabs(t->other_gap[e]);
     }
     if (!isfinite(left)) return INFINITY;
-    if (left <= ROUNDED || step == most || (left <= CLOSURE_TOL && left > 0.1 * before)) break;
+    if (step == most || ((closed || !equal) && (left <= ROUNDED || (left <= CLOSURE_TOL && left > 0.1 * before)))) break;
     before = left;
     double *a = t->step->a;
     for (int64_t r = 0; r < m; r++, k++)
       for (int64_t i = 0; i < n; i++) a[n * k + i] = t->held->fixed[i] ? 0.0 : t->jacobian[n * r + i] / s->measure[i];
     memcpy(t->right, t->value, m * sizeof(double));
     for (int64_t e = 0; e < t->held->many; e++) {
-      if (!t->held->equal[e]) continue;
+      if (!t->held->equal[e] || !closed) continue;
       for (int64_t i = 0; i < n; i++) a[n * k + i] = t->held->fixed[i] ? 0.0 : t->other_row[n * e + i];
       t->right[k++] = t->other_gap[e];
     }
@@ -141,10 +143,11 @@ static double gap_at(Descent *t, int64_t e, const Placed *at) {
 }
 
 /* Features of a pair of pieces: corners of one over the other, of the other over it, sides; how many. */
-static int64_t features(const Sheet *s, const Pieces *p, int64_t k, int way, double reach, int64_t *place, double *found) {
+static int64_t features(const Sheet *s, const Pieces *p, int64_t k, int way, double reach, double least, int64_t *place, double *found) {
   int64_t a = way == 1 ? s->other[k] : s->one[k], b = way == 1 ? s->one[k] : s->other[k], shared = s->common[2 * k + (way == 1)];
   if (shared < -1 || (way == 2 && shared >= 0)) return 0;
-  return way == 2 ? sides_of(p, a, b, reach, s->size, place, found) : over(p, a, b, shared, reach, s->size, place, found);
+  return way == 2 ? sides_of(p, a, b, reach, least, s->size, place, found)
+                  : over(p, a, b, shared, reach, least, s->size, place, found);
 }
 
 /* Hold the feature that passes first between a state and one a little further, where facets cross; 0 where none does. */
@@ -162,7 +165,7 @@ static int hold_what_passes(Descent *t, const double *low, const double *high) {
     for (int64_t k = 0; k < s->pairs; k++)
       for (int way = 0; way < 3 && t->hit[k]; way++) {
         int64_t a = way == 1 ? s->other[k] : s->one[k], b = way == 1 ? s->one[k] : s->other[k];
-        int64_t many = features(s, &p, k, way, FACES, place, found);
+        int64_t many = features(s, &p, k, way, FACES, 0.0, place, found);
         for (int64_t f = 0; f < many; f++) {
           if (held->many == SLOTS) return 0;
           int64_t e = hold_on(s, held, a, place[2 * f], b, place[2 * f + 1], end ? -found[3 * f] : found[3 * f]);
@@ -196,7 +199,8 @@ static void hold_what_touches(Descent *t, const double *x) {
   look_at(s, t->there.x, &p);
   for (int64_t k = 0; k < s->pairs; k++)
     for (int way = 0; way < 3; way++) {
-      int64_t many = features(s, &p, k, way, TOUCHES, place, found);
+      /* with what is on a border, which rounding would have inside or outside */
+      int64_t many = features(s, &p, k, way, TOUCHES, -TOUCHES, place, found);
       for (int64_t f = 0; f < many; f++)
         hold_on(s, t->held, way == 1 ? s->other[k] : s->one[k], place[2 * f], way == 1 ? s->one[k] : s->other[k], place[2 * f + 1], found[3 * f]);
     }
@@ -223,8 +227,8 @@ static void drop(Descent *t, const double *x) {
         if (s->one[k] == w[0] && s->other[k] == w[2]) shared = s->common[2 * k];
         if (s->one[k] == w[2] && s->other[k] == w[0]) shared = s->common[2 * k + 1];
       }
-      int64_t many = w[3] >= 0 ? sides_of(&p, w[0], w[2], INFINITY, s->size, place, found)
-                               : over(&p, w[0], w[2], shared, INFINITY, s->size, place, found);
+      int64_t many = w[3] >= 0 ? sides_of(&p, w[0], w[2], INFINITY, -TOUCHES, s->size, place, found)
+                               : over(&p, w[0], w[2], shared, INFINITY, -TOUCHES, s->size, place, found);
       keep = 0;
       for (int64_t f = 0; f < many; f++) keep |= place[2 * f] == w[1] && place[2 * f + 1] == w[3];
       keep |= held->until[e] && fabs(t->other_gap[e]) <= SHUT;
@@ -281,7 +285,7 @@ static unsigned char *equality(Descent *t, int64_t row) {
 /* Newton's step on the rows that are equations, [n], and the largest torque that they leave; how many ways it leaves a saddle by. */
 static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const double *aside, double *torque, double *slope) {
   const Sheet *s = t->s;
-  int64_t n = s->n, m = s->m, saddles = 0;
+  int64_t n = s->n, saddles = 0;
   for (;;) { /* until the step opens all that holds and is no equation */
     int64_t k = 0, kept[rows + 1], t2;
     for (int64_t r = 0; r < rows; r++)
@@ -327,7 +331,8 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
       if (t->which[r] >= n && t->mu[r] != 0.0) bend_gap(s, t->held, t->which[r] - n, &t->here, -t->mu[r], t->h);
     for (int64_t i = 0; i < n; i++)
       for (int64_t j = 0; j < n; j++) t->h[n * i + j] /= s->measure[i] * s->measure[j];
-    double *small = t->reduced, *ways = t->reduced + n * n;
+    /* beside states where closure loses rank multipliers grow, and what rounding makes of curvatures with them */
+    double noise = BALANCED * (1.0 + largest(t->lam, s->m)), *small = t->reduced, *ways = t->reduced + n * n;
     for (int64_t a = 0; a < t2; a++) {
       for (int64_t i = 0; i < n; i++) t->work[i] = dot(t->h + n * i, basis + n * a, n);
       for (int64_t b = 0; b < t2; b++) small[t2 * a + b] = dot(t->work, basis + n * b, n);
@@ -342,7 +347,7 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
         for (int64_t i = 0; i < n; i++) way[i] += ways[t2 * a + b] * basis[n * b + i];
       double pull = dot(way, t->gradient, n), by = -pull / fmax(fabs(curve), SOFTEST);
       *torque = fmax(*torque, fabs(pull));
-      if (curve < -BALANCED && fabs(pull) < BALANCED)
+      if (curve < -noise && fabs(pull) < BALANCED)
         by = (dot(way, aside, n) > 0 ? 1.0 : -1.0) * OFF_SADDLE, saddles++;
       *slope += by * pull;
       for (int64_t i = 0; i < n; i++) t->d[i] += by * way[i];
@@ -359,14 +364,13 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
     if (!more) break;
   }
   for (int64_t i = 0; i < n; i++) t->d[i] /= s->measure[i];
-  (void)m;
   return saddles;
 }
 
 static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int64_t most, const double *aside, int64_t *steps, int64_t *saddles) {
   const Sheet *s = t->s;
   Held *held = t->held;
-  int64_t n = s->n, rows = 0, last = 0, stuck = 0;
+  int64_t n = s->n, rows = 0, last = 0, idle = 0;
   double radius = LONGEST_STEP;
   for (int64_t i = 0; i < n; i++) held->fixed[i] = held->side[i] != 0;
   memset(held->equal, 1, held->many);
@@ -386,7 +390,12 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
     else {
       memset(held->equal, 0, held->many);
       for (int64_t c = 0; c < d; c++) t->right[c] = dot(t->z + n * c, t->gradient, n);
-      if (rows && d && !nonnegative(d, rows, t->inner, t->right, t->mu, t->free, t->work)) return UNRESOLVED;
+      if (rows && d && !nonnegative(d, rows, t->inner, t->right, t->mu, t->free, t->work)) {
+        /* rows all but depend on each other: those that do not, whatever their sign, until a step opens them */
+        memcpy(t->rows->a, t->inner, d * rows * sizeof(double));
+        factor(t->rows, d, rows);
+        nearest(t->rows, t->right, t->mu, t->work);
+      }
       for (int64_t r = 0; r < rows && d; r++) *equality(t, t->which[r]) = t->mu[r] > 0;
     }
     int off = newton(t, x, d, rows, aside, &torque, &slope);
@@ -414,7 +423,7 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
       double off_way = 0.0, new = energy(s, t->trial);
       for (int64_t i = 0; i < n; i++) off_way = fmax(off_way, fabs(t->trial[i] - x[i]));
       if (off_way > 3 * radius + OUTSIDE) continue;
-      int tiny = share * far <= TINY && new <= now + ROUNDED * (1 + fabs(now));
+      int tiny = !off && share * far <= SETTLED && new <= now + ROUNDED * (1 + fabs(now));
       if (!(new < now - DECREASE * share * fabs(slope) * (off ? 0.0 : 1.0)) && !tiny) continue;
       if (crosses(t, t->trial, &t->there)) {
         double low = 0.0, high = 1.0;
@@ -445,10 +454,8 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
       moved = 1;
     }
     if (!moved) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
-    double gone = 0.0;
-    for (int64_t i = 0; i < n; i++) gone = fmax(gone, fabs(t->trial[i] - x[i]));
-    stuck = gone <= TINY * 1e-3 && torque > STILL * size ? stuck + 1 : 0;
-    if (stuck > 12) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
+    idle = energy(s, t->trial) < now - ROUNDED * (1 + fabs(now)) ? 0 : idle + 1;
+    if (idle > MOST_IDLE) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
     radius = fmin(LONGEST_STEP, fmax(2 * share * far * 2.5, 1e-6));
     memcpy(x, t->trial, n * sizeof(double));
     int new = 0;
@@ -487,7 +494,7 @@ void descend(const Sheet *s, double *x, int64_t *side, int64_t hold, int64_t pau
                COUNT(3 * all), COUNT(all), (unsigned char *)COUNT(s->pairs), (unsigned char *)COUNT(3 * n + SLOTS), 0};
   int64_t steps = 0, saddles = 0;
   for (int64_t e = 0; e < slots; e++) {
-    const int64_t *g = given + 9 * e; /* pieces and places, or -1, then facets that stay and are carried, whether two sides, ... */
+    const int64_t *g = given + 8 * e; /* piece, place, piece, place or -1; facet that stays, and is carried; two sides; orders layers */
     int64_t was = held.many;
     if (g[0] >= 0) {
       was = hold_on(s, &held, g[0], g[1], g[2], g[3], signs[e]);
@@ -502,7 +509,7 @@ void descend(const Sheet *s, double *x, int64_t *side, int64_t hold, int64_t pau
         held.sense[s->placed * was + c] = s->walk[s->placed * goes + c] - s->walk[s->placed * stays + c];
       held.many++;
     }
-    if (was >= 0 && was < held.many) held.until[was] = g[8];
+    if (was >= 0 && was < held.many) held.until[was] = g[7];
   }
   memset(t.mu, 0, all * sizeof(double));
   int64_t end = go_down(&t, x, hold, pauses, most, aside, &steps, &saddles);

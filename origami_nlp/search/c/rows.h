@@ -9,7 +9,7 @@ typedef struct {
   int64_t many;                     /* slots */
   int64_t *side, *owner, *sides;    /* [n]; facets of the four points [., 4]; whether of two sides */
   int64_t *first, *second;          /* the facet that stays, and the one that is carried */
-  int64_t *pieces, *until;          /* pieces and places [., 4]; -1 where it is a point; how long it is kept */
+  int64_t *pieces, *until;          /* pieces and places [., 4]; -1 where it is a point; whether it orders layers */
   double *point, *sign, *sense;     /* in the reference state [., 12]; of the gap; of creases between [., N] */
   unsigned char *equal, *fixed;     /* slots, and variables at a limit, that are equations now */
 } Held;
