@@ -84,7 +84,7 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     prove
-        Whether to prove that no minimum is missing: of a vertex, or of a strip of vertices of degree four.  None: where
+        Whether to prove that no minimum is missing: of a vertex, or of a mesh of vertices of degree four.  None: where
         it is cheap.
     starts
         Of a pattern: random starts in a row that find nothing new, in place of the effort.

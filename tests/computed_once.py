@@ -24,7 +24,7 @@ from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
 from origami_nlp.problem import Model
-from origami_nlp.proof import prove_mesh, prove_strip
+from origami_nlp.proof import prove_mesh, prove_quad_mesh
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -112,7 +112,7 @@ def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
     return ask
 
 
-prove_strip, prove_mesh = by_pattern(prove_strip), by_pattern(prove_mesh)
+prove_quad_mesh, prove_mesh = by_pattern(prove_quad_mesh), by_pattern(prove_mesh)
 """As tests of proofs and of their check ask, and searches: each sheet is proved once a run."""
 
 

@@ -92,16 +92,15 @@ def minima(
 
 def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh
 
-    reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
-    if all(reasons):
-        strip, flat, other = reasons
+    flat, other = why_no_mesh(pattern), why_no_quad_mesh(pattern)
+    if flat and other:
         raise OptionError(
-            f"--certificate = {file!r}: the list of a pattern is proved of strips ({strip}), of meshes "
+            f"--certificate = {file!r}: the list of a pattern is proved of meshes "
             f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
         )
-    if reasons[0] and contact == "full":
+    if contact == "full":
         raise OptionError(
             "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
         )
@@ -124,46 +123,31 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
 def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> None:
     from origami_nlp.proof import (
         certificate_of_mesh,
-        certificate_of_strip,
         prove_mesh,
         prove_quad_mesh,
-        prove_strip,
         why_no_quad_mesh,
-        why_no_strip,
-        why_no_strip_contact,
         write_certificate,
     )
 
-    contact = getattr(result.search, "contact", "full") == "full"
-    if why_no_strip(result.pattern):
-        generic = not why_no_quad_mesh(result.pattern)
-        mesh = (prove_quad_mesh if generic else prove_mesh)(result.pattern, boxes=boxes)
-        write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
-        return
-    facets = contact and not why_no_strip_contact(result.pattern)
-    proof = prove_strip(result.pattern, contact=facets, boxes=boxes)
-    write_certificate(certificate_of_strip(result.pattern, proof), file)
+    generic = not why_no_quad_mesh(result.pattern)
+    mesh = (prove_quad_mesh if generic else prove_mesh)(result.pattern, boxes=boxes)
+    write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
 
 
 @writes("json")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
-    """Check a proof that the list of minima of a strip or a mesh is complete, claim by claim, in ball arithmetic.
+    """Check a proof that the list of minima of a mesh is complete, claim by claim, in ball arithmetic.
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
     from origami_nlp.proof import (
         MeshCertificate,
-        StripCertificate,
         check_proof as check,
         read_certificate,
     )
 
     certificate = read_certificate(proof)
-    size = 0
-    if isinstance(certificate, StripCertificate):
-        size = sum(len(curve.claims) for curve in certificate.curves)
-    elif isinstance(certificate, MeshCertificate):
-        size = len(certificate.minima)
+    size = len(certificate.minima) if isinstance(certificate, MeshCertificate) else 0
     with progress(f"check of {proof}", size) as report:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines))

@@ -26,6 +26,8 @@ from origami_nlp.pattern_states.parting import axes_across, planes, sectors_apar
 
 MOST_HALVINGS = 3
 """Of a step in which a pair might touch."""
+HALVINGS = 20
+"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
 FAR = 1e200
 """Longer than any distance, and finite."""
 MOST_STEPS = 64
@@ -414,3 +416,16 @@ def _bounds(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Bound first and second derivatives of steps: those of Bezier polynomials are within those of control points."""
     speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
     return speed, 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
+
+
+def last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
+    for _ in range(HALVINGS):
+        middle, residual = problem.project(0.5 * (free + crossed))
+        if residual > CLOSURE_TOL:
+            break
+        if problem.crossings.find(middle):
+            crossed = middle
+        else:
+            free = middle
+    return free

@@ -114,9 +114,11 @@ class TracedCurves:
         Returns
         -------
         list of TracedCurve
-            The curve, and its images that are not known yet.
+            The curve, and its images that are not known yet; none where fold limits leave the state alone.
         """
         curve = self._followed(phi, along)
+        if not len(curve.control):  # fold limits are in the way, there and back
+            return []
         seen = self.clearance.along(curve) if self._contact else None
         meets = tuple(dips(self.problem, curve))
         meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]

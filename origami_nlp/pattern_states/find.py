@@ -27,10 +27,11 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, DUPLICATE_TOL, RESOLVED
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
+from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, of_vertex
 from origami_nlp.pattern_states.contact_descents import contact_descent_off
 from origami_nlp.pattern_states.curve import tangents
@@ -81,8 +82,6 @@ FOLLOWED = 60
 """What a start that is followed takes, in evaluations of closure."""
 MOST_TRIED = 10
 """Draws for each start that is to close, where few do."""
-HALVINGS = 20
-"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
 DEEP = 6
 """Times that a lower state beside one that was refuted is gone on from."""
 OUT = 0.2
@@ -126,10 +125,10 @@ def find_states(
     seconds
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     escape, noise, effort, options, max_starts, prove
-        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
-        of vertices of degree four (`proof.prove_strip`), unasked of up to two, or three within fold limits, and for
-        meshes whose vertices fold flat (`proof.prove_mesh`).  A proof that is asked for has its share of the time; of
-        a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for
+        meshes of vertices of degree four of which none folds flat (`proof.prove_quad_mesh`), unasked of up to two, or
+        four within fold limits, or all do (`proof.prove_mesh`).  A proof that is asked for has its share of the time;
+        of a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT from the same starts.
     progress
@@ -412,7 +411,7 @@ class _Search(Parts):
         if (seen := traced.stretches) is not None:
             for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
                 free, crossed = (i + 1, i) if seen.crosses[i] else (i, i + 1)
-                start = _last_free(self.problem, seen.states[free], seen.states[crossed])
+                start = last_free(self.problem, seen.states[free], seen.states[crossed])
                 self.explore(start, CURVES)
 
     def _settle_well(self, well: np.ndarray) -> None:
@@ -552,16 +551,3 @@ class _Search(Parts):
                 self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
         if not lines and not ways.families and not self.known(phi):
             self.add(judge(self.problem, phi, self.contact))
-
-
-def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
-    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
-    for _ in range(HALVINGS):
-        middle, residual = problem.project(0.5 * (free + crossed))
-        if residual > CLOSURE_TOL:
-            break
-        if problem.crossings.find(middle):
-            crossed = middle
-        else:
-            free = middle
-    return free

@@ -1,4 +1,4 @@
-"""A proof of all minima of a strip or of a mesh of vertices of degree four, held against what a search found."""
+"""A proof of all minima of a mesh of vertices of degree four, held against what a search found."""
 
 from __future__ import annotations
 
@@ -22,42 +22,38 @@ from origami_nlp.proof import (
     SheetProof,
     prove_mesh,
     prove_quad_mesh,
-    prove_strip,
+    why_no_contact,
     why_no_mesh,
     why_no_quad_mesh,
-    why_no_strip,
-    why_no_strip_contact,
 )
 
-FEW = 3
-"""Vertices in a row up to which a proof is tried unasked, one fewer with contact; that fold flat, fewer than that."""
+FEW = 2
+"""Vertices up to which a proof is tried unasked: of a mesh that folds flat, and of others with contact."""
 FEW_ROUND = 4
-"""Vertices of a mesh that need not fold flat up to which a proof is tried unasked."""
+"""Vertices of a mesh that need not fold flat up to which a proof is tried unasked, within fold limits."""
 UNASKED = 20_000
 """Boxes of a proof that nobody asked for: it costs about as much as the search."""
 
 
 def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, contact: bool) -> bool:
-    """Return whether a proof is tried: where it is asked for, or of a short strip or a small mesh."""
+    """Return whether a proof is tried: where it is asked for, or of a small mesh."""
     if wanted is not None:
         return wanted is not False
     many = len(pattern.vertices)
     # before its sectors are read, which takes seconds for thousands of vertices
-    if many > max(FEW, FEW_ROUND):
+    if many > FEW_ROUND:
         return False
-    if not why_no_strip(pattern):
-        return many <= FEW - contact
     if not why_no_quad_mesh(pattern):
-        return many <= FEW_ROUND and not contact
-    return many < FEW and not contact and not why_no_mesh(pattern)
+        return many <= (FEW if contact else FEW_ROUND)
+    return many <= FEW and not contact and not why_no_mesh(pattern)
 
 
 def covers(pattern: Pattern, contact: bool) -> bool:
     """Return whether a proof of a pattern lists all that is asked by itself.
 
-    Strips are searched as well: that is quick, and their curves say what it takes to leave a state.
+    Meshes that need not fold flat are searched as well: their curves say what it takes to leave a state.
     """
-    return not contact and bool(why_no_strip(pattern)) and not why_no_mesh(pattern)
+    return not contact and not why_no_mesh(pattern)
 
 
 def prove_list(
@@ -89,13 +85,10 @@ def prove_list(
     added : list of JudgedState
         What the proof found, and was judged.
     """
-    why = why_no_strip(pattern)
     flat, generic = why_no_mesh(pattern), why_no_quad_mesh(pattern)
-    if why and flat and generic:
-        return Completeness(
-            "not-proved",
-            f"no strip: {why}; no mesh that folds flat: {flat}; no other mesh: {generic}",
-        ), []
+    if flat and generic:
+        why = f"no mesh that folds flat: {flat}; no other mesh: {generic}"
+        return Completeness("not-proved", why), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
     if wanted is None:
         options = replace(options, boxes=UNASKED)
@@ -103,15 +96,12 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
-    facets = contact and not why_no_strip_contact(pattern)
-    if why and generic:
+    if generic:
         mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
         return hold_against(mesh, problem, known, contact)
-    if why:
-        quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
-        return hold_against(quads, problem, known, contact)
-    proof = prove_strip(pattern, contact=facets, boxes=options.boxes, until=until)
-    return hold_against(proof, problem, known, contact)
+    facets = contact and not why_no_contact(pattern)
+    quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
+    return hold_against(quads, problem, known, contact)
 
 
 def hold_against(
@@ -174,7 +164,7 @@ def hold_against(
         if isinstance(proof, MeshProof):
             why = "contact of meshes that fold flat is not proved"
         else:
-            why = why_no_strip_contact(problem.pattern)
+            why = why_no_contact(problem.pattern)
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
             f"{why}: states that touching facets hold are not enumerated"

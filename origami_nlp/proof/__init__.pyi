@@ -18,6 +18,7 @@ from .certificate import (
 from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
+from .curve_contact import why_no_contact as why_no_contact
 from .document import (
     certificate_of as certificate_of,
     certificate_of_scene as certificate_of_scene,
@@ -40,17 +41,4 @@ from .quad_meshes import QuadProof as QuadProof, prove_quad_mesh as prove_quad_m
 from .quad_sheets import why_no_quad_mesh as why_no_quad_mesh
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
-from .strip_certificate import (
-    StripCertificate as StripCertificate,
-    strip_from_dict as strip_from_dict,
-    strip_to_dict as strip_to_dict,
-)
-from .strip_contact import why_no_strip_contact as why_no_strip_contact
-from .strip_states import why_no_strip as why_no_strip
-from .strips import (
-    StripMinimum as StripMinimum,
-    StripProof as StripProof,
-    certificate_of_strip as certificate_of_strip,
-    prove_strip as prove_strip,
-)
 from .touches import prove as prove, why_not as why_not

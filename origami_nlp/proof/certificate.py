@@ -20,12 +20,6 @@ from origami_nlp.proof.mesh_certificate import (
     mesh_from_dict,
     mesh_to_dict,
 )
-from origami_nlp.proof.strip_certificate import (
-    STRIP_SCHEMA,
-    StripCertificate,
-    strip_from_dict,
-    strip_to_dict,
-)
 
 SCHEMA = "origami-nlp/proof/1"
 LARGEST = 1_000_000_000
@@ -159,15 +153,13 @@ def _document(certificate: Certificate) -> _Document:
     )
 
 
-def write_certificate(
-    certificate: Certificate | StripCertificate | MeshCertificate, target: str | Path
-) -> None:
+def write_certificate(certificate: Certificate | MeshCertificate, target: str | Path) -> None:
     """Write a certificate to a file, whole or not at all.
 
     Parameters
     ----------
     certificate
-        Of a vertex, of a strip or of a mesh.
+        Of a vertex or of a mesh.
     target
         The file, or ``"-"`` for standard output.
 
@@ -176,15 +168,13 @@ def write_certificate(
     OptionError
         If it cannot be written.
     """
-    if isinstance(certificate, StripCertificate):
-        write_json(strip_to_dict(certificate), target)
-    elif isinstance(certificate, MeshCertificate):
+    if isinstance(certificate, MeshCertificate):
         write_json(mesh_to_dict(certificate), target)
     else:
         write_json(certificate_to_dict(certificate), target)
 
 
-def read_certificate(source: str | Path) -> Certificate | StripCertificate | MeshCertificate:
+def read_certificate(source: str | Path) -> Certificate | MeshCertificate:
     """Read a certificate from a file.
 
     Parameters
@@ -194,8 +184,8 @@ def read_certificate(source: str | Path) -> Certificate | StripCertificate | Mes
 
     Returns
     -------
-    Certificate, StripCertificate or MeshCertificate
-        Of a vertex, of a strip or of a mesh: well formed, nothing in it is checked.
+    Certificate or MeshCertificate
+        Of a vertex or of a mesh: well formed, nothing in it is checked.
 
     Raises
     ------
@@ -203,8 +193,6 @@ def read_certificate(source: str | Path) -> Certificate | StripCertificate | Mes
         If it cannot be read or is not one.
     """
     data = read_json(source, LARGEST, "proof", CertificateError)
-    if isinstance(data, dict) and data.get("schema") == STRIP_SCHEMA:
-        return strip_from_dict(data)
     if isinstance(data, dict) and data.get("schema") == MESH_SCHEMA:
         return mesh_from_dict(data)
     return certificate_from_dict(data)

@@ -1,12 +1,11 @@
 """A proof that the list of minima of a sheet is complete, checked by an arithmetic that knows nothing of the first.
 
-What is stated of strips, and of meshes, and how it is decided: `check_strips`, `check_mesh`, `check_quads`.  The proof
-of a vertex can be written and read, and is not checked.
+What is stated of meshes, and how it is decided: `check_mesh`, `check_quads`.  The proof of a vertex can be written and
+read, and is not checked.
 
 What is trusted.  This file, `*_certificate` and `check_*`, which share no code with the search; python-flint and FLINT
 (`arb`: midpoint and radius, rounded outwards); Python, and NumPy where it suggests numbers that are then tested; the
-machine.  Corners, stiffness and rest angles are the doubles of the file; of a hinge law slopes are those of its pieces,
-and the torque goes on from piece to piece (`check_laws`).
+machine.  Corners, stiffness and rest angles are the doubles of the file.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from pathlib import Path
 from origami_nlp.errors import OptionError
 from origami_nlp.proof.certificate import Certificate, read_certificate
 from origami_nlp.proof.mesh_certificate import MeshCertificate
-from origami_nlp.proof.strip_certificate import StripCertificate
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ class Check:
 
 
 def check_proof(
-    proof: str | Path | Certificate | StripCertificate | MeshCertificate,
+    proof: str | Path | Certificate | MeshCertificate,
     progress: Callable[[int, int], object] | None = None,
 ) -> Check:
     """Check a proof from its file: every claim, by ball arithmetic of its own.
@@ -111,7 +109,7 @@ def check_proof(
     """
     said = read_certificate(proof) if isinstance(proof, str | Path) else proof
     if isinstance(said, Certificate):
-        raise OptionError("the proof is of a vertex: proofs of strips and of meshes are checked")
+        raise OptionError("the proof is of a vertex: proofs of meshes are checked")
     try:  # by itself: the check shares no code with the search
         import flint
     except ImportError:
@@ -121,20 +119,10 @@ def check_proof(
     from origami_nlp.proof.check_lists import BITS, Refused
     from origami_nlp.proof.check_mesh import MeshCheck
     from origami_nlp.proof.check_quads import QuadCheck
-    from origami_nlp.proof.check_strips import StripCheck
 
     progress = progress or (lambda done, total: None)
-    check: StripCheck | MeshCheck | QuadCheck
-    if isinstance(said, StripCertificate):
-        check = StripCheck(said, progress)
-        about = [
-            "the statement: round a flat vertex of degree four 1 - cos of opposite folds have one ratio (Rodrigues)"
-        ]
-        if said.contact:
-            about.append(
-                "facets round a vertex that closes with q = +1 do not cross, being convex (shown in `docs`, not here)"
-            )
-    elif said.generic:
+    check: MeshCheck | QuadCheck
+    if said.generic:
         check = QuadCheck(said, progress)
         about = [
             f"the sheet: its equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
@@ -153,17 +141,11 @@ def check_proof(
         check.run()
     except Refused as problem:
         refused = str(problem)
-    # of a strip all that are listed, or it is refused
-    found = (
-        check.confirmed
-        if isinstance(check, MeshCheck | QuadCheck)
-        else range(1, len(said.minima) + 1)
-    )
     return Check(
         refused,
-        () if refused else tuple(found),
+        () if refused else tuple(check.confirmed),
         tuple(m.fold_angles for m in said.minima),
-        {0: len(found), 1: check.maxima},
+        {0: len(check.confirmed), 1: check.maxima},
         () if refused else tuple(check.open),
         dict(sorted(check.counts.items())),
         (f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions", *about),

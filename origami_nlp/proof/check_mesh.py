@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from flint import arb, arb_series
 
 from origami_nlp.proof.check_lists import STATED, ListCheck, Refused, precision, refuse_wide
-from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
+from origami_nlp.proof.check_sheet import FlatDisk, product_round
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 EXACT = 1e-12

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series
 
-from origami_nlp.proof.check_strip_sheet import FlatDisk
+from origami_nlp.proof.check_sheet import FlatDisk
 
 DEPTH = 60
 """Halvings of an interval of theta, at most."""

@@ -43,7 +43,7 @@ from origami_nlp.proof.check_quad_curves import (
     others,
     sign_of,
 )
-from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
+from origami_nlp.proof.check_sheet import FlatDisk, product_round
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 LOOP_TOL = 1e-9

@@ -2,7 +2,7 @@
 
 Round a vertex with creases u_1..u_4 and sectors a_1..a_4 let c_i, s_i be cosine and sine of half its fold angles, S =
 a_1 + a_2 the angle from u_1 to u_3 and D = a_1 - a_2 that from u_2 to -u_4.  The law of cosines across the vertex
-(`strip_states`) has q = 1, so phi_3 = +-phi_1, and phi_4 = +-phi_2.  In quaternions q_1 q_2 = (q_3 q_4)^-1 says
+(`fold_states`) has q = 1, so phi_3 = +-phi_1, and phi_4 = +-phi_2.  In quaternions q_1 q_2 = (q_3 q_4)^-1 says
 s_1 s_2 = -s_3 s_4 off the sheet, so that the signs differ (or one pair is 0 and either sign will do), and in it
 
     phi_3 = phi_1,  phi_4 = -phi_2:  s_1 c_2 cos(S/2) + c_1 s_2 cos(D/2) = 0    (sign 1)

@@ -3,8 +3,8 @@
 A mode is chosen at each vertex in turn, and theta, from 0 to 90 degrees, is cut into boxes: those go in which no
 state closes within fold limits, or a loop does not close.  Where a loop moves steeply it closes once, if the signs at
 the ends say so: a rigid state, that stands alone.  At theta = 0 every loop closes: there is no other state in a box
-round it where a loop is steep.  Where all loops close identically a curve is left, whose minima are those of a
-strip's curves.
+round it where a loop is steep.  Where all loops close identically, as where none is, a curve is left, whose minima
+`curves` finds.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern, laid_flat
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
+from origami_nlp.proof.curve_contact import APART, CROSSING, CurveContact, why_no_contact
+from origami_nlp.proof.curve_energy import HALF_TURN, ThetaEnergy
+from origami_nlp.proof.curves import BEYOND, NARROWEST, along_curve
 from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.quad_sheets import QuadMesh, as_quad_mesh, why_no_quad_mesh
 from origami_nlp.proof.quad_states import QuadCurve, QuadStates
-from origami_nlp.proof.strip_contact import APART, CROSSING, StripContact, why_no_strip_contact
-from origami_nlp.proof.strip_energy import HALF_TURN, StripEnergy
-from origami_nlp.proof.strips import BEYOND, NARROWEST, along_curves
 
 FULL_TURN = math.nextafter(2 * math.pi, 0.0)
 """Not above 2 pi, which is between two doubles."""
@@ -36,7 +36,7 @@ FIRST = np.array([0.0, 0.01, 0.1, 0.4, 1.0, BEYOND])
 MANY = 16
 """Parts that boxes are cut into where they are fewer: it costs what two do."""
 ALIKE = 1e-6
-"""Folds that differ by less reach 180 degrees together, when one is chosen to say where a curve ends [rad]."""
+"""Folds that differ by less reach 180 degrees all but together: none is known to be the first [rad]."""
 
 
 class ThetaInterval(NamedTuple):
@@ -100,7 +100,7 @@ def prove_quad_mesh(
     ------
     OptionError
         If the pattern is no such mesh, or its contact cannot be proved: `why_no_quad_mesh` and
-        `why_no_strip_contact` say why.
+        `why_no_contact` say why.
 
     Examples
     --------
@@ -113,11 +113,11 @@ def prove_quad_mesh(
     mesh, why = as_quad_mesh(pattern)
     if mesh is None or (why := why_no_quad_mesh(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no mesh that can be proved: {why}")
-    if contact and (why := why_no_strip_contact(pattern)):
+    if contact and (why := why_no_contact(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no mesh whose contact can be proved: {why}")
     started = time.process_time()
     pattern = laid_flat(pattern)
-    search = _QuadSearch(mesh, pattern, StripContact(pattern) if contact else None, boxes, until)
+    search = _QuadSearch(mesh, pattern, CurveContact(pattern) if contact else None, boxes, until)
     with np.errstate(all="ignore"):
         search.run()
     return QuadProof(
@@ -142,7 +142,7 @@ class _QuadSearch:
         self,
         mesh: QuadMesh,
         pattern: Pattern,
-        facets: StripContact | None,
+        facets: CurveContact | None,
         boxes: int,
         until: float,
     ) -> None:
@@ -214,7 +214,7 @@ class _QuadSearch:
             gone, slope = _over(curve, low, high)
             alone = ~gone & (slope != 0)
             for ends in (low, high):
-                alone[alone] = curve.states(np.zeros(0), exact(ends[alone])).inside
+                alone[alone] = curve.states(exact(ends[alone])).inside
             steep += zip(*(x[alone].tolist() for x in (low, high, slope)), strict=True)
             middle = 0.5 * (low + high)
             narrow = (high - low <= NARROWEST) | (middle <= low) | (middle >= high) | stop
@@ -233,8 +233,8 @@ class _QuadSearch:
         """Add the two states of an interval of theta, one the other's mirror image, or leave it open."""
         low, high = np.array([one.low]), np.array([one.high])
         middle, half = variables(low, high)
-        at = curve.states(np.zeros(0), exact(middle))
-        box = curve.states(np.zeros(0), Ball(middle, half), at)
+        at = curve.states(exact(middle))
+        box = curve.states(Ball(middle, half), at)
         angles = [box.angles[c] for c in range(self.mesh.creases)]
         phi = np.array([float(a.centre[0]) for a in angles])
         radius = np.array([float(a.radius[0]) for a in angles])
@@ -267,25 +267,23 @@ class _QuadSearch:
         """Add the minima of a curve along which all loops close."""
         self.curves += 1
         curve = QuadCurve(self.mesh, modes, self._first_folded(modes, signs), signs)
-        turns = np.array([[curve.signs[c]] for c in range(self.mesh.creases)], float)
-        energy = StripEnergy(curve, self.pattern, turns)
-        ends, _, examined = along_curves(
+        energy = ThetaEnergy(curve, self.pattern)
+        ends, examined = along_curve(
             energy, self.facets, max(0, self.most - self.boxes), self.until
         )
         self.boxes += examined
         flat = None
         for one in ends.minima():
-            found = SheetMinimum(one.fold_angles, one.radius)
             if one.theta[0] <= 0 <= one.theta[1] and not one.at_limit:
                 flat = SheetMinimum(np.zeros(self.mesh.creases), 0.0)
             else:
-                self.minima.append(found)
+                self.minima.append(one)
         self._flat.append(flat)
         self.maxima += ends.maxima
         self.open += ends.open
 
     def _first_folded(self, modes: tuple[int, ...], signs: dict[int, int]) -> int:
-        """Return the crease that reaches 180 degrees first along a curve: all others are smooth until then."""
+        """Return the crease that is first at 180 degrees along a curve, if one is: all others are smooth until then."""
         curve = QuadCurve(self.mesh, modes, self._drive(), signs)
 
         def states(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -293,7 +291,7 @@ class _QuadSearch:
             angles = np.array([np.broadcast_to(a.centre, theta.shape) for a, _ in at.nodes])
             return ~at.outside & np.isfinite(angles).all(axis=0), np.abs(angles)
 
-        low, high = 0.0, 0.5 * math.pi
+        low, high, most = 0.0, 0.5 * math.pi, np.zeros(len(curve.sense))
         for _ in range(6):
             theta = np.linspace(low, high, 200)[1:]
             closes, angles = states(theta)
@@ -304,13 +302,15 @@ class _QuadSearch:
             if last == len(theta):
                 break
             high = float(theta[last])
-        number = int(np.argmax(most >= most.max() - ALIKE))
-        return min(c for c, n in curve.node.items() if n == number)
+        first = np.flatnonzero(most >= most.max() - ALIKE)
+        if len(first) > 1:
+            return self._drive()
+        return min(c for c, n in curve.node.items() if n == first[0])
 
     def _leave(self, curve: QuadCurve, one: ThetaInterval, why: str) -> None:
         low, high = np.array([one.low]), np.array([one.high])
         middle, half = variables(low, high)
-        box = curve.states(np.zeros(0), Ball(middle, half))
+        box = curve.states(Ball(middle, half))
         ends = np.array([np.full(self.mesh.creases, s * math.pi) for s in (-1, 1)])
         for c, a in box.angles.items():
             s = curve.signs[c]
@@ -325,8 +325,8 @@ class _QuadSearch:
 def _over(curve: QuadCurve, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return of boxes which hold no closed state beside the flat one, and the sign of the slope of the first loop."""
     middle, half = variables(low, high)
-    at = curve.states(np.zeros(0), exact(middle))
-    box = curve.states(np.zeros(0), Ball(middle, half), at)
+    at = curve.states(exact(middle))
+    box = curve.states(Ball(middle, half), at)
     gone = box.outside.copy()
     flat = low <= 0
     steep = np.zeros(len(low), int)
@@ -366,8 +366,8 @@ def _root(curve: QuadCurve, low: float, high: float, sign: int) -> Iterator[Thet
         a, b = low, high
         for _ in range(60):
             middle, half = variables(np.array([a]), np.array([b]))
-            at = curve.states(np.zeros(0), exact(middle))
-            box = curve.states(np.zeros(0), Ball(middle, half), at)
+            at = curve.states(exact(middle))
+            box = curve.states(Ball(middle, half), at)
             step = at.mismatch()[0].value * Ball(*_first(box.mismatch()[0].slope)).inverse()
             x, far = float(middle[0] - step.centre[0]), float(step.radius[0]) + 4 * UNIT
             new = max(a, x - far), min(b, x + far)
@@ -393,5 +393,5 @@ def _halved(curve: QuadCurve, low: float, high: float, sign: int) -> tuple[float
 def _mismatch_at(curve: QuadCurve, theta: float) -> int:
     """Return the sign of the mismatch of the first loop at one state, 0 where it is not certain."""
     x = np.array([theta])
-    value = curve.states(np.zeros(0), Ball(x, np.zeros(1))).mismatch()[0].value
+    value = curve.states(Ball(x, np.zeros(1))).mismatch()[0].value
     return int(value.sign[0]) if value.magnitude[0] < FULL_TURN else 0

@@ -7,7 +7,7 @@ the plane of the sheet that is
     [13] w_2 + [23] w_1 + [12] w_3 = 0,    and so for every three creases that follow each other;
 
 the product is 1, no full turn, where an odd number of folds are negative.  With 1 + w_3^2 = (1 + w_1^2)/q
-(`strip_states`) that leaves two curves through the flat state, phi_3 of the sign of phi_1 (mode 1) or of the other
+(`fold_states`) that leaves two curves through the flat state, phi_3 of the sign of phi_1 (mode 1) or of the other
 (mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, and no two are at 180 degrees
 unless the vertex folds flat (q = 1): both are refused.  So a mode says the signs of all folds: in mode 1 those of w_2
 and w_4 are opposite; in mode -1, at flat, |w_3| = sqrt(x) |w_1| with x = [23][34]/([12][41]), so that w_2 has the
@@ -40,7 +40,7 @@ from origami_nlp.proof.flat_sheets import (
     sector,
     sector_sum,
 )
-from origami_nlp.proof.strip_states import Corner, Side, corner_of, why_no_stop
+from origami_nlp.proof.fold_states import Corner, Side, corner_of, why_no_stop
 
 MOST_VERTICES = 12
 """Of a mesh: 4,096 choices of modes."""

@@ -1,6 +1,6 @@
 """Closed states of a mesh of vertices of degree four, along one fold: what follows from it vertex by vertex.
 
-One crease has phi = 2 theta; a vertex of which one fold is known gives the other three (`strip_states`), in a mode
+One crease has phi = 2 theta; a vertex of which one fold is known gives the other three (`fold_states`), in a mode
 each. Where a vertex has several known folds, it closes a loop: the folds that it gives are those known, or the state
 does not close.  Two vertices in one mode, with equal sectors (in either order) from creases with one fold but for its
 sign, have all folds in common: such folds are one number here, and a loop closes identically where it asks for
@@ -25,8 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.proof.balls import Ball, Jet, argument, exact
+from origami_nlp.proof.fold_states import Corner, Fold, closing, is_narrow, other_folds
 from origami_nlp.proof.quad_sheets import QuadMesh
-from origami_nlp.proof.strip_states import Corner, Fold, closing, is_narrow, other_folds
 
 HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
@@ -129,12 +129,16 @@ class QuadCurve:
         two = tuple(vertex.sectors[(i - 1) % 4] for i in back)
         return min(((number, one, mode), ahead), ((number, two, mode), back))
 
-    # what `strip_energy` asks of a strip
-
     @property
     def across(self) -> list[int]:
         """Creases that are not of the fold that the curve is given by."""
         return [c for c in sorted(self.node) if self.node[c] != self.node[self.drive]]
+
+    @property
+    def driven(self) -> dict[int, int]:
+        """Creases of the fold that the curve is given by, each with its sign for theta > 0."""
+        number = self.node[self.drive]
+        return {c: self.signs[c] for c, n in self.node.items() if n == number}
 
     @property
     def beside(self) -> list[tuple[int, int]]:
@@ -146,8 +150,8 @@ class QuadCurve:
             pairs |= {(a, b) for i, a in enumerate(own) for b in own[i + 1 :]}
         return sorted(pairs)
 
-    def states(self, signs: np.ndarray, theta: Ball, at: QuadStates | None = None) -> QuadStates:
-        """Return its states over boxes of theta; the signs are the curve's."""
+    def states(self, theta: Ball, at: QuadStates | None = None) -> QuadStates:
+        """Return its states over boxes of theta."""
         return QuadStates(self, theta, at)
 
 

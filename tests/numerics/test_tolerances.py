@@ -38,7 +38,7 @@ BESIDE_THE_TABLE = {
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
-        pattern_states/curve.STEP pattern_states/curves.LONG
+        pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
         pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
         space/mesh.DIFFERENCE
@@ -103,8 +103,8 @@ BESIDE_THE_TABLE = {
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
-        proof/strip_states.REACHES proof/check_strip_sheet.NEAR proof/check_strip_sheet.FLAT proof/strip_ends.WIDEST
-        proof/check_strips.STATED proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
+        proof/curve_ends.WIDEST
+        proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
     "bounds on rounding in proofs": """
         proof/flat.CLEAR

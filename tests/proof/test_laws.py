@@ -125,26 +125,6 @@ def test_slopes_change_no_faster_than_bounded(law):
             assert change <= b * abs(y - a) + pieces.ripple
 
 
-@pytest.mark.parametrize("law", LAWS, ids=lambda one: one.name)
-def test_balls_hold_torques(law):
-    """The check's own enclosures."""
-    pytest.importorskip("flint")
-    from flint import arb, fmpq
-
-    from origami_nlp.proof.check_laws import ExactLaw
-    from origami_nlp.proof.strip_certificate import StatedLaw
-
-    rng = np.random.default_rng(3)
-    own = ExactLaw(StatedLaw(law.breaks, law.coefficients))
-    middle, half = boxes_at(rng, law, 40)
-    for m, h in zip(middle.tolist(), half.tolist(), strict=True):
-        low, high = math.nextafter(m - h, -4), math.nextafter(m + h, 4)
-        for x in (low, high, m, *rng.uniform(low, high, 2).tolist()):
-            value, slope = (arb(fmpq(v.numerator, v.denominator)) for v in exact(law, x))
-            over, near = arb(m).union(arb(x)), arb(0, 1e-12)
-            assert (own.at(over) + near).overlaps(value) and own.slope(over).overlaps(slope)
-
-
 def laws_of(scene):
     return replace(scene, laws=tuple(map(linear, scene.stiffness, scene.rest_angles)))
 

@@ -13,9 +13,6 @@ from origami_nlp.proof import (
     certificate_of_mesh,
     check_proof,
     prove_mesh,
-    prove_quad_mesh,
-    prove_strip,
-    why_no_mesh,
 )
 from origami_nlp.proof.check_lists import Refused
 from origami_nlp.proof.check_mesh import MeshCheck
@@ -67,19 +64,3 @@ def test_no_state_passes_that_closes_to_within_its_ball_alone(by, verdict):
     else:
         check.run()
         assert any("closes" in why for why in check.open) == (verdict == "open")
-
-
-def test_farther_away_two_proofs_of_the_sheet_as_it_stands_agree():
-    near = moved(folding_row(0), 1e-10)
-    assert "does not fold flat" in why_no_mesh(near)
-    proofs = prove_strip(near), prove_quad_mesh(near)
-    for one, two in (proofs, proofs[::-1]):
-        for m in one.minima:
-            listed = [x for x in two.minima if np.abs(x.fold_angles - m.fold_angles).max() < 1e-6]
-            slack = m.radius + 1e-9
-            left = [
-                why
-                for low, high, why in two.undecided
-                if ((low - slack <= m.fold_angles) & (m.fold_angles <= high + slack)).all()
-            ]
-            assert listed or left

@@ -1,4 +1,4 @@
-"""Where the energy of a strip has its least values along curves: inside, where facets meet, or where a curve ends."""
+"""Where the energy has its least values along curves: inside, where facets meet, or where a curve ends."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ import numpy as np
 
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball
-from origami_nlp.proof.flat_sheets import SheetMinimum
-from origami_nlp.proof.strip_contact import (
+from origami_nlp.proof.curve_contact import (
     APART,
     CROSSING,
     TOUCHING,
     UNKNOWN,
+    CurveContact,
     FacetTouch,
-    StripContact,
 )
-from origami_nlp.proof.strip_energy import (
+from origami_nlp.proof.curve_energy import (
     FALLING,
     LIMIT,
     NONE,
@@ -27,24 +26,24 @@ from origami_nlp.proof.strip_energy import (
     RISING,
     Stop,
     StopTouch,
-    StripEnergy,
+    ThetaEnergy,
     ThetaStretch,
     kinds_of_boxes,
 )
+from origami_nlp.proof.flat_sheets import SheetMinimum
 
+AT_LIMIT = "whether facets cross where a crease is at +-pi is not decided"
 BALL = ("centre", "radius")
 WIDEST = 1e-6
 """Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class StripMinimum(SheetMinimum):
+class CurveMinimum(SheetMinimum):
     """A minimum of the energy on a curve, fold angles in the middle of theta.
 
     Attributes
     ----------
-    signs
-        Of the folds along the row for theta > 0, [k + 1].
     theta
         Two numbers that it lies between [rad].
     at_limit
@@ -55,7 +54,6 @@ class StripMinimum(SheetMinimum):
         Creases (from 0) at stops within +-180 degrees that hold it, each with the side, +1 for the upper one.
     """
 
-    signs: tuple[int, ...]
     theta: tuple[float, float]
     at_limit: bool
     touching: tuple[tuple[int, int], ...] = ()
@@ -67,16 +65,16 @@ class CurveEnds:
 
     def __init__(
         self,
-        energy: StripEnergy,
-        contact: StripContact | None,
-        touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]],
+        energy: ThetaEnergy,
+        contact: CurveContact | None,
+        touches: dict[tuple[float, float], tuple[FacetTouch | StopTouch, ...]],
     ) -> None:
         self.energy, self.maxima = energy, 0
         self.contact, self.touches = contact, touches
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self._inside: list[ThetaStretch] = []
         self._limits: list[tuple[ThetaStretch, float]] = []
-        self._ends: list[tuple[int, float]] = []
+        self._ends: list[float] = []
         self._held: list[ThetaStretch] = []
 
     def along(self, boxes: list[ThetaStretch]) -> None:
@@ -88,7 +86,15 @@ class CurveEnds:
             else:
                 pieces.append(box)
         for before, piece, after in zip([None, *pieces], pieces, [*pieces[1:], None], strict=False):
-            if piece.kind == OPEN:
+            if self._is_end(piece):
+                contact = self._limit_contact(piece, 1.0 if piece.upper > 0 else -1.0)
+                beside = before if piece.upper > 0 else after
+                if contact == CROSSING and beside is not None and beside.contact == CROSSING:
+                    continue
+                if contact != APART:
+                    self._leave(piece, AT_LIMIT)
+                    continue
+            elif piece.kind == OPEN:
                 self._leave(piece, "not decided in the smallest boxes")
             elif piece.contact == CROSSING or piece.kind == OUTSIDE:
                 continue
@@ -132,9 +138,7 @@ class CurveEnds:
                 if contact == CROSSING and sides[0].contact == CROSSING:
                     continue
                 if contact != APART:
-                    self._leave(
-                        piece, "whether facets cross where a crease is at +-pi is not decided"
-                    )
+                    self._leave(piece, AT_LIMIT)
                     continue
                 if toward * (piece.ahead if toward > 0 else piece.behind) < 0:
                     self._limits.append((piece, toward))
@@ -144,11 +148,15 @@ class CurveEnds:
                     if slope == 0:
                         self._leave(piece, "U' is 0 at +-pi, to rounding")
                     elif slope < 0:
-                        self._ends.append((int(piece.curve), x))
+                        self._ends.append(x)
+
+    def _is_end(self, piece: ThetaStretch) -> bool:
+        """Whether facets come to lie on each other at the end of a curve, where the fold that gives it is at +-pi."""
+        return piece.contact == TOUCHING and piece.kind == NONE and piece[:2] not in self.touches
 
     def _touch(self, piece: ThetaStretch, first: bool, last: bool) -> None:
         """Add the state of a piece where two facets meet, if the energy falls towards it, and the end of a curve."""
-        touch = self.touches[piece[:3]]
+        touch = self.touches[piece[:2]]
         low, high = (self._gap(piece, touch, x) for x in (piece.lower, piece.upper))
         if low * high == 0:
             self._leave(piece, "whether facets cross at an end of a box is not decided")
@@ -157,24 +165,26 @@ class CurveEnds:
             self._held.append(piece)
         # U' has one sign over the piece
         if first and low > 0 and piece.slope > 0:
-            self._ends.append((int(piece.curve), piece.lower))
+            self._ends.append(piece.lower)
         if last and high > 0 and piece.slope < 0:
-            self._ends.append((int(piece.curve), piece.upper))
+            self._ends.append(piece.upper)
 
     def _limit_contact(self, piece: ThetaStretch, toward: float) -> int:
         """Return what is known of facets at the state of a piece where creases reach their limits from one side."""
         ends = np.array([[piece.lower], [piece.upper]])
-        boxes = self.energy.over(np.array([int(piece.curve)]), *ends)
+        boxes = self.energy.over(*ends)
         assert self.contact is not None
         facets = self.contact.facets(boxes.at, boxes.box, boxes.angles, boxes.half)
-        held = {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
+        at_end = toward if self._is_end(piece) else 0.0
+        held = {c: at_end * sign for c, sign in self.energy.curve.driven.items() if at_end}
+        held |= {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
         return self.contact.at_limits(facets, boxes.angles, held)
 
     def _gaps(
         self, piece: ThetaStretch, touch: tuple[FacetTouch | StopTouch, ...], theta: float
     ) -> Ball:
         """Return the gaps of facets that meet at one state of a piece, then what is left of stops."""
-        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]]))
+        at = self.energy.over(*np.array([[theta], [theta]]))
         facets = tuple(t for t in touch if isinstance(t, FacetTouch))
         found = [at.gap(self._stop(t)) for t in touch if isinstance(t, StopTouch)]
         if facets:
@@ -192,10 +202,10 @@ class CurveEnds:
         return float(self._gaps(piece, touch, theta).sign.min())
 
     def _leave(self, piece: ThetaStretch, why: str) -> None:
-        self._leave_open(int(piece.curve), piece.lower, piece.upper, why)
+        self._leave_open(piece.lower, piece.upper, why)
 
-    def _leave_open(self, curve: int, lower: float, upper: float, why: str) -> None:
-        angles = self.energy.over(np.array([curve]), *np.array([[lower], [upper]])).angles
+    def _leave_open(self, lower: float, upper: float, why: str) -> None:
+        angles = self.energy.over(*np.array([[lower], [upper]])).angles
         low, high = (np.full(len(self.energy.rest), s * math.pi) for s in (-1, 1))
         for crease, a in angles.items():
             low[crease] = np.fmax(-math.pi, a.centre[0] - a.radius[0])
@@ -205,8 +215,8 @@ class CurveEnds:
     def _at(self, piece: ThetaStretch, theta: float) -> ThetaStretch:
         """Return what is known of one state of a piece."""
         x = np.array([theta])
-        found = kinds_of_boxes(self.energy, np.array([int(piece.curve)]), x, x, self.contact, {})
-        return ThetaStretch(piece.curve, theta, theta, *(float(v[0]) for v in found))
+        found = kinds_of_boxes(self.energy, x, x, self.contact, {})
+        return ThetaStretch(theta, theta, *(float(v[0]) for v in found))
 
     def _slope(self, piece: ThetaStretch, theta: float) -> float:
         """Return the sign of U' at one state of a piece, 0 where it is not certain."""
@@ -216,48 +226,44 @@ class CurveEnds:
         # an end of the curve is between two doubles
         inner = np.where(np.abs(x) > 0.5 * math.pi, np.nextafter(x, 0.0), x)
         low, high = np.fmin(x, inner), np.fmax(x, inner)
-        return float(self.energy.over(np.array([int(piece.curve)]), low, high).slope()[0].sign[0])
+        return float(self.energy.over(low, high).slope()[0].sign[0])
 
     def _closing(self, piece: ThetaStretch, theta: float) -> np.ndarray:
         """Return which vertices may close at one state of a piece, [k]."""
-        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
+        at = self.energy.over(*np.array([[theta], [theta]])).at
         return (at.closes() | ~at.narrow)[:, 0]
 
-    def minima(self) -> list[StripMinimum]:
+    def minima(self) -> list[CurveMinimum]:
         """Return all minima that were found, each in a narrow box."""
         found = []
-        curve = np.array([int(p.curve) for p in self._inside], int)
-        boxes = self._narrowed(curve, self._inside, None)
-        flat = 0
+        boxes = self._narrowed(self._inside, None)
         for piece, low, high in zip(self._inside, *boxes, strict=True):
-            if low <= 0 <= high:  # at the flat state, if U' is 0 there
-                if not self.energy.rests_flat:
-                    self._leave(piece, "a minimum at the flat state, or beside it")
-                flat += 1
-                if flat != self.energy.signs.shape[1]:
-                    continue
-            found.append(self._state(int(piece.curve), low, high, {}))
-        if 0 < flat < self.energy.signs.shape[1]:
-            self._leave(self._inside[0], "the flat state is a minimum of some of its curves only")
+            if low <= 0 <= high and self.energy.rests_flat:
+                flat = np.zeros(len(self.energy.rest))
+                found.append(
+                    CurveMinimum(flat, 0.0, theta=(float(low), float(high)), at_limit=False)
+                )
+                continue
+            if low <= 0 <= high:
+                self._leave(piece, "a minimum at the flat state, or beside it")
+            found.append(self._state(low, high, {}))
         limits = [piece for piece, _ in self._limits]
-        curve = np.array([int(p.curve) for p in limits], int)
         held = [piece.at_limits(toward) for piece, toward in self._limits]
-        boxes = self._narrowed(curve, limits, [next(iter(folds.items())) for folds in held])
-        for piece, folds, low, high in zip(limits, held, *boxes, strict=True):
+        boxes = self._narrowed(limits, [next(iter(folds.items())) for folds in held])
+        for folds, low, high in zip(held, *boxes, strict=True):
             at = {self.energy.across[i]: side * math.pi for i, side in folds.items()}
-            found.append(self._state(int(piece.curve), low, high, at))
-        found += [self._state(curve, x, x, {-1: 0.0}) for curve, x in self._ends]
+            found.append(self._state(low, high, at))
+        found += [self._state(x, x, {-1: 0.0}) for x in self._ends]
         found += [self._held_state(piece) for piece in self._held]
         for one in found:
             if not one.radius <= WIDEST:
-                number = np.flatnonzero((self.energy.signs.T == one.signs).all(axis=1))[0]
-                self._leave_open(int(number), *one.theta, "the fold angles of a minimum")
+                self._leave_open(*one.theta, "the fold angles of a minimum")
         return [one for one in found if one.radius <= WIDEST]
 
-    def _held_state(self, piece: ThetaStretch) -> StripMinimum:
+    def _held_state(self, piece: ThetaStretch) -> CurveMinimum:
         """Return the state of a piece where two facets meet, in a narrow box."""
         # facets first, as their gaps are
-        touch = tuple(sorted(self.touches[piece[:3]], key=lambda t: isinstance(t, StopTouch)))
+        touch = tuple(sorted(self.touches[piece[:2]], key=lambda t: isinstance(t, StopTouch)))
         low, high = piece.lower, piece.upper
         while (middle := 0.5 * (low + high)) not in (low, high):
             side = self._gap(piece, touch, middle) * touch[0].slope
@@ -270,8 +276,8 @@ class CurveEnds:
         meet = (gaps[0].sign <= 0) | (gaps[1].sign <= 0)
         zeros = (low + (high - low) * np.clip(first / (first - last), 0, 1))[meet]
         zero = float(zeros.max() if touch[0].slope > 0 else zeros.min())
-        box = self._state(int(piece.curve), low, high, {})
-        at = self._state(int(piece.curve), zero, zero, {})
+        box = self._state(low, high, {})
+        at = self._state(zero, zero, {})
         held = [t for t, m in zip(touch, meet, strict=True) if m]
         stops = [self._stop(t) for t in held if isinstance(t, StopTouch)]
         phi = at.fold_angles.copy()
@@ -287,7 +293,7 @@ class CurveEnds:
         )
 
     def _narrowed(
-        self, curve: np.ndarray, pieces: list[ThetaStretch], first: list[tuple[int, float]] | None
+        self, pieces: list[ThetaStretch], first: list[tuple[int, float]] | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the ends of theta after interval Newton steps: for U' = 0, or for the first fold at its limit."""
         low, high = (np.array([getattr(p, end) for p in pieces]) for end in ("lower", "upper"))
@@ -298,7 +304,7 @@ class CurveEnds:
         ]
         rising = np.array(grows) if first else np.ones(len(pieces))
         for _ in range(40 * bool(pieces)):
-            boxes = self.energy.over(curve, low, high)
+            boxes = self.energy.over(low, high)
             middle, _ = variables(low, high)
             if first is None:
                 value, rate = self.energy.first(boxes.at, boxes.at.angles), boxes.slope()[1]
@@ -316,14 +322,11 @@ class CurveEnds:
                 break
         return low, high
 
-    def _state(self, curve: int, low: float, high: float, held: dict[int, float]) -> StripMinimum:
+    def _state(self, low: float, high: float, held: dict[int, float]) -> CurveMinimum:
         """Return the state in a narrow box, creases across the row held at limits."""
-        boxes = self.energy.over(np.array([curve]), np.array([low]), np.array([high]))
+        boxes = self.energy.over(np.array([low]), np.array([high]))
         phi, radius = np.zeros(len(self.energy.rest)), 0.0
         for crease, angle in boxes.angles.items():
             phi[crease] = held.get(crease, np.clip(angle.centre[0], -math.pi, math.pi))
             radius = max(radius, float(angle.radius[0]))
-        signs = tuple(int(s) for s in self.energy.signs[:, curve])
-        return StripMinimum(
-            phi, radius, signs=signs, theta=(float(low), float(high)), at_limit=bool(held)
-        )
+        return CurveMinimum(phi, radius, theta=(float(low), float(high)), at_limit=bool(held))

@@ -1,4 +1,4 @@
-"""The energy of a strip along its curves over boxes: its slope, fold limits and contact, as far as certain."""
+"""The energy along curves over boxes: its slope, fold limits and contact, as far as certain."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ import numpy as np
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import SLIGHTLY, UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
-from origami_nlp.proof.law_torques import LawPieces
-from origami_nlp.proof.strip_certificate import Claim
-from origami_nlp.proof.strip_contact import (
+from origami_nlp.proof.curve_contact import (
     APART,
     CROSSING,
     TOUCHING,
     UNKNOWN,
+    CurveContact,
     FacetTouch,
-    StripContact,
 )
-from origami_nlp.proof.strip_states import FoldCurves, FoldStates
+from origami_nlp.proof.law_torques import LawPieces
+from origami_nlp.proof.quad_states import QuadCurve, QuadStates
 
 HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
@@ -34,13 +33,6 @@ FARTHEST = 8.0
 """Radius of a fold angle of which nothing is known any more [rad]."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
 """Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
-CLAIMS: dict[int, Claim] = {
-    RISING: "convex",
-    FALLING: "concave",
-    OUTSIDE: "outside",
-    LIMIT: "limit",
-}
-"""What certificates call them."""
 
 
 class Stop(NamedTuple):
@@ -59,13 +51,13 @@ class StopTouch(NamedTuple):
     slope: float
 
 
-class StripEnergy:
-    """The energy's derivatives U' and U'' along curves with these signs, [k + 1, curves], over boxes of theta."""
+class ThetaEnergy:
+    """The energy's derivatives U' and U'' along a curve, over boxes of theta."""
 
-    def __init__(self, strip: FoldCurves, pattern: Pattern, signs: np.ndarray) -> None:
-        self.strip, self.signs = strip, signs
+    def __init__(self, along: QuadCurve, pattern: Pattern) -> None:
+        self.curve = along
         self.k, self.rest = pattern.stiffness, pattern.rest
-        self.across = strip.across
+        self.across = along.across
         laws = pattern.laws or (None,) * pattern.creases
         self.laws = [None if law is None else LawPieces(law, 0.0, 1.0) for law in laws]
         self.stops = [
@@ -81,21 +73,20 @@ class StripEnergy:
         """Whether all torques are 0 in the flat state exactly."""
         return not self.rest.any() and not any(self.laws)
 
-    def over(self, curve: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> ThetaBoxes:
-        """Return what is known over boxes on curves of these numbers."""
+    def over(self, lower: np.ndarray, upper: np.ndarray) -> ThetaBoxes:
+        """Return what is known over boxes."""
         middle, half = variables(lower, upper)
-        signs = self.signs[:, curve]
-        at = self.strip.states(signs, exact(middle))
-        box = self.strip.states(signs, Ball(middle, half), at)
+        at = self.curve.states(exact(middle))
+        box = self.curve.states(Ball(middle, half), at)
         # phi = phi(middle) + phi' (theta - middle)
         angles = {c: a.widened(box.slopes[c].value.magnitude * half) for c, a in at.angles.items()}
         return ThetaBoxes(self, at, box, angles, half)
 
-    def first(self, states: FoldStates, angles: dict[int, Ball]) -> Ball:
+    def first(self, states: QuadStates, angles: dict[int, Ball]) -> Ball:
         """Return U' = sum k (phi - rest) phi'."""
         return total(self.torque(c, phi) * states.slopes[c].value for c, phi in angles.items())
 
-    def second(self, states: FoldStates, angles: dict[int, Ball]) -> Ball:
+    def second(self, states: QuadStates, angles: dict[int, Ball]) -> Ball:
         """Return U'' = sum k (phi'^2 + (phi - rest) phi'')."""
         return total(
             self._stiffness(c, phi) * states.slopes[c].value * states.slopes[c].value
@@ -136,9 +127,9 @@ def total(parts: Iterable[Ball]) -> Ball:
 class ThetaBoxes:
     """States in the middle of boxes and over them, and all fold angles over them."""
 
-    energy: StripEnergy
-    at: FoldStates
-    box: FoldStates
+    energy: ThetaEnergy
+    at: QuadStates
+    box: QuadStates
     angles: dict[int, Ball]
     half: np.ndarray
 
@@ -217,13 +208,12 @@ class ThetaBoxes:
 
 
 class ThetaStretch(NamedTuple):
-    """A box of theta of one curve, or several beside each other: its kind, and the sign of U' over it.
+    """A box of theta, or several beside each other: its kind, and the sign of U' over it.
 
     Where folds across the row reach limits: the signs of U' with them continued as towards larger theta, and as towards
     smaller, the sum of 2^i over their numbers i among those across, and over those that grow.
     """
 
-    curve: float
     lower: float
     upper: float
     kind: float
@@ -254,19 +244,6 @@ class ThetaStretch(NamedTuple):
         """Whether all its states close within fold limits."""
         return self.kind in (NONE, RISING, FALLING)
 
-    @property
-    def claim(self) -> Claim:
-        """What a certificate says of it."""
-        if self.kind == OPEN or (self.contact == UNKNOWN and self.kind != OUTSIDE):
-            return "open"
-        if self.contact == CROSSING and self.kind != OUTSIDE:
-            return "crossing"
-        if self.kind == NONE and self.contact == TOUCHING:
-            return "touching"
-        if self.kind == NONE:
-            return "rising" if self.slope > 0 else "falling"
-        return CLAIMS[int(self.kind)]
-
     def joins(self, other: ThetaStretch) -> bool:
         """Return whether both are of one kind, and say the same."""
         if self.contact != other.contact or self.contact == TOUCHING:
@@ -274,25 +251,24 @@ class ThetaStretch(NamedTuple):
         if self.kind == LIMIT:
             passing = int(self.passing)
             grow = int(self.growing) & passing == int(other.growing) & passing
-            return grow and self[3:4] + self[5:8] == other[3:4] + other[5:8]
+            return grow and self[2:3] + self[4:7] == other[2:3] + other[4:7]
         return self.kind == other.kind and (self.kind != NONE or self.slope == other.slope)
 
 
 def kinds_of_boxes(
-    energy: StripEnergy,
-    curve: np.ndarray,
+    energy: ThetaEnergy,
     lower: np.ndarray,
     upper: np.ndarray,
-    contact: StripContact | None,
-    touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]],
+    contact: CurveContact | None,
+    touches: dict[tuple[float, float], tuple[FacetTouch | StopTouch, ...]],
 ) -> tuple[np.ndarray, ...]:
     """Return what a `ThetaStretch` says of each box; where facets meet is added to the touches."""
-    boxes = energy.over(curve, lower, upper)
+    boxes = energy.over(lower, upper)
     slope, bend = boxes.slope()
     passing = boxes.passing()
     narrow = boxes.at.narrow
     inside = narrow & ~passing.any(axis=0)
-    kind = np.full(len(curve), OPEN)
+    kind = np.full(len(lower), OPEN)
     kind[inside & (bend.sign > 0)] = RISING
     kind[inside & (bend.sign < 0)] = FALLING
     kind[inside & (slope.sign != 0)] = NONE
@@ -303,7 +279,7 @@ def kinds_of_boxes(
     once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates], bool)
     once = once.reshape(passing.shape)
     known = (once | ~passing).all(axis=0)
-    for one, other in energy.strip.beside:
+    for one, other in energy.curve.beside:
         known &= ~(passing[one] & passing[other])
     ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
     # several at once: each reaches its limit or is past it, none leaves one or is still to come to it
@@ -315,23 +291,23 @@ def kinds_of_boxes(
     kind[reached & (kind == LIMIT)] = OPEN
     kind[beyond | boxes.box.outside] = OUTSIDE
     bits = 2.0 ** np.arange(len(energy.across))
-    status = np.full(len(curve), APART)
+    status = np.full(len(lower), APART)
     asked = np.flatnonzero((kind != OPEN) & (kind != OUTSIDE))
     if contact is not None and len(asked):
-        few = len(asked) < len(curve)
-        some = energy.over(curve[asked], lower[asked], upper[asked]) if few else boxes
+        few = len(asked) < len(lower)
+        some = energy.over(lower[asked], upper[asked]) if few else boxes
         facets = contact.facets(some.at, some.box, some.angles, some.half)
         status[asked], found = contact.over(facets, some.angles, (upper - lower)[asked])
         for k, touch in found.items():
             i = int(asked[k])
             if kind[i] == NONE:
-                touches[float(curve[i]), float(lower[i]), float(upper[i])] = touch
+                touches[float(lower[i]), float(upper[i])] = touch
             else:
                 status[i] = UNKNOWN
     for i in np.flatnonzero(
         reached & ((kind == RISING) | (kind == FALLING) | (kind == NONE))
     ).tolist():
-        box = float(curve[i]), float(lower[i]), float(upper[i])
+        box = float(lower[i]), float(upper[i])
         both = touches.pop(box, ()) + tuple(
             s._replace(slope=float(o))
             for s, m, o in zip(stops, met[:, i], opening[:, i], strict=True)

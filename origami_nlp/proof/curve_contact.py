@@ -1,9 +1,9 @@
-"""Which facets of a strip cross along its curves, over boxes of theta, with proved rounding.
+"""Which facets cross along curves, over boxes of theta, with proved rounding.
 
 Facets that share an interior vertex do not cross where it closes turned by no full turn and no crease is beyond +-pi:
 each is convex and so within the cone of its sector.  The four sectors are a closed curve of length 2 pi on the sphere,
 so within a hemisphere; seen from its centre that is a quadrangle in the plane, of whose two pairs of opposite sides one
-crosses at most.  A crossing would be a full turn more, and such states are none of the strip's.
+crosses at most.  A crossing would be a full turn more, and such states are none of the sheet's.
 
 Two other facets are apart where a plane separates all their corners, and cross where an edge, or a diagonal, of one
 passes through the other inside.  Where they meet first, a corner reaches a facet or an edge an edge: a determinant g of
@@ -33,7 +33,7 @@ from origami_nlp.proof.ball_vectors import (
 )
 from origami_nlp.proof.balls import Ball, Jet, exact, rational
 from origami_nlp.proof.flat_sheets import cross
-from origami_nlp.proof.strip_states import FoldStates
+from origami_nlp.proof.quad_states import QuadStates
 
 UNKNOWN, APART, CROSSING, TOUCHING = range(4)
 """Of facets over a box: nothing; all apart; two cross; two are apart on one side of a state."""
@@ -53,13 +53,13 @@ class FacetTouch(NamedTuple):
     slope: float
 
 
-def why_no_strip_contact(pattern: Pattern) -> str:
-    """Return why contact between the facets of a strip is not proved; "" where it is.
+def why_no_contact(pattern: Pattern) -> str:
+    """Return why contact between the facets of a mesh is not proved; "" where it is.
 
     Parameters
     ----------
     pattern
-        A strip of which `why_no_strip` says nothing.
+        A mesh of which `why_no_quad_mesh` says nothing.
 
     Returns
     -------
@@ -69,8 +69,8 @@ def why_no_strip_contact(pattern: Pattern) -> str:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.proof import why_no_strip_contact
-    >>> why_no_strip_contact(o.examples.pattern("metasheet", 2, 3))
+    >>> from origami_nlp.proof import why_no_contact
+    >>> why_no_contact(o.examples.pattern("metasheet", 2, 3))
     ''
     """
     if len(pattern.polygons) != pattern.facets:
@@ -97,7 +97,7 @@ def _far_pairs(pattern: Pattern) -> list[tuple[int, int]]:
 
 
 class Facets(NamedTuple):
-    """All corners of the polygons of a strip over boxes, [3, q, K] each: in the middle, and over the boxes."""
+    """All corners of the polygons of a mesh over boxes, [3, q, K] each: in the middle, and over the boxes."""
 
     middle: list[Ball]
     over: list[Jet]
@@ -108,13 +108,13 @@ class Facets(NamedTuple):
         return Facets([part(x, some) for x in self.middle], [jet_part(x, some) for x in self.over])
 
 
-class StripContact:
-    """Which facets of a strip cross.
+class CurveContact:
+    """Which facets of a mesh cross.
 
     Parameters
     ----------
     pattern
-        A strip of which `why_no_strip_contact` says nothing.
+        A mesh of which `why_no_contact` says nothing.
     """
 
     def __init__(self, pattern: Pattern) -> None:
@@ -123,7 +123,7 @@ class StripContact:
         self.steps = [(*step, _turning(pattern, *step[2:])) for step in _walk(pattern)]
 
     def facets(
-        self, at: FoldStates, box: FoldStates, angles: dict[int, Ball], half: np.ndarray
+        self, at: QuadStates, box: QuadStates, angles: dict[int, Ball], half: np.ndarray
     ) -> Facets:
         """Return the facets in the middle of boxes and over them; fold angles over the boxes are given."""
         middle = [x.value for x in self.corners(at, at.angles)]
@@ -132,7 +132,7 @@ class StripContact:
         over = [Jet(m.widened(s.magnitude * half), s) for m, s in zip(middle, slopes, strict=True)]
         return Facets(middle, over)
 
-    def corners(self, states: FoldStates, angles: dict[int, Ball]) -> list[Jet]:
+    def corners(self, states: QuadStates, angles: dict[int, Ball]) -> list[Jet]:
         """Return the corners of each polygon in space, [3, q, K]; one facet stays where it is."""
         place = exact(self.pattern.corners.T[:, :, None])
         many = len(states.narrow)
@@ -250,7 +250,7 @@ class StripContact:
                 return True
         return False
 
-    def gaps(self, touches: tuple[FacetTouch, ...], states: FoldStates) -> Ball:
+    def gaps(self, touches: tuple[FacetTouch, ...], states: QuadStates) -> Ball:
         """Return all g at single states, [touches, K]."""
         x = self.corners(states, states.angles)
         found = [
