@@ -25,7 +25,7 @@ from origami_nlp.minima.record import (
     listed,
 )
 from origami_nlp.minima.search import Search, Work
-from origami_nlp.minima.stopping import chao1
+from origami_nlp.minima.stopping import chao1, chao1_error
 from origami_nlp.numerics import (
     CLOSURE_TOL,
     DESIGN_SNAP,
@@ -333,6 +333,7 @@ class Job:
             statuses=dict(r.statuses),
             outcomes=outcomes,
             expected_undiscovered=chao1(r.drawn_hits),
+            expected_error=chao1_error(r.drawn_hits),
             stopped_by=self.stopped_by,
             seconds=seconds,
             seed=self.seed,

@@ -184,6 +184,7 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         statuses=dict(counted["statuses"]),
         outcomes=dict(counted["outcomes"]),
         expected_undiscovered=sum(r.expected_undiscovered for r in reports),
+        expected_error=math.hypot(*(r.expected_error for r in reports)),
         stopped_by=max((r.stopped_by for r in reports), key=STOPPED.index),
         seconds=max(r.seconds for r in reports),
         seed=first.seed,

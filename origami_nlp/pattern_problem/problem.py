@@ -353,7 +353,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
     def _other(self) -> PatternProblem:
         other = copy.copy(self)
         vars(other).pop("parameters", None)
-        other._seen, other._symbols = {}, None
+        other._seen = {}
         return other
 
     def under(self, work: Work, t: float) -> PatternProblem:

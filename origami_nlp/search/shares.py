@@ -19,7 +19,7 @@ class Shares:
     Attributes
     ----------
     work, new
-        By name.  Work is counted, never timed: a list is the same on every machine.
+        By name.  Work is counted, never timed: what is drawn hangs on no machine's speed.
     """
 
     def __init__(self, names: Sequence[str]) -> None:
