@@ -135,7 +135,7 @@ def hold_against(
                 found = _where_rank_is_lost(proof, problem, minimum.fold_angles, known, contact)
                 shown += [s.phi for s in found]
                 new = [s for s in found if not any(s is k for k in known)]
-                if not near and not found:
+                if not found:
                     new = [judge_end(problem, minimum.fold_angles, contact)]
                 near, judged = [*near, *found, *new], [*judged, *new]
             # facets of a proof within fold limits may cross

@@ -54,10 +54,11 @@ def along_curve(
             examined += len(lower)
             found = kinds_of_boxes(energy, lower, upper, facets, touches)
             # at a limit facets may be flat on others: asked of the state at last (`_limit_contact`)
-            at_end = (found[0] == NONE) & ((upper >= BEYOND) | (lower <= -BEYOND))
-            at_limit = (found[0] == LIMIT) | at_end
+            at_end = (upper >= BEYOND) | (lower <= -BEYOND)
+            at_limit = (found[0] == LIMIT) | ((found[0] == NONE) & at_end)
             found[-1][at_limit & (found[-1] == UNKNOWN) & (upper - lower <= TOGETHER)] = TOUCHING
-            open_ = (found[0] == OPEN) | (found[-1] == UNKNOWN)
+            # which crease is first at +-pi where the curve ends, smaller boxes may say
+            open_ = (found[0] == OPEN) | (found[-1] == UNKNOWN) | ((found[0] == LIMIT) & at_end)
             split = open_ & (upper - lower > NARROWEST) & (not stop)
             cover.append(np.array([lower, upper, *found])[:, ~split])
             middle = 0.5 * (lower + upper)[split]
