@@ -119,7 +119,7 @@ def find_states(
     starts
         Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
     seed
-        Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
+        Of the random starts, whatever the numbers of creases, the sheet's place and the side it is seen from.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
