@@ -94,6 +94,7 @@ def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
     from origami_nlp.proof import why_no_mesh, why_no_quad_mesh
 
+    pattern.check_plain_hinges("--certificate")
     flat, other = why_no_mesh(pattern), why_no_quad_mesh(pattern)
     if flat and other:
         raise OptionError(

@@ -341,10 +341,8 @@ class _Search(Parts):
         if near is not None:
             exact = judge(self.problem, near, self.contact)
             state = state if exact.verdict == "undecided" else exact
-        if any(
-            self.known(y, state.verdict)
-            for y in self._images(state.phi)[: None if state.refuted else 1]
-        ):
+        alike = self._images(state.phi) if state.refuted else [state.phi]
+        if any(self.known(x, state.verdict) for x in alike):
             return None  # of what is refuted one image is kept
         self.add(state)
         return state

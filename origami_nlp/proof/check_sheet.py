@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
@@ -98,20 +98,6 @@ class FlatDisk:
                 return found
             if edge not in self.beside:
                 return None
-
-    def walk(self) -> Iterator[tuple[int, int, int, int]]:
-        """Yield each facet but the first from one before it, the crease between, and +-1: from its right or left."""
-        front, seen = [0], {0}
-        for f in front:
-            ring = self.facets[f]
-            for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
-                g = self.beside.get((b, a))
-                if g is not None and g not in seen:
-                    seen.add(g)
-                    front.append(g)
-                    c = self.crease[frozenset((a, b))]
-                    # f is on the left of (a, b)
-                    yield g, f, c, -1 if self.said.creases[c] == (a, b) else 1
 
 
 def product_round(vertex: CreasesRound, folds: Sequence[Any]) -> tuple[Any, Any, Any, Any]:

@@ -87,7 +87,9 @@ class CurveEnds:
                 pieces.append(box)
         for before, piece, after in zip([None, *pieces], pieces, [*pieces[1:], None], strict=False):
             if self._is_end(piece):
-                contact = self._limit_contact(piece, 1.0 if piece.upper > 0 else -1.0)
+                toward = 1.0 if piece.upper > 0 else -1.0
+                driven = self.energy.curve.driven
+                contact = self._limit_contact(piece, {c: toward * s for c, s in driven.items()})
                 beside = before if piece.upper > 0 else after
                 if contact == CROSSING and beside is not None and beside.contact == CROSSING:
                     continue
@@ -134,7 +136,9 @@ class CurveEnds:
                     self._leave(piece, "creases reach +-pi together")
                     continue
                 toward = 1.0 if sides[0] is before else -1.0
-                contact = self._limit_contact(piece, toward) if piece.contact == TOUCHING else APART
+                folds = piece.at_limits(toward)
+                held = {self.energy.across[i]: side for i, side in folds.items()}
+                contact = self._limit_contact(piece, held) if piece.contact == TOUCHING else APART
                 if contact == CROSSING and sides[0].contact == CROSSING:
                     continue
                 if contact != APART:
@@ -169,15 +173,12 @@ class CurveEnds:
         if last and high > 0 and piece.slope < 0:
             self._ends.append(piece.upper)
 
-    def _limit_contact(self, piece: ThetaStretch, toward: float) -> int:
+    def _limit_contact(self, piece: ThetaStretch, held: dict[int, float]) -> int:
         """Return what is known of facets at the state of a piece where creases reach their limits from one side."""
         ends = np.array([[piece.lower], [piece.upper]])
         boxes = self.energy.over(*ends)
         assert self.contact is not None
         facets = self.contact.facets(boxes.at, boxes.box, boxes.angles, boxes.half)
-        at_end = toward if self._is_end(piece) else 0.0
-        held = {c: at_end * sign for c, sign in self.energy.curve.driven.items() if at_end}
-        held |= {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
         return self.contact.at_limits(facets, boxes.angles, held)
 
     def _gaps(

@@ -319,4 +319,6 @@ def kinds_of_boxes(
             status[i] = TOUCHING if one_way else UNKNOWN
         if status[i] == TOUCHING:
             touches[box] = both
+        elif status[i] == UNKNOWN:
+            kind[i] = OPEN  # no facet that is asked of the end of a curve: creases at stops
     return kind, slope.sign, ahead, behind, bits @ passing, bits @ (moving > 0), status

@@ -169,7 +169,8 @@ static double side_of(double gap, double lean) {
   return (by > 0) - (by < 0);
 }
 
-/* Corners of piece a over piece b, inside by more than `least`, which have `common` places of a corner in common, or -1 (`Features._corners`). */
+/* Corners of piece a over piece b, inside by more than `least`, which have `common` places of a corner in common, or -1
+   (`Features._corners`). */
 static int64_t over(const Pieces *p, int64_t a, int64_t b, int64_t common, double reach, double least, double size,
                     int64_t *place, double *found) {
   int64_t q = p->q, many = 0, at_a = common / q, at_b = common % q;
@@ -243,7 +244,8 @@ void face(const Pieces *p, int64_t what, int64_t pairs, const int64_t *pair, con
           double size, int64_t *many, int64_t *place, double *found) {
   for (int64_t k = 0; k < pairs; k++) {
     int64_t a = pair[2 * k], b = pair[2 * k + 1];
-    many[k] = what ? sides_of(p, a, b, reach, 0.0, size, place, found) : over(p, a, b, common[k], reach, 0.0, size, place, found);
+    many[k] = what ? sides_of(p, a, b, reach, 0.0, size, place, found)
+                   : over(p, a, b, common[k], reach, 0.0, size, place, found);
     place += 2 * many[k], found += 3 * many[k];
   }
 }
