@@ -292,9 +292,7 @@ class Job:
             record.drawn += 1
             record.by_source[Uniform.name] += 1
             before = solve.work
-            if (start := starts.draw(rng)) is None:
-                yield None
-                continue
+            (start,) = starts.draw(rng, 1)
             x, why = solve(start)
             record.solves += 1
             record.iterations += solve.work - before

@@ -76,14 +76,16 @@ class CompiledClosure:
         self._made_of = dict(tables), size, n
         of, rows, crease = tables["of"], tables["rows"], tables["crease"]
         loops, m = len(rows), int(rows.sum())
-        if not loops:
-            return
         shared = _sharing(crease)
         # loops that share creases are numbered near each other
         graph = sp.sparse.csr_array(
             (np.ones(len(shared)), (of[shared[:, 0]], of[shared[:, 1]])), shape=(loops, loops)
         )
-        order = sp.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
+        order = (
+            sp.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
+            if loops
+            else np.zeros(0, int)
+        )
         place = np.empty(loops, int)
         place[order] = np.cumsum(rows[order]) - rows[order]
         shared = shared[place[of[shared[:, 0]]] >= place[of[shared[:, 1]]]]

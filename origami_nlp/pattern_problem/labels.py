@@ -46,9 +46,9 @@ class CanonicalLabelling:
     images: tuple[tuple[np.ndarray, float], ...]
 
     def drawn(self, values: np.ndarray) -> np.ndarray:
-        """Return numbers [n] that were drawn in this order as fold angles of the pattern."""
+        """Return numbers [..., n] that were drawn in this order as fold angles of the pattern."""
         out = np.empty_like(values)
-        out[self.order] = self.sign * values
+        out[..., self.order] = self.sign * values
         return out
 
     def symmetries(self, pattern: Pattern) -> list[tuple[np.ndarray, float]]:

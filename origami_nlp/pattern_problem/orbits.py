@@ -120,7 +120,11 @@ class Orbits:
 
     def reduce(self, phi: np.ndarray) -> np.ndarray:
         """Return the variables [..., n] of fold angles [..., N]: means over orbits."""
-        return np.asarray(self.gather(np.asarray(phi, float)) / self.multiplicity)
+        first = np.unique(self.orbit, return_index=True)[1]
+        y = (self.sign * phi)[
+            ..., first
+        ]  # what the mean adds is 0 where all agree, to the last bit
+        return np.asarray(y + self.gather(phi - self.expand(y)) / self.multiplicity)
 
     def limits(self, limits: FoldLimits) -> FoldLimits:
         """Return between which angles variables are, [n], where all that follow them are within theirs [N]."""

@@ -1,14 +1,12 @@
-"""Downhill into contact, along states in which no facets cross: by the kernel (`kkt.follow`), and from where."""
+"""Downhill into contact, along states in which no facets cross: by the kernel (`kkt.follow`)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.kkt import STOPPED, follow
-from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
 from origami_nlp.pattern_states.descent import TRUST, Descended
 
@@ -20,8 +18,6 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, do so closely."""
 UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
-SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
-"""Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
 
 def contact_descent(
@@ -79,50 +75,3 @@ def contact_descent(
         why = f"more than {MOST_PAIRS} pairs of facets come close to each other"
     path = tuple(found.states)
     return Descended(found.end, arrived, len(path) - 1, "still" if arrived else why, path=path)
-
-
-def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> Descended | None:
-    """Go down where a descent that let facets cross would have had to stop.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    path
-        Closed states of the descent, [n] [rad] each.
-
-    Returns
-    -------
-    Descended
-        From the last state before facets cross; where they cross at the start from one that is folded less.  None
-        where they cross at none of the states.
-    """
-    if (
-        problem.size > MOST_DENSE
-    ):  # to be refused: it is enough to know whether there was something to do
-        return contact_descent(problem, path[-1]) if problem.crossings.find(path[-1]) else None
-    crossed = next((k for k, phi in enumerate(path) if problem.crossings.find(phi)), None)
-    if crossed is None:
-        return None
-    if crossed:
-        return contact_descent(problem, path[crossed - 1])
-    start = less_folded(problem, path[0])
-    if start is not None:
-        return contact_descent(problem, start)
-    return Descended(path[0], False, 0, "no start was found at which facets do not cross")
-
-
-def less_folded(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Return a closed state at which no facets cross, on the way from one [n] to the reference state."""
-    reference = problem.pattern.reference
-    for share in SMALLER:
-        start, residual = problem.project(reference + share * (phi - reference))
-        if (
-            residual > CLOSURE_TOL
-            or not problem.closure.lifts_to_one(start)
-            or not problem.fold_limits.inside(start).all()
-        ):
-            continue
-        if not problem.crossings.find(start):
-            return start
-    return None

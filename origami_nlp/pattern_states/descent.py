@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy as sp
@@ -26,6 +27,9 @@ from origami_nlp.numerics import (
     NullSpaces,
 )
 from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states.closed import close
+from origami_nlp.pattern_states.judgement import stationary_beside
+from origami_nlp.search import CLOSES_NOT, NO_LOWER, StartState
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -43,7 +47,6 @@ FALLS = 0.5
 rank they end nowhere."""
 FAR_FROM_SINGULAR = 1e-4
 """Of closure: smaller singular values are left to systems that do not decide on a rank."""
-NO_LOWER = "no lower state within reach"
 FAR = 4.0
 """A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
 
@@ -255,3 +258,30 @@ def _retract(
         phi, residual = problem.project(phi, held)
     good = residual <= CLOSURE_TOL and bool(limits.inside(phi).all())
     return phi, good and problem.closure.lifts_to_one(phi)
+
+
+class ByNewton:
+    """Ways down of a sheet too large for dense matrices, as `Follower` has them: facets may cross on the way."""
+
+    usable = True
+
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem = problem
+
+    def __call__(
+        self, start: StartState, aside: np.ndarray, *given: object
+    ) -> tuple[np.ndarray, str]:
+        """Return where a start leads, [n], and why it ends there: ``""`` where that is stationary."""
+        x = self.problem.fold_limits.hold(start.x, start.side)
+        if (closed := close(self.problem, x)) is None:
+            return x, CLOSES_NOT
+        end = descend(self.problem, closed, side=aside)
+        if not end.arrived and (better := stationary_beside(self.problem, end.phi)) is not None:
+            return better, ""
+        return end.phi, "" if end.arrived else end.why
+
+    def each(
+        self, starts: Sequence[StartState], asides: np.ndarray, *given: object
+    ) -> list[Callable[[], tuple[np.ndarray, str]]]:
+        """Return what tells where each of some starts leads."""
+        return [partial(self, *both) for both in zip(starts, asides, strict=True)]

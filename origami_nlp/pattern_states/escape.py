@@ -36,7 +36,7 @@ from origami_nlp.pattern_problem import PatternProblem, image
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.terrain import PatternTerrain
 from origami_nlp.pattern_states.traced_passes import CurvePasses, curve_passes
-from origami_nlp.search import creases_around
+from origami_nlp.search import variables_around
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought by descents."""
@@ -103,7 +103,7 @@ def _escapes(
     ways = {}
     if sought and len(at) > 1:
         out_of = [k for k in sought if k in alone]
-        vertices = creases_around(problem.pattern, curves.labels)
+        vertices = variables_around(problem, curves.labels)
         around = {k: _apart(vertices, at[k], symmetries) for k in out_of}
         leaving = {
             k: [*_modes(problem, minima[k]), *_openings(problem, at[k], contact)] for k in out_of

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,10 +34,9 @@ from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, of_vertex
-from origami_nlp.pattern_states.contact_descents import contact_descent_off
 from origami_nlp.pattern_states.curve import tangents
 from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
-from origami_nlp.pattern_states.descent import descend
+from origami_nlp.pattern_states.descent import ByNewton
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
@@ -78,6 +78,8 @@ SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
+BATCH, TOGETHER = 2_000, 32
+"""Starts that are drawn together, over the square of the number of variables, and at most."""
 FOLLOWED = 60
 """What a start that is followed takes, in evaluations of closure."""
 MOST_TRIED = 10
@@ -223,7 +225,10 @@ class _Search(Parts):
         )
         self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
         self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
-        self.go_down: Follower | ByIpopt = Follower(self.problem)
+        self.go_down: Follower | ByIpopt | ByNewton = Follower(self.problem)
+        if not self.go_down.usable:
+            by = ByNewton if self.problem.sparse else ByIpopt
+            self.go_down = by(self.problem)
         self._seed = 0
 
     @property
@@ -262,26 +267,33 @@ class _Search(Parts):
         """
         shares = Shares([family.name for family in self._families])
         numbers = {family.name: k for k, family in enumerate(self._families)}
-        made = dict.fromkeys(numbers, 0)
-        for _ in range(MOST_TRIED * most):
-            if self.tally.drawn >= most or self.tally.quiet >= starts:
-                return
+        made, together = (
+            dict.fromkeys(numbers, 0),
+            max(1, min(TOGETHER, BATCH // self.problem.size**2)),
+        )
+        tally = self.tally
+        while (
+            tally.drawn < most and tally.quiet < starts and sum(made.values()) < MOST_TRIED * most
+        ):
             self.problem.check_time()
-            name, before = shares.next(), self.count()[0]
+            name = shares.next()
             number, family = numbers[name], self._families[numbers[name]]
-            lost = self.tally.stopped[CLOSES_NOT] + self.tally.open
-            made[name] += 1
-            start = family.draw(np.random.default_rng([self._seed, number, made[name]]))
-            shares.work[name] += family.cost + FOLLOWED * (start is not None)
-            if start is not None:
+            rng = np.random.default_rng([self._seed, number, made[name]])
+            batch = family.draw(rng, together)
+            made[name] += together
+            asides = self.labels.drawn(rng.normal(size=(len(batch), self.problem.size)))
+            shares.work[name] += family.cost * together
+            for way in self.go_down.each(batch, asides, self._is_end):
                 self.begin(name)
-                self.attempt(self.follow, start)
-            new = self.count()[0] - before
-            shares.new[name] += new
-            closed = start is not None and lost == self.tally.stopped[CLOSES_NOT] + self.tally.open
-            self.tally.drawn += closed
-            # what starts from minima leads back to them says nothing of others
-            self.tally.quiet = 0 if new else self.tally.quiet + (closed and name != Changed.name)
+                before, lost = self.count()[0], tally.stopped[CLOSES_NOT] + tally.open
+                self.attempt(self._arrive, way)
+                new = self.count()[0] - before
+                closed = lost == tally.stopped[CLOSES_NOT] + tally.open
+                shares.new[name] += new
+                shares.work[name] += FOLLOWED * closed
+                tally.drawn += closed
+                # what starts from minima leads back to them says nothing of others
+                tally.quiet = 0 if new else tally.quiet + (closed and name != Changed.name)
 
     def explore(self, start: np.ndarray, family: str, hold: bool = False) -> None:
         """Follow a state from which a listed family starts, with creases at their limits kept there if possible.
@@ -293,12 +305,14 @@ class _Search(Parts):
 
     def follow(self, start: StartState, deep: int = DEEP) -> None:
         """Go downhill from a start, on either side of saddles, and judge what is reached."""
-        if not self.go_down.usable:
-            return self._by_python(start.x)
         here = [*self.family.encode(), self.tally.by_source[self.family]]
         rng = np.random.default_rng([self._seed, *here])
         aside = self.labels.drawn(rng.normal(size=self.problem.size))
-        x, why = self.go_down(start, aside, self._is_end)
+        self._arrive(partial(self.go_down, start, aside, self._is_end), deep)
+
+    def _arrive(self, way: Callable[[], tuple[np.ndarray, str]], deep: int = DEEP) -> None:
+        """Judge where a way down ends."""
+        x, why = way()
         if why == NO_LOWER and (near := singular_beside(self.problem, x)) is not None:
             x, why = near, ""  # it is not told from that state, where closure loses rank
         if why:
@@ -320,16 +334,17 @@ class _Search(Parts):
         """Judge where a descent ended, and its images; beside one that is refuted, go on from a lower state."""
         if self._is_end(x) or self.known(x) or (state := self._judged(x)) is None:
             return
-        images = self._images(state.phi)
-        if state.verdict == "minimum" and state.phi.any():
+        x = self.at_state(state)
+        images = self._images(x)
+        if state.verdict == "minimum" and x.any():
             self._changed.add(*(on_grid(self.problem, x) for x in images))
         for other in images[1:]:
             if not state.refuted and not self.known(other):
                 self.attempt(self._judged, other)
         if state.verdict == "minimum":
-            self.snap(state.phi)
+            self.snap(x)
         elif state.refuted and deep:
-            lower = classified(self.problem, state.phi).lower
+            lower = classified(self.problem, x).lower
             if lower is not None:
                 self.follow(StartState(lower, at_limits(self.problem, lower)), deep - 1)
 
@@ -341,7 +356,8 @@ class _Search(Parts):
         if near is not None:
             exact = judge(self.problem, near, self.contact)
             state = state if exact.verdict == "undecided" else exact
-        alike = self._images(state.phi) if state.refuted else [state.phi]
+        at = self.at_state(state)
+        alike = self._images(at) if state.refuted else [at]
         if any(self.known(x, state.verdict) for x in alike):
             return None  # of what is refuted one image is kept
         self.add(state)
@@ -358,25 +374,6 @@ class _Search(Parts):
                 if self.tally.by_source.get(SNAPPED, 0) < self.options.most_on:
                     self.explore(start, SNAPPED)
 
-    def _by_python(self, start: np.ndarray) -> None:
-        """Go downhill without compiled descents: of large sheets, and where there is no compiler."""
-        problem = self.problem
-        if (closed := close(problem, start)) is None:
-            self.tally.open += 1
-            return
-        end = descend(problem, closed, side=self._side)
-        if not end.arrived and (better := stationary_beside(problem, end.phi)) is not None:
-            end = replace(end, phi=better, arrived=True)
-        if end.arrived:
-            self.settle(end.phi, 0)
-        else:
-            self.tally.stalled += 1
-        held = contact_descent_off(problem, end.path) if self.contact else None
-        if held is not None and held.arrived:
-            self.settle(held.phi, 0)
-        elif held is not None:
-            self.tally.stopped[held.why] += 1
-
     def trace_curves(self) -> None:
         """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
         if self.problem.size > self.options.most_traced:
@@ -386,7 +383,7 @@ class _Search(Parts):
                 self._trace(phi)
         gone = 0
         while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
-            phi = self.judged[gone].phi
+            phi = self.at_state(self.judged[gone])
             gone += 1
             if phi not in self.curves and self.judged[gone - 1].verdict != "not admissible":
                 self._trace(phi)
@@ -419,7 +416,8 @@ class _Search(Parts):
 
         def judged() -> bool:
             return any(
-                np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged
+                np.abs(well - self.at_state(s)).max() <= known.get(s.verdict, -1.0)
+                for s in self.judged
             )
 
         if (closed := close(self.problem, well)) is not None:
@@ -434,7 +432,9 @@ class _Search(Parts):
         """Add the state at a well; where it is not decided, it stands for a minimum that is not told from it."""
         state = judge_end(self.problem, x, self.contact)
         beside = [
-            k for k, s in enumerate(self.judged) if np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL
+            k
+            for k, s in enumerate(self.judged)
+            if np.abs(self.at_state(s) - x).max() <= 10 * DUPLICATE_TOL
         ]
         if not self.known(x):
             self.add(state)
@@ -476,7 +476,7 @@ class _Search(Parts):
         lowest = [k for k, s in enumerate(self.judged) if s.verdict == "minimum"][:MOST_STATES]
         for k in lowest:
             self.problem.check_time()
-            if (solver := confirm(self.problem, self.judged[k].phi)) is not None:
+            if (solver := confirm(self.problem, self.at_state(self.judged[k]))) is not None:
                 self.tally.solves += 1
                 self.tally.iterations += solver.iterations
                 self.judged[k] = replace(self.judged[k], solver=solver)

@@ -44,7 +44,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         phi = at_limit
     problem = problem.with_contact(contact)
     residual = problem.residual(phi)
-    energy, angles = float(problem.pattern.energy(phi)), tuple(phi.tolist())
+    energy, angles = problem.energy(phi), tuple(problem.expand(phi).tolist())
     why = ""
     if not residual <= CLOSURE_TOL:
         why = f"does not close: {residual:.1e}"
@@ -74,7 +74,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         contacts=tuple(replace(c, contact=None) for c in what.contacts),
         hessian_eigenvalues=what.eigenvalues,
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
-        softest_mode=() if what.mode is None else tuple(what.mode.tolist()),
+        softest_mode=() if what.mode is None else tuple(problem.expand(what.mode).tolist()),
     )
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
@@ -137,7 +137,10 @@ def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) ->
     state = judge(problem, phi, contact)
     better = beside(problem, state)
     state = state if better is None else judge(problem, better, contact)
-    if state.verdict == "undecided" and (near := singular_beside(problem, state.phi)) is not None:
+    if (
+        state.verdict == "undecided"
+        and (near := singular_beside(problem, problem.reduce(state.phi))) is not None
+    ):
         exact = judge(problem, near, contact)
         state = exact if exact.verdict == "minimum" else state
     return state
@@ -149,10 +152,10 @@ def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
     if state.refuted:
         left &= state.kkt_residual < ANSWERED
     elif state.verdict in ("minimum", "undecided"):
-        left |= problem.loose(state.phi)
+        left |= problem.loose(problem.reduce(state.phi))
     else:
         return None
-    return stationary_beside(problem, state.phi) if left else None
+    return stationary_beside(problem, problem.reduce(state.phi)) if left else None
 
 
 def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:

@@ -92,6 +92,10 @@ class Parts:
         except FAILURES as failure:
             self.tally.fail(failure)
 
+    def at_state(self, state: JudgedState) -> np.ndarray:
+        """Return a judged state in the variables of the problem, [n]."""
+        return self.problem.reduce(state.phi)
+
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
         """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it.
 
@@ -101,7 +105,7 @@ class Parts:
         here = [
             k
             for k, s in enumerate(self.judged)
-            if np.abs(phi - s.phi).max() <= least.get(s.verdict, 10 * DUPLICATE_TOL)
+            if np.abs(phi - self.at_state(s)).max() <= least.get(s.verdict, 10 * DUPLICATE_TOL)
         ]
         for k in here:
             self._reach(k)
@@ -109,12 +113,18 @@ class Parts:
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
-        near = singular_beside(self.problem, state.phi) if state.verdict == "undecided" else None
+        near = (
+            singular_beside(self.problem, self.at_state(state))
+            if state.verdict == "undecided"
+            else None
+        )
         if state.dof < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
         elif near is not None and self.known(near):  # not distinguished from what was judged
             self.tally.stalled += 1
-        elif not self.known(state.phi, state.verdict) and not self._level_with_known(state):
+        elif not self.known(self.at_state(state), state.verdict) and not self._level_with_known(
+            state
+        ):
             self.judged.append(state)
             self._reach(len(self.judged) - 1)
             if state.verdict == "minimum" and self.found is not None:
@@ -128,12 +138,14 @@ class Parts:
         """
         if state.verdict != "minimum" or not self.problem.pattern.laws:
             return False
+        x = self.at_state(state)
         for k, s in enumerate(self.judged):
-            if s.verdict != "minimum" or np.abs(state.phi - s.phi).max() > NEAR_SINGULAR_TOL:
+            y = self.at_state(s)
+            if s.verdict != "minimum" or np.abs(x - y).max() > NEAR_SINGULAR_TOL:
                 continue
             level = LEVEL * max(abs(s.energy), self.problem.scale)
-            between, residual = project(self.problem, 0.5 * (s.phi + state.phi))
-            other, middle = (self.problem.energy_change(s.phi, x) for x in (state.phi, between))
+            between, residual = project(self.problem, 0.5 * (x + y))
+            other, middle = (self.problem.energy_change(y, z) for z in (x, between))
             if residual <= CLOSURE_TOL and abs(other) <= level and middle <= level:
                 self._reach(k)
                 return True
@@ -141,7 +153,7 @@ class Parts:
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        by_key = sorted(self.judged, key=lambda s: self.labels.key(s.phi))
+        by_key = sorted(self.judged, key=lambda s: self.labels.key(self.at_state(s)))
         return sorted(by_key, key=lambda s: rank(s.energy / self.problem.scale, ()))
 
     def count(self) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from .descend import (
     CompiledDescent as CompiledDescent,
     DescentEnd as DescentEnd,
     Slot as Slot,
+    StartState as StartState,
 )
 from .follow import Follower as Follower
 from .ipopt import (
@@ -23,13 +24,12 @@ from .starts import (
     Changed as Changed,
     FoldedCreases as FoldedCreases,
     StartKind as StartKind,
-    StartState as StartState,
     Touch as Touch,
     Uniform as Uniform,
     at_limits as at_limits,
-    creases_around as creases_around,
     given as given,
     hinge_rests as hinge_rests,
     on_grid as on_grid,
     other_wells as other_wells,
+    variables_around as variables_around,
 )

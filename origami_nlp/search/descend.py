@@ -25,6 +25,10 @@ from origami_nlp.pattern_problem import (
 
 SLOTS = 64
 """Gaps that a descent holds at most."""
+PICKS = 8
+"""Pairs of features that a start brings together at most."""
+FURTHEST = 2.0
+"""Features that are brought together face each other closer, over the longest crease."""
 SOFT = 0.01
 """Of the mean stiffness: the metric takes no crease for softer."""
 MOST_STEPS = 200
@@ -34,6 +38,7 @@ NAMES = {
     "BISECTIONS": 9,
     "EXACT": 1e-10,
     "FACES": 0.5,  # features that face each other closer, over the sheet's size
+    "FOLDING": 8,  # steps in which creases are folded
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": 0.5,  # [rad]
     "MOST_CLOSING": 40,
@@ -53,7 +58,7 @@ NAMES = {
 """Numbers of the source."""
 NUMERICS = "BALANCED CLOSURE_TOL DECREASE INSIDE OUTSIDE RANK SETTLED".split()
 WHOLE = "n m placed facets root steps pieces q pairs laws".split()
-REAL = "size deep".split()
+REAL = "size deep reach".split()
 FLOATS = (
     "stiffness rest load low high measure sense_of reference axis from direction end walk corner "
     "law_weight law_shift law_piece law_grid"
@@ -107,7 +112,12 @@ def _source() -> str:
     own = ("cross", "dot", "INSIDE", "NONZERO", "OUTSIDE")
     lines = ["#define cross cross_of_facets", "#define dot dot_of_facets", compiled_facets.source()]
     lines += [*(f"#undef {name}" for name in own), compiled_closure.source()]
-    values = {**NAMES, "SLOTS": SLOTS, **{name: getattr(numerics, name) for name in NUMERICS}}
+    values = {
+        **NAMES,
+        "SLOTS": SLOTS,
+        "PICKS": PICKS,
+        **{name: getattr(numerics, name) for name in NUMERICS},
+    }
     lines += [f"#define {name} ({value!r})" for name, value in values.items()]
     fields = [("int64_t ", WHOLE), ("double ", REAL), *PARTS.items()]
     lines.append("typedef double (*Outside)(const double *x, int64_t order, double *out);")
@@ -115,7 +125,14 @@ def _source() -> str:
     lines += ["} Sheet;", "#define Lawed Sheet", "#define factorise factorise_columns"]
     linear = Path(numerics.__file__).parent / "c" / "linear.c"
     here, laws = Path(__file__).parent / "c", Path(stated.__file__).parent / "c" / "laws.h"
-    files = linear, laws, here / "orthogonal.h", here / "rows.h", here / "descend.c"
+    files = (
+        linear,
+        laws,
+        here / "orthogonal.h",
+        here / "rows.h",
+        here / "descend.c",
+        here / "starts.c",
+    )
     return "\n".join([*lines, *(path.read_text("utf-8") for path in files)])
 
 
@@ -156,14 +173,43 @@ class Slot:
         return cls((-1, -1), (-1, -1), touch.sign, touch.facets, sides, points, orders)
 
 
+@dataclass(frozen=True, eq=False)
+class StartState:
+    """Where a way down begins.
+
+    Attributes
+    ----------
+    x, side
+        A state [n], and the fold limits that it holds, by sign [n].
+    slots
+        Gaps that it holds.
+    hold
+        Whether what it holds stays until all is stationary.
+    drawn
+        Whether it is at random: it is to be closed, with what it holds, and stays so until all is stationary.
+    picks
+        Of one that is drawn, which features are brought together: of those that face each other the first, second, ...
+    most
+        Steps at most.
+    """
+
+    x: np.ndarray
+    side: np.ndarray
+    slots: tuple[Slot, ...] = ()
+    hold: bool = False
+    drawn: bool = False
+    picks: tuple[int, ...] = ()
+    most: int = MOST_STEPS
+
+
 @dataclass(frozen=True)
 class DescentEnd:
     """Where a descent ended.
 
     Attributes
     ----------
-    x
-        State, [n].
+    x, begun
+        State, and the closed one that it began at, [n].
     arrived
         Whether it is stationary on what it holds.
     why
@@ -176,9 +222,12 @@ class DescentEnd:
         Gaps that are shut.
     forces
         Multipliers of limits [n], and of slots.
+    held
+        Whether what it began with was to be held until all was stationary.
     """
 
     x: np.ndarray
+    begun: np.ndarray
     arrived: bool
     why: str
     steps: int
@@ -187,6 +236,7 @@ class DescentEnd:
     side: np.ndarray
     slots: tuple[Slot, ...]
     forces: np.ndarray
+    held: bool
 
 
 class CompiledDescent:
@@ -206,10 +256,8 @@ class CompiledDescent:
         if self._library is not None and not self._library.descend.argtypes:
             whole, at = ctypes.c_int64, ctypes.c_void_p
             call = self._library.descend
-            call.restype, call.argtypes = (
-                None,
-                [at] * 3 + [whole] * 3 + [at] * 3 + [whole] + [at] * 7,
-            )
+            call.restype = None
+            call.argtypes = [at, whole, *[at] * 5, whole, *[at] * 12]
 
     @property
     def usable(self) -> bool:
@@ -309,71 +357,73 @@ class CompiledDescent:
         # whichever way the sheet lies in space
         away = c.pattern.corners - c.pattern.corners.mean(axis=0)
         size, deep = float(np.linalg.norm(away, axis=1).max()), numerics.DEEP * c.size
-        return _SheetInC(*whole, size, deep, *map(at.__getitem__, names))
+        reach = FURTHEST * float(c.pattern.lengths.max()) / size
+        return _SheetInC(*whole, size, deep, reach, *map(at.__getitem__, names))
 
     def __call__(
-        self,
-        x: np.ndarray,
-        side: np.ndarray | None = None,
-        slots: Sequence[Slot] = (),
-        hold: bool = False,
-        aside: np.ndarray | None = None,
-        pauses: bool = False,
-        most: int = MOST_STEPS,
-    ) -> DescentEnd:
-        """Go downhill from a state.
+        self, starts: Sequence[StartState], asides: np.ndarray, pauses: bool = False
+    ) -> list[DescentEnd]:
+        """Go downhill from states, each by itself.
 
         Parameters
         ----------
-        x
-            The state, closed or nearly so, [n] [rad].
-        side
-            Which fold limits it holds, by sign, [n].
-        slots
-            Gaps that it holds.
-        hold
-            Whether what it holds stays until all is stationary.
-        aside
-            Direction [n] that says to which side saddles are left.
+        starts
+            Closed or nearly so; those that are drawn are closed with what they hold.
+        asides
+            Directions [K, n] that say to which side saddles are left.
         pauses
-            Whether it ends where facets come to lie on each other, and where all that is held is stationary.
-        most
-            Steps at most.
+            Whether a way ends where facets come to lie on each other, and where all that is held is stationary.
         """
-        problem, n = self.problem, self.problem.size
-        limits, kept = problem.fold_limits, self._kept
-        on = np.zeros(n, np.int64) if side is None else np.array(side, np.int64)
-        at = limits.hold(np.array(x, np.float64), on)
-        given, points = np.zeros((SLOTS, 8), np.int64), np.zeros((SLOTS, 12))
-        signs, count = np.zeros(SLOTS), len(slots)
-        for k, slot in enumerate(slots):
-            (a, b), (i, j) = slot.pieces, slot.places
-            given[k] = a, i, b, j, *slot.facets, slot.sides, slot.orders
-            signs[k] = slot.sign
-            if slot.points is not None:
-                points[k] = slot.points.ravel()
-        way = np.sin(1.0 + np.arange(n)) if aside is None else np.array(aside, np.float64)
-        pieces, sign = np.zeros((SLOTS, 4), np.int64), np.zeros(SLOTS)
-        forces, ends = np.zeros(n + SLOTS), np.zeros(5)
+        limits, kept, count, n = (
+            self.problem.fold_limits,
+            self._kept,
+            len(starts),
+            self.problem.size,
+        )
+        x, side = np.array([s.x for s in starts]), np.array([s.side for s in starts], np.int64)
+        given, points = np.zeros((count, SLOTS, 8), np.int64), np.zeros((count, SLOTS, 12))
+        signs, picks = np.zeros((count, SLOTS)), np.zeros((count, PICKS), np.int64)
+        for one, start in enumerate(starts):
+            if not start.drawn:
+                x[one] = limits.hold(x[one], side[one])
+            picks[one, : len(start.picks)] = start.picks[:PICKS]
+            for k, slot in enumerate(start.slots[:SLOTS]):
+                (a, b), (i, j) = slot.pieces, slot.places
+                given[one, k] = a, i, b, j, *slot.facets, slot.sides, slot.orders
+                signs[one, k] = slot.sign
+                if slot.points is not None:
+                    points[one, k] = slot.points.ravel()
+        whole = [
+            np.array(each, np.int64)
+            for each in (
+                [2 if s.drawn else int(s.hold) for s in starts],
+                [s.most for s in starts],
+                [min(len(s.slots), SLOTS) for s in starts],
+            )
+        ]
+        way = np.ascontiguousarray(asides, dtype=np.float64)
+        pieces, sign = np.zeros((count, SLOTS, 4), np.int64), np.zeros((count, SLOTS))
+        forces, ends, begun = (
+            np.zeros((count, n + SLOTS)),
+            np.zeros((count, 6)),
+            np.zeros((count, n)),
+        )
+        kind, most, slots = map(address, whole)
         self._library.descend(
-            *(
-                ctypes.addressof(self._given),
-                address(at),
-                address(on),
-                int(hold),
-                int(pauses),
-                count,
-            ),
-            *(address(given), address(points), address(signs), most, address(way)),
-            *(address(kept["room"]), address(kept["ints"]), address(forces)),
-            *(address(pieces), address(sign), address(ends)),
+            *(ctypes.addressof(self._given), count, address(x), address(side), kind),
+            *(address(picks), most, int(pauses), slots, address(given), address(points)),
+            *(address(signs), address(way), address(kept["room"]), address(kept["ints"])),
+            *(address(begun), address(forces), address(pieces), address(sign), address(ends)),
         )
-        status, steps, saddles, work, many = ends.astype(int).tolist()
-        kept_slots = tuple(
-            Slot((a, b), (i, j), s)
-            for (a, i, b, j), s in zip(pieces[:many].tolist(), sign[:many].tolist(), strict=True)
-        )
-        arrived = status == 0
-        return DescentEnd(
-            at, arrived, REASONS[status], steps, saddles, work, on, kept_slots, forces[: n + many]
-        )
+        out = []
+        for one, (status, steps, saddles, work, many, hold) in enumerate(ends.astype(int).tolist()):
+            kept_slots = tuple(
+                Slot((a, b), (i, j), s)
+                for (a, i, b, j), s in zip(
+                    pieces[one, :many].tolist(), sign[one, :many].tolist(), strict=True
+                )
+            )
+            counts = status == 0, REASONS[status], steps, saddles, work
+            held = side[one], kept_slots, forces[one, : n + many], bool(hold)
+            out.append(DescentEnd(x[one], begun[one], *counts, *held))
+        return out

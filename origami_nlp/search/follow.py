@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -11,14 +13,13 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import (
     CLOSES_NOT,
     LEVEL,
-    MOST_STEPS,
-    SLOTS,
     CompiledDescent,
     DescentEnd,
     Slot,
+    StartState,
 )
-from origami_nlp.search.layers import AJAR, Order, ajar, leant, ordered_slots
-from origami_nlp.search.starts import StartState
+from origami_nlp.search.layers import AJAR, Order, leant, ordered_slots
+from origami_nlp.search.starts import at_limits
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
@@ -37,6 +38,7 @@ class Follower:
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self.descents = problem, CompiledDescent(problem)
+        self._levels: dict[object, list[tuple[np.ndarray, np.ndarray, str]]] = {}
 
     @property
     def usable(self) -> bool:
@@ -60,64 +62,85 @@ class Follower:
         known_end
             Whether an end is known: then it is asked no further.
         """
-        x, why = self._down(start, aside, known_end)
-        moved, problem = float(np.abs(x - start.x).max(initial=0.0)), self.problem
+        problem, leaning = self.problem, start
+        if problem.residual(start.x) > AJAR:
+            # one that is symmetric closes to one of several states, by rounding
+            leaning = replace(start, x=leant(problem, start.x, aside))
+        (way,) = self.each([leaning], aside[None], known_end)
+        x, why = way()
+        moved = float(np.abs(x - start.x).max(initial=0.0))
         if not DUPLICATE_TOL < moved <= BESIDE_SINGULAR or problem.residual(start.x) > CLOSURE_TOL:
             return x, why
         # where closure loses rank what closes to rounding is no motion
         return (start.x, "") if problem.rank(start.x) < problem.rank(x, CLOSURE_TOL) else (x, why)
 
-    def _down(
+    def each(
+        self,
+        starts: Sequence[StartState],
+        asides: np.ndarray,
+        known_end: Callable[[np.ndarray], bool] = lambda x: False,
+    ) -> list[Callable[[], tuple[np.ndarray, str]]]:
+        """Return what tells where each of some starts leads: the first leg of all is made at once."""
+        pauses = self.problem.contact
+        opened = [bool(pauses and s.side.any() and not (s.hold or s.drawn)) for s in starts]
+        first = [
+            replace(s, hold=True, most=0) if o else s for s, o in zip(starts, opened, strict=True)
+        ]
+        legs = self.descents(first, asides, pauses)
+        each = zip(starts, opened, legs, asides, strict=True)
+        return [partial(self._onward, *given, known_end) for given in each]
+
+    def _onward(
         self,
         start: StartState,
+        folded: bool,
+        end: DescentEnd,
         aside: np.ndarray,
         known_end: Callable[[np.ndarray], bool],
     ) -> tuple[np.ndarray, str]:
-        x, side, slots, hold = start.x, start.side, start.slots, start.hold
-        if (
-            self.problem.residual(x) > AJAR
-        ):  # one that is symmetric closes to one of several states, by rounding
-            x = leant(self.problem, x, aside)
-        known = set[Order]()
-        if side.any() and not hold:
-            end = self._leg(x, side, slots, True, aside, 0)
+        known, slots, hold = set[Order](), start.slots, end.held
+        if start.drawn and hold and end.why == LEVEL:
+            # at rest with all that was drawn held: many starts come here, and go on alike
+            key = (*end.side.tolist(), *sorted((*s.pieces, *s.places, s.sign) for s in end.slots))
+            level = self._levels.setdefault(key, [])
+            for x, onward, why in level:
+                if np.abs(x - end.x).max() <= DUPLICATE_TOL:
+                    return onward, why
+            here = end.x
+            onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
+            level.append((here, onward, why))
+            return onward, why
+        if folded:  # with creases fully folded that are free: their layers are ordered first
             if end.why == CLOSES_NOT:  # what is fully folded opens as it closes
-                side = np.zeros_like(side)
+                start = replace(start, side=np.zeros_like(start.side))
             elif (ordered := self._ordered(end.x, None, known, aside)) is None:
                 return end.x, NO_ORDER
             else:
-                x, slots = end.x, (*slots, *ordered)
+                slots = (*slots, *ordered)
+                start = replace(start, x=end.x, slots=slots)
+            end = self._leg(start, aside)
         for _ in range(MOST_LEGS):
-            end = self._leg(x, side, slots, hold, aside)
             if end.why != LEVEL:
-                settled = not slots or np.abs(end.x - x).max() <= DUPLICATE_TOL
+                settled = not slots or np.abs(end.x - start.x).max() <= DUPLICATE_TOL
                 if not end.arrived or settled or known_end(end.x):
                     return end.x, "" if end.arrived else end.why
                 # gaps at corners of overlaps that are no corners any more hold it: ordered anew
             # facets that come to lie on each other stay on the side that they come from
-            before = None if hold else x
-            x, side, hold = end.x, end.side, False
-            if (ordered := self._ordered(x, before, known, aside)) is None:
-                return x, NO_ORDER
-            slots = (*(s for s in end.slots if s.pieces[0] >= 0), *ordered)
-        return x, NOWHERE
+            ordered = self._ordered(end.x, None if hold else end.begun, known, aside)
+            if ordered is None:
+                return end.x, NO_ORDER
+            hold, slots = False, (*(s for s in end.slots if s.pieces[0] >= 0), *ordered)
+            start = StartState(end.x, end.side, slots)
+            end = self._leg(start, aside)
+        return end.x, NOWHERE
 
-    def _leg(
-        self,
-        x: np.ndarray,
-        side: np.ndarray,
-        slots: tuple[Slot, ...],
-        hold: bool,
-        aside: np.ndarray,
-        most: int = MOST_STEPS,
-    ) -> DescentEnd:
-        pauses = self.problem.contact
-        return self.descents(x, side, slots[:SLOTS], hold, aside, pauses, most)
+    def _leg(self, start: StartState, aside: np.ndarray) -> DescentEnd:
+        (end,) = self.descents([start], aside[None], self.problem.contact)
+        return end
 
     def _ordered(
         self, x: np.ndarray, before: np.ndarray | None, known: set[Order], aside: np.ndarray
     ) -> tuple[Slot, ...] | None:
-        if not self.problem.contact:
+        if not self.problem.contact or not at_limits(self.problem, x).any():
             return ()
-        beside = ajar(self.problem, x, aside) if before is None else before
-        return ordered_slots(self.problem, x, beside, known)
+        return ordered_slots(self.problem, x, before, known, aside)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import casadi as ca
@@ -296,7 +297,8 @@ class ByIpopt:
 
     def __call__(self, start: StartState, *given: object) -> tuple[np.ndarray, str]:
         """Return where a start leads, polished, [n], and why it ends there: ``""`` where IPOPT converged."""
-        ended, pressed, _, _ = solve_apart(self.problem, start.x)
+        x = self.problem.fold_limits.hold(start.x, start.side)
+        ended, pressed, _, _ = solve_apart(self.problem, x)
         self.work += ended.iterations
         if not ended.succeeded:
             return ended.x, f"IPOPT: {ended.status}"
@@ -304,3 +306,9 @@ class ByIpopt:
         return x, "" if self.problem.residual(
             x
         ) <= CLOSURE_TOL else "IPOPT: its answer does not close"
+
+    def each(
+        self, starts: Sequence[StartState], *given: object
+    ) -> list[Callable[[], tuple[np.ndarray, str]]]:
+        """Return what tells where each of some starts leads."""
+        return [partial(self, start) for start in starts]

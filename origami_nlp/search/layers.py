@@ -29,7 +29,11 @@ def leant(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarr
 
 
 def ordered_slots(
-    problem: PatternProblem, x: np.ndarray, before: np.ndarray, known: set[Order]
+    problem: PatternProblem,
+    x: np.ndarray,
+    before: np.ndarray | None,
+    known: set[Order],
+    aside: np.ndarray,
 ) -> tuple[Slot, ...] | None:
     """Return gaps that keep an order of the facets that lie on each other at a state; None where there is no order.
 
@@ -38,19 +42,20 @@ def ordered_slots(
     problem, x
         The problem, and a closed state whose facets do not pierce each other, [n].
     before
-        A state beside it at which they do not lie on each other: they lie as they do there, if they can.
+        A state beside it at which they do not lie on each other: they lie as they do there, if they can.  None: one in
+        the direction `aside` [n].
     known
         Orders that hold already; what holds here is added.
     """
     faces = problem.faces(x)
     if faces.reason:
         return None
-    chosen, place = dict(faces.known), problem.placed(before)
-
-    def furthest(k: int) -> float:
-        return max((t.gap(place) for t in faces.touches(k, True)), key=abs, default=0.0)
-
-    gaps = {k: furthest(k) for k in faces.open}
+    chosen, gaps = dict(faces.known), dict[int, float]()
+    if faces.open:
+        place = problem.placed(ajar(problem, x, aside) if before is None else before)
+        for k in faces.open:
+            each = (t.gap(place) for t in faces.touches(k, True))
+            gaps[k] = max(each, key=abs, default=0.0)
     for k in sorted(faces.open, key=lambda k: -abs(gaps[k])):  # the plainest first
         if k in chosen:
             continue

@@ -5,39 +5,25 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import combinations, permutations
 from typing import ClassVar
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, RESOLVED
+from origami_nlp.numerics import OUTSIDE, RESOLVED
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search.descend import CLOSES_NOT, CompiledDescent, Slot
+from origami_nlp.search.descend import PICKS, StartState
 
 MOST_LINES, MOST_FOLDED = 3, 250
 """Straight lines that are folded at a time, and ways in which so many are."""
-FOLDING, MOST_HELD = 8, 4
-"""Steps in which creases go to their limits, and times that others are kept at theirs in each."""
-TRIED = 5
-"""Closed states that are drawn until one has room for a touch."""
 GRID = 2.0**-33
 """Of fold angles of minima that are changed [rad]."""
-FURTHEST = 2.0
-"""Features that are made to touch face each other closer, over the longest crease."""
 SOONER = 0.15
 """Chance that a feature is made to touch rather than one of those that face each other less closely."""
-
-
-@dataclass(frozen=True, eq=False)
-class StartState:
-    """A state [n], and what it holds until that is stationary: fold limits by sign [n], gaps."""
-
-    x: np.ndarray
-    side: np.ndarray
-    slots: tuple[Slot, ...] = ()
-    hold: bool = False
+MOST_RANKS = 40
+"""Of these: further ones are as good as any."""
 
 
 class StartKind(ABC):
@@ -46,7 +32,7 @@ class StartKind(ABC):
     Parameters
     ----------
     problem, labels
-        The problem, and the order of its creases in which all that is random is drawn.
+        The problem, and the order of its variables in which all that is random is drawn.
     """
 
     name: ClassVar[str]
@@ -57,19 +43,13 @@ class StartKind(ABC):
         self.problem, self.labels = problem, labels
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator) -> StartState | None:
-        """Return the next start; None where there is none."""
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
+        """Return the next starts, so many of them, or none where there are none."""
 
-    def _closed(self, rng: np.random.Generator) -> np.ndarray | None:
-        """Return a closed state beside any fold angles; None where they do not close."""
-        problem = self.problem
-        x, residual = problem.project(self._anywhere(rng))
-        within = residual <= CLOSURE_TOL and problem.fold_limits.inside(x).all()
-        return x if within and problem.closure.lifts_to_one(x) else None
-
-    def _anywhere(self, rng: np.random.Generator) -> np.ndarray:
-        size = rng.uniform(0.3, self.problem.bound)
-        return self.labels.drawn(rng.uniform(-size, size, self.problem.size))
+    def _anywhere(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        """Return any states [count, n], up to a random size each."""
+        size = rng.uniform(0.3, self.problem.bound, (count, 1))
+        return self.labels.drawn(size * rng.uniform(-1.0, 1.0, (count, self.problem.size)))
 
 
 class Uniform(StartKind):
@@ -79,55 +59,32 @@ class Uniform(StartKind):
     sentence = "any fold angles"
     cost = 4
 
-    def draw(self, rng: np.random.Generator) -> StartState | None:
-        """Draw fold angles in the order of labels, and close them."""
-        x = self._closed(rng)
-        return None if x is None else StartState(x, np.zeros(self.problem.size, int))
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
+        """Draw fold angles in the order of labels."""
+        none = np.zeros(self.problem.size, int)
+        return [StartState(x, none, drawn=True) for x in self._anywhere(rng, count)]
 
 
 class FoldedCreases(StartKind):
-    """Closed states with some creases at their limits, up to half of them or as many as there are degrees of freedom.
-
-    They close with these held; where that fails, creases go there in steps from a closed state, each of which closes:
-    so loops stay on the lift of paper.
-    """
+    """States with some creases at their limits, up to half of them or as many as there are degrees of freedom."""
 
     name = "strata"
     sentence = "some creases fully folded, held until the others are at rest"
     cost = 10
 
-    def draw(self, rng: np.random.Generator) -> StartState | None:
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
         """Draw creases and sides."""
         most = max(1, self.problem.dof, self.problem.size // 2)
-        return self._folded(rng, int(rng.integers(1, 1 + most)))
+        return self._folded(rng, rng.integers(1, 1 + most, count))
 
-    def _folded(self, rng: np.random.Generator, many: int) -> StartState | None:
-        problem, n = self.problem, self.problem.size
-        sides = np.zeros(n)
-        sides[rng.permutation(n)[:many]] = 1.0
-        sides = self.labels.drawn(sides * rng.choice([-1.0, 1.0], n))
-        limits, held = problem.fold_limits, sides != 0.0
-        goal = limits.hold(np.zeros(n), sides)
-        x, good = self._held(limits.hold(self._anywhere(rng), sides), held)
-        if many and not good and (closed := self._closed(rng)) is not None:
-            x, kept, good = closed, held, True
-            for left in range(FOLDING, 0, -1):
-                if good:
-                    x, good = self._held(np.where(held, x + (goal - x) / left, x), kept)
-                    kept = kept | (at_limits(problem, x) != 0)
-        return StartState(x, at_limits(problem, x), (), hold=True) if good else None
-
-    def _held(self, x: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Close a state with some creases held, and others that would pass their limits held there."""
-        problem, limits, good = self.problem, self.problem.fold_limits, False
-        for _ in range(MOST_HELD):
-            x, residual = problem.project(limits.clip(x), held)
-            beyond = ~limits.inside(x)
-            good = residual <= CLOSURE_TOL and not beyond.any()
-            if residual > CLOSURE_TOL or good:
-                break
-            held = held | beyond
-        return limits.clip(x), good and problem.closure.lifts_to_one(x)
+    def _folded(self, rng: np.random.Generator, many: np.ndarray) -> list[StartState]:
+        """Return states with so many creases at their limits each."""
+        count, n = len(many), self.problem.size
+        rank = np.argsort(np.argsort(rng.random((count, n)), axis=1), axis=1)
+        signs = rng.choice([-1.0, 1.0], (count, n))
+        sides = self.labels.drawn(np.where(rank < many[:, None], signs, 0.0)).astype(int)
+        pairs = zip(self._anywhere(rng, count), sides, strict=True)
+        return [StartState(x, side, drawn=True) for x, side in pairs]
 
 
 class Touch(FoldedCreases):
@@ -137,35 +94,15 @@ class Touch(FoldedCreases):
     sentence = "facets that touch, held until the others are at rest"
     cost = 40
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
-        super().__init__(problem, labels)
-        self._close_on = CompiledDescent(problem)
-
-    def draw(self, rng: np.random.Generator) -> StartState | None:
-        """Close any fold angles, some at their limits, and bring features together that are near each other there."""
-        problem = self.problem
-        many = max(0, problem.dof - int(rng.geometric(0.5)))
-        start = next(
-            filter(None, (self._folded(rng, int(rng.integers(many + 1))) for _ in range(TRIED))),
-            None,
-        )
-        if start is None or not (problem.contact and self._close_on.usable):
-            return None
-        x, side, slots = start.x, start.side, tuple[Slot, ...]()
-        # the size of a sheet hangs on how it lies in space, lengths of creases do not
-        reach = FURTHEST * float(problem.pattern.lengths.max()) / problem.crossings.size
-        for _ in range(min(int(rng.geometric(0.5)), problem.dof)):
-            facing = problem.features.facing(problem.placed(x), reach)
-            facing = sorted((t for t in facing if t[1] > CONTACT_TOL), key=lambda t: round(t[1], 9))
-            if not facing:
-                break
-            touch, _ = facing[min(int(rng.geometric(SOONER)), len(facing)) - 1]
-            more = (*slots, Slot.of(touch, problem.crossings.pattern.corners))
-            end = self._close_on(x, side, more, hold=True, most=0)
-            if end.why == CLOSES_NOT:
-                break
-            x, side, slots = end.x, at_limits(problem, end.x), more
-        return StartState(x, side, slots, hold=True) if slots else None
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
+        """Draw states, some creases at their limits, and which of the features that are near each other there meet."""
+        dof = max(self.problem.dof, 1)
+        folded = np.maximum(dof - rng.geometric(0.5, count), 0)
+        starts = self._folded(rng, rng.integers(folded + 1))
+        brought = np.minimum(rng.geometric(0.5, count), min(dof, PICKS)).tolist()
+        picks = np.minimum(rng.geometric(SOONER, (count, PICKS)), MOST_RANKS).tolist()
+        each = zip(starts, picks, brought, strict=True)
+        return [replace(s, picks=tuple(ranks[:many])) for s, ranks, many in each]
 
 
 class Changed(StartKind):
@@ -182,7 +119,7 @@ class Changed(StartKind):
         super().__init__(problem, labels)
         self._states, self._others = list[np.ndarray](), list[np.ndarray]()
         self._made, self._way = list[int](), 0
-        self._around = creases_around(problem.pattern, labels)
+        self._around = variables_around(problem, labels)
 
     def add(self, x: np.ndarray, *images: np.ndarray) -> None:
         """Add a minimum [n], and its images under symmetries: with these others are crossed."""
@@ -190,14 +127,15 @@ class Changed(StartKind):
         self._others += [x, *images]
         self._made.append(0)
 
-    def draw(self, rng: np.random.Generator) -> StartState | None:
-        """Change the minimum that was changed least often, in one of three ways in turn."""
-        if not self._states:
-            return None
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
+        """Change the minima that were changed least often, in one of three ways in turn."""
+        return [self._change(rng) for _ in range(count)] if self._states else []
+
+    def _change(self, rng: np.random.Generator) -> StartState:
         k = self._made.index(min(self._made))
         self._made[k] += 1
         x, other = self._states[k].copy(), self._others[rng.integers(len(self._others))]
-        self._way = (self._way + 1) % 3
+        self._way = 1 + self._way % 2 if len(self._around) == 1 else (self._way + 1) % 3
         if self._way == 0:
             for creases in self._around:
                 if rng.random() < 0.5:
@@ -209,7 +147,7 @@ class Changed(StartKind):
             i, sign = self.labels.order[rng.integers(len(x))], self.labels.sign
             x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]
         x = self.problem.fold_limits.clip(x)
-        return StartState(x, at_limits(self.problem, x))
+        return StartState(x, at_limits(self.problem, x), drawn=True)
 
 
 def on_grid(problem: PatternProblem, x: np.ndarray) -> np.ndarray:
@@ -306,8 +244,9 @@ def lines_at_wells(pattern: Pattern) -> Iterator[np.ndarray]:
                 yield start
 
 
-def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
-    """Return the creases round each vertex, in an order of vertices that labels do not change."""
-    rank = np.argsort(labels.order)
-    around = [list(loop.creases) for loop in pattern.vertices]
-    return sorted(around, key=lambda creases: sorted(rank[creases].tolist()))
+def variables_around(problem: PatternProblem, labels: CanonicalLabelling) -> list[list[int]]:
+    """Return the variables round each vertex, in an order of vertices that labels do not change."""
+    rank, orbits = np.argsort(labels.order), problem.orbits
+    of = np.arange(problem.size) if orbits is None else orbits.orbit
+    around = [sorted(set(of[list(loop.creases)].tolist())) for loop in problem.pattern.vertices]
+    return sorted(around, key=lambda variables: sorted(rank[variables].tolist()))

@@ -10,7 +10,7 @@ import origami_nlp as o
 from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
-from origami_nlp.pattern_states import contact_descent_off, descend, judge
+from origami_nlp.pattern_states import contact_descent, descend, judge
 
 
 @cache
@@ -20,8 +20,10 @@ def pressed():
     rest = np.minimum(np.random.default_rng(3).uniform(2.2, 3.2, pattern.creases), math.pi)
     problem = PatternProblem(pattern.with_springs(1.0, list(pattern.signs * rest)))
     start, _ = problem.project(0.3 * pattern.signs)
-    end = contact_descent_off(problem, descend(problem, start).path)
-    assert end is not None and end.arrived
+    path = descend(problem, start).path
+    free = [x for x in path if not problem.crossings.find(x)]
+    end = contact_descent(problem, free[-1])
+    assert len(free) < len(path) and end.arrived
     return problem, o.State(problem, end.phi)
 
 

@@ -40,7 +40,7 @@ BESIDE_THE_TABLE = {
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
-        pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
+        pattern_states/terrain.FIRST space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
         search/ipopt.BESIDE starts/near_flat.INSIDE

@@ -15,18 +15,18 @@ from origami_nlp.search import FoldedCreases, Follower, Shares, Touch, Uniform
 def test_ends_are_closed_lower_and_do_not_cross(name, kind):
     problem = PatternProblem(as_pattern(name))
     family, rng = kind(problem, find_labels(problem.pattern)), np.random.default_rng(1)
-    starts = [s for s in (family.draw(rng) for _ in range(80)) if s is not None]
+    starts, asides = family.draw(rng, 80), rng.normal(size=(80, problem.size))
+    legs = Follower(problem).descents(starts, asides, True)
+    ways, again = (Follower(problem).each(starts, asides) for _ in range(2))
     arrived = 0
-    for start in starts:
-        ways = [Follower(problem)(start, np.sin(1.0 + np.arange(problem.size))) for _ in range(2)]
-        (x, why), (again, _) = ways
-        assert np.array_equal(x, again)
+    for leg, way, same in zip(legs, ways, again, strict=True):
+        x, why = way()
+        assert np.array_equal(x, same()[0])
         if not why:
             arrived += 1
             assert problem.residual(x) < 1e-12 and not problem.refuses(x)
             assert problem.fold_limits.inside(x).all()
-            if start.hold and not start.slots:  # it closes, and is on what it holds
-                assert problem.scaled_energy(x) <= problem.scaled_energy(start.x) + 1e-12
+            assert problem.scaled_energy(x) <= problem.scaled_energy(leg.begun) + 1e-12
     assert arrived >= 5
 
 

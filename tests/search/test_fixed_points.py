@@ -61,7 +61,9 @@ def test_an_end_is_stationary_with_multipliers_that_push_and_judged_a_minimum():
     descents, rng = CompiledDescent(problem), np.random.default_rng(1)
     if not descents.usable:
         pytest.skip("no compiler: descents are not compiled")
-    ends = [descents(problem.project(rng.uniform(-2, 2, problem.size))[0]) for _ in range(40)]
+    none = np.zeros(4, int)
+    starts = [StartState(problem.project(x)[0], none) for x in rng.uniform(-2, 2, (40, 4))]
+    ends = descents(starts, np.tile(np.sin(1.0 + np.arange(4)), (40, 1)))
     arrived = [e for e in ends if e.arrived]
     assert arrived and all((e.forces >= 0).all() for e in arrived)
     for e in arrived:
@@ -87,7 +89,8 @@ def test_gaps_are_held_where_features_touch_and_their_curvature_is_exact(scene):
             for t in touches
         ]
         y, _ = problem.project(x + 1e-3 * np.sin(np.arange(problem.size)))
-        end = descents(y, at_limits(problem, x), slots, hold=True)
+        start = StartState(y, at_limits(problem, x), tuple(slots), hold=True)
+        (end,) = descents([start], np.ones((1, problem.size)))
         assert end.steps <= 12
         assert np.abs(problem.local(end.x).openings(gaps)[0]).max() < 1e-9 or end.arrived
 

@@ -98,6 +98,18 @@ static int retract(Descent *t, double *x, int most) {
   return 0;
 }
 
+/* Take creases beside their limits to be there; whether there are other ones than before. */
+static int come_to_limits(const Sheet *s, double *x, int64_t *side) {
+  int new = 0;
+  for (int64_t i = 0; i < s->n; i++) {
+    int at = x[i] >= s->high[i] - OUTSIDE ? 1 : x[i] <= s->low[i] + OUTSIDE ? -1 : 0;
+    if (at) x[i] = at > 0 ? s->high[i] : s->low[i];
+    new |= at && !side[i];
+    side[i] = at;
+  }
+  return new;
+}
+
 /* Whether facets cross at x; `at` is placed there. */
 static int crosses(Descent *t, const double *x, Placed *at) {
   const Sheet *s = t->s;
@@ -367,7 +379,7 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
   return saddles;
 }
 
-static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int64_t most, const double *aside, int64_t *steps, int64_t *saddles) {
+static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int64_t most, const double *aside, double *begun, int64_t *steps, int64_t *saddles) {
   const Sheet *s = t->s;
   Held *held = t->held;
   int64_t n = s->n, rows = 0, last = 0, idle = 0;
@@ -379,6 +391,7 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
   if (crosses(t, x, &t->here)) return OPEN;
   for (int64_t i = 0; i < n; i++)
     if (t->added[i]) held->side[i] = x[i] > 0.5 * (s->low[i] + s->high[i]) ? 1 : -1;
+  memcpy(begun, x, n * sizeof(double));
   hold_what_touches(t, x);
   for (*steps = 0; *steps < most; ++*steps) {
     double torque, slope, size = 1.0;
@@ -458,66 +471,10 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
     if (idle > MOST_IDLE) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
     radius = fmin(LONGEST_STEP, fmax(2 * share * far * 2.5, 1e-6));
     memcpy(x, t->trial, n * sizeof(double));
-    int new = 0;
-    for (int64_t i = 0; i < n; i++) {
-      int at = x[i] >= s->high[i] - OUTSIDE ? 1 : x[i] <= s->low[i] + OUTSIDE ? -1 : 0;
-      if (at) x[i] = at > 0 ? s->high[i] : s->low[i];
-      new |= at && !held->side[i];
-      held->side[i] = at;
-    }
+    int new = come_to_limits(s, x, held->side);
     drop(t, x);
     if (new && pauses && !hold) return LEVEL; /* facets lie on each other: whoever asks says in which order */
   }
   return TOO_LONG;
 }
 
-/* Descend from a closed state x [n]: `ends` status, steps, saddles, counted work, slots; multipliers of limits [n] and
-   slots.  held: limits by side, slots with their pieces, places, signs and points. */
-void descend(const Sheet *s, double *x, int64_t *side, int64_t hold, int64_t pauses, int64_t slots, const int64_t *given, const double *at,
-             const double *signs, int64_t most, const double *aside, double *room, int64_t *ints, double *pulls,
-             int64_t *pieces, double *sign, double *ends) {
-  int64_t n = s->n, m = s->m, all = n + SLOTS, wide = m + SLOTS, f = s->facets;
-  double *r = room;
-#define TAKE(count) (r += (count), r - (count))
-  int64_t *k = ints;
-#define COUNT(count) (k += (count), k - (count))
-  Held held = {0, side, COUNT(4 * SLOTS), COUNT(SLOTS), COUNT(SLOTS), COUNT(SLOTS), pieces, COUNT(SLOTS),
-               TAKE(12 * SLOTS), sign, TAKE(s->placed * SLOTS), (unsigned char *)COUNT(SLOTS), (unsigned char *)COUNT(n)};
-  Factors closure = {0, 0, 0, TAKE(n * wide), TAKE(wide + n), TAKE(wide + n), COUNT(wide)};
-  Factors rows = {0, 0, 0, TAKE(n * all), TAKE(all), TAKE(all), COUNT(all)};
-  Factors step = {0, 0, 0, TAKE(n * (wide + SLOTS)), TAKE(wide + SLOTS), TAKE(wide + SLOTS), COUNT(wide + SLOTS)};
-  int64_t q = 3 * s->q * s->pieces;
-  Descent t = {s, {TAKE(9 * f), TAKE(3 * f), TAKE(q)}, {TAKE(9 * f), TAKE(3 * f), TAKE(q)}, {TAKE(9 * f), TAKE(3 * f), TAKE(q)},
-               &held, &closure, &rows, &step, TAKE(m), TAKE(m * n), TAKE(SLOTS), TAKE(SLOTS * n), TAKE(n), TAKE(n * n),
-               TAKE(all * n), TAKE(wide + n), TAKE(all), TAKE(m), TAKE(n * n), TAKE(2 * n * n), TAKE(n * n + all), TAKE(n),
-               TAKE(n), TAKE(n), TAKE(n), TAKE((2 * n + all) * all + 2 * all + 6 * n), TAKE(SLOTS), TAKE(SLOTS * n),
-               COUNT(3 * all), COUNT(all), (unsigned char *)COUNT(s->pairs), (unsigned char *)COUNT(3 * n + SLOTS), 0};
-  int64_t steps = 0, saddles = 0;
-  for (int64_t e = 0; e < slots; e++) {
-    const int64_t *g = given + 8 * e; /* piece, place, piece, place or -1; facet that stays, and is carried; two sides; orders layers */
-    int64_t was = held.many;
-    if (g[0] >= 0) {
-      was = hold_on(s, &held, g[0], g[1], g[2], g[3], signs[e]);
-    } else if (held.many < SLOTS) {
-      int64_t stays = g[4], goes = g[5], two = g[6];
-      int64_t by[4] = {two ? stays : goes, stays, two ? goes : stays, two ? goes : stays};
-      held.first[was] = stays, held.second[was] = goes, held.sides[was] = two, held.sign[was] = signs[e];
-      memcpy(held.owner + 4 * was, by, sizeof(by));
-      memcpy(held.point + 12 * was, at + 12 * e, 12 * sizeof(double));
-      for (int c = 0; c < 4; c++) held.pieces[4 * was + c] = -1;
-      for (int64_t c = 0; c < s->placed; c++)
-        held.sense[s->placed * was + c] = s->walk[s->placed * goes + c] - s->walk[s->placed * stays + c];
-      held.many++;
-    }
-    if (was >= 0 && was < held.many) held.until[was] = g[7];
-  }
-  memset(t.mu, 0, all * sizeof(double));
-  int64_t end = go_down(&t, x, hold, pauses, most, aside, &steps, &saddles);
-  for (int64_t i = 0; i < all; i++) pulls[i] = 0.0;
-  if (end == ARRIVED) {
-    int64_t count;
-    survey(&t, x, &count);
-    for (int64_t i = 0; i < count; i++) pulls[t.which[i]] = t.mu[i] * (t.which[i] < n ? s->measure[t.which[i]] : 1.0);
-  }
-  ends[0] = end, ends[1] = steps, ends[2] = saddles, ends[3] = t.counted, ends[4] = held.many;
-}
