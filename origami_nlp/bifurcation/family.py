@@ -26,7 +26,7 @@ from origami_nlp.continuation import (
     line_between,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import MinimaResult, find_minima_of_each
+from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import (
     LAW_NUMBER,
@@ -172,11 +172,11 @@ class Family:
         self, made: list[Any], seconds: float | None, **options: Any
     ) -> Sequence[MinimaResult]:
         """Search for the minima of some of its scenes or patterns in so many seconds together."""
-        if isinstance(made[0], Scene):
-            return find_minima_of_each(made, seconds=seconds, **options)
         share = None if seconds is None else seconds / len(made)
-        options = {"escape": False, "seconds": share, **options, "prove": False}
-        return [find_states(one, **options) for one in made]
+        options = {"escape": False, "seconds": share, **options}
+        if isinstance(made[0], Scene):
+            return [find_minima(one, **options, full=False) for one in made]
+        return [find_states(one, **{**options, "prove": False}) for one in made]
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
         """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""

@@ -7,9 +7,9 @@ from . import (
 )
 from .account import SearchReport as SearchReport
 from .canonical import canonical_states as canonical_states
-from .compiled_descents import compiled as compiled
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
+from .descents import Descents as Descents, compiled as compiled
 from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
@@ -18,7 +18,6 @@ from .find import (
     check_method as check_method,
     check_options as check_options,
     find_minima as find_minima,
-    find_minima_of_each as find_minima_of_each,
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (

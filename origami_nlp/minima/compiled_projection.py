@@ -45,14 +45,14 @@ def project_many(
     good, known = np.zeros((2, len(x)), dtype=bool)
     kinds = [(choices[c], np.flatnonzero(of == c)) for c in sorted(set(of.tolist()))]
     few = all(sum(not c.is_limit for c in rows) <= SLOTS for rows, _ in kinds)
-    if descents.compiled is not None and few:
+    if descents.usable and few:
         s = Samples.on(y, frozen)
         for rows, which in kinds:
             for slot, gap in enumerate(c for c in rows if not c.is_limit):
                 s.slots[which, slot], s.sides[which, slot] = gap.index, gap.side
             s.at_limit[which[:, None], [c.index for c in rows if c.is_limit]] = 1
             s.x[which] = held(y[which], rows)
-        y, residual, good, known = descents.compiled.project(s, steps)
+        y, residual, good, known = descents.project(s, steps)
     for rows, which in kinds:
         left = which[~known[which]]
         if len(left):

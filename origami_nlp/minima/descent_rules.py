@@ -1,4 +1,4 @@
-"""What steers the steps of a descent, in NumPy and compiled."""
+"""What steers the steps of a descent."""
 
 from __future__ import annotations
 
@@ -29,3 +29,8 @@ MOST_STEPS = 45
 """Steps of a descent."""
 LONG_CHAIN, MOST_ONE_BY_ONE = 9, 24
 """Creases from which Newton's directions are swept; and up to which fold limits are met, and left, one by one."""
+LEAST_PIVOT = 1e-2
+"""Pivots (1 for springs alone) are at least this."""
+STIFF = 1e3
+"""Stiffness against what does not close, relative to the largest of the Hessian: closed states do not feel it, but it
+makes pivots positive where only states that do not close have negative curvature."""

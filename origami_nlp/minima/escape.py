@@ -21,6 +21,7 @@ from origami_nlp.kkt import (
     level_of,
 )
 from origami_nlp.minima.canonical import canonical_states
+from origami_nlp.minima.descents import compiled
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
 from origami_nlp.minima.terrain import VertexTerrain
@@ -148,6 +149,8 @@ def _bounded(
     why = ""
     if model.scene.loads:
         why = "forces in space: escape paths are not sought under them"
+    elif compiled() is None:
+        why = "no C compiler was found: escape paths, which many descents show, are not sought"
     elif model.size > MOST_VARIABLES:
         why = f"more than {MOST_VARIABLES} variables: escape paths are not sought"
     loose = [k for k in range(len(minima)) if not isolated[k]]

@@ -139,7 +139,7 @@ def find_minima(
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives (`JudgedState.survival`).
     workers
-        Processes that descents are shared out to; the result is the same.
+        Threads that descents are shared out to; the result is the same.
     method
         ``"batch"``: descents with an active set, compiled; ``"ipopt"``: IPOPT, one solve a start.
     progress
@@ -189,63 +189,12 @@ def find_minima(
         job.by_ipopt = method == "ipopt"
     named = effort if options is None else OWN
     try:
-        finish_all([jobs], guesses, workers)
+        finish_all(jobs, guesses, workers)
         return _result(jobs, named, prove, full, escape, noise)
     except KeyboardInterrupt:
         for job in jobs:
             job.interrupt()
         raise Interrupted(_result(jobs, named, False, False)) from None
-
-
-def find_minima_of_each(
-    scenes: Sequence[Scene],
-    *,
-    seed: int = 0,
-    effort: str = "normal",
-    max_starts: int = MOST_STARTS,
-    prove: bool | float | ProofOptions | None = None,
-    seconds: float | None = None,
-) -> list[MinimaResult]:
-    """Return what `find_minima` finds for each of some scenes, with one limit of time for all.
-
-    Descents are made together where they have one vertex, which takes 0.93 to 1.01 of the time of single
-    searches; starts, judgements and stopping are those of each search alone.
-
-    Parameters
-    ----------
-    scenes
-        The scenes.
-    seed, effort, max_starts, prove, seconds
-        As for `find_minima`; seconds are those of all searches together.
-
-    Returns
-    -------
-    list of MinimaResult
-        In the order of the scenes; `SearchReport.seconds` counts the time of all from first to last.
-
-    Raises
-    ------
-    OptionError
-        If an argument is not what it must be.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.minima import find_minima_of_each
-    >>> scenes = [o.examples.degree6("pi/4", ratio) for ratio in (0.1, 10)]
-    >>> [len(result.minima) for result in find_minima_of_each(scenes, prove=False)]
-    [2, 2]
-    """
-    check_options(seed, max_starts)
-    wanted = options_of(effort)
-    check_prove("prove", prove)
-    for scene in scenes:
-        check_type("scenes", scene, Scene)
-    until = check_until(seconds)
-    starts = FEWEST_STARTS, max_starts
-    each = [jobs_of(scene, seed, wanted, starts, None, until) for scene in scenes]
-    finish_all(each)
-    return [_result(jobs, effort, prove, False) for jobs in each]
 
 
 def _result(

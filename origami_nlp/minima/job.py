@@ -6,6 +6,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from origami_nlp.minima.record import (
     judge,
     listed,
 )
-from origami_nlp.minima.search import Search, Work
+from origami_nlp.minima.search import Search
 from origami_nlp.minima.stopping import chao1, chao1_error
 from origami_nlp.numerics import (
     CLOSURE_TOL,
@@ -35,7 +36,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
-from origami_nlp.search import ByIpopt, Uniform
+from origami_nlp.search import ByIpopt, FoldedCreases, Follower, Touch, Uniform
 from origami_nlp.starts import (
     CORNER,
     SOURCES,
@@ -89,14 +90,14 @@ class Job:
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
         )
 
-    def work(self, guesses: list[np.ndarray], workers: int) -> Work:
+    def work(self, guesses: list[np.ndarray], workers: int = 1) -> None:
         """List states, and search; guesses: states [N] to start from first."""
         self.list_states()
         self._tell()
         self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
         if self.model.dof > 0 and not self._late():
-            yield from self.search([self.model.reduce(g) for g in guesses], workers)
+            self.search([self.model.reduce(g) for g in guesses], workers)
 
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
@@ -161,36 +162,33 @@ class Job:
                 why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium: it was descended from"
         return JudgedState(model.energy(x), tuple(guess.tolist()), verdict, why)
 
-    def search(self, guesses: list[np.ndarray], workers: int) -> Work:
+    def search(self, guesses: list[np.ndarray], workers: int) -> None:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
         if self.model.dof == 1 and self._traced() and self.model.parameters.dead is None:
             self.stopped_by = "complete"
             self._tell()
             return
-        if self.by_ipopt or (
-            self.model.size > self.options.most_batched and not is_chain(self.model)
-        ):
-            self._one_by_one()
-            return
         under = canonical_model(self.model)
         limits = self.turn, self.until
-        batches = self.options.first_batch, self.options.batch
-        with Search(self.model, self.record, under, workers, self._tell, limits, batches) as search:
-            for family in (NearFlat(self.model), NearFolded(self.model, self.foldings)):
-                search.also_from(self.record.states_of(family))
-            if guesses:
-                yield from search.run(search.closed(np.array(guesses), touching=True))
-            rounds = Rounds(under[0] if under else self.model, self.seed, self.options)
-            yield from self._rounds(search, rounds)
+        search = Search(self.model, self.record, under, workers, self._tell, limits)
+        large = self.model.size > self.options.most_batched and not is_chain(self.model)
+        if self.by_ipopt or large or not search.usable:
+            self._one_by_one()
+            return
+        for family in (NearFlat(self.model), NearFolded(self.model, self.foldings)):
+            search.also_from(self.record.states_of(family))
+        if guesses:
+            search.run(search.closed(np.array(guesses), touching=True))
+        self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.options))
 
-    def _rounds(self, search: Search, rounds: Rounds) -> Work:
+    def _rounds(self, search: Search, rounds: Rounds) -> None:
         self.stopped_by = "cap"
         quiet = found = 0
         for number, samples in enumerate(rounds, start=1):
             found = found if 1 < number <= rounds.opening else len(self.record.minima)
             some = np.arange(min(len(samples), self.most - self.record.starts))
-            yield from search.run(samples[some])
+            search.run(samples[some])
             if number < rounds.opening and self.record.starts < self.most:
                 self._tell()
                 if self._late():
@@ -204,14 +202,14 @@ class Job:
                 break
             if self.record.starts >= self.fewest and self._enough(quiet):
                 found = len(self.record.minima)
-                yield from search.run()
+                search.run()
                 if self._late():
                     return
                 if len(self.record.minima) == found:
                     self.stopped_by = "rule"
                     break
                 quiet = 0
-        yield from search.run()
+        search.run()
         if self._late():
             return
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
@@ -267,11 +265,11 @@ class Job:
         return quiet >= self.options.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:
-        """Search with IPOPT alone."""
+        """Search with one way down after the other: by IPOPT, or under forces in space with an active set."""
         self.stopped_by = "cap"
         quiet = 0
         fewest = max(self.fewest, 16 * self.options.hits)
-        for new in itertools.islice(self._by_ipopt(), self.most):
+        for new in itertools.islice(self._ways_down(), self.most):
             if new is not None:
                 judge(self.record, new)
             quiet = 0 if new is not None and new.is_minimum else quiet + 1
@@ -282,32 +280,43 @@ class Job:
                 self.stopped_by = "rule"
                 break
 
-    def _by_ipopt(self) -> Iterator[FoundState | None]:
-        """Solve from random starts for ever; yields each answer that has to be judged, else None."""
-        record, solve = self.record, ByIpopt(self.record.problem)
-        n, rng = record.problem.size, np.random.default_rng(self.seed)
-        starts = Uniform(record.problem, CanonicalLabelling(np.arange(n), 1.0, False, ()))
-        while True:
-            record.starts += 1
-            record.drawn += 1
-            record.by_source[Uniform.name] += 1
-            before = solve.work
-            (start,) = starts.draw(rng, 1)
-            x, why = solve(start)
-            record.solves += 1
-            record.iterations += solve.work - before
-            record.statuses[why or "Solve_Succeeded"] += 1
-            record.stalled += bool(why)
-            if why:
-                yield None
-                continue
-            record.feasible_starts += 1
-            record.converged += 1
-            found, new = record.file(self.model, exact_state(self.model, x))
-            found.hits += 1
-            found.in_rounds += 1
-            found.first = found.first or record.drawn
-            yield found if new else None
+    def _ways_down(self) -> Iterator[FoundState | None]:
+        """Go down from random starts for ever; yields each answer that has to be judged, else None."""
+        record, problem = self.record, self.record.problem
+        go_down: Follower | ByIpopt = Follower(problem)
+        ipopt = self.by_ipopt or self.model.parameters.dead is None or not go_down.usable
+        if ipopt:
+            go_down = ByIpopt(problem)
+        n, rng = problem.size, np.random.default_rng(self.seed)
+        labels = CanonicalLabelling(np.arange(n), 1.0, False, ())
+        kinds: list[type[Any]] = [
+            Uniform,
+            *[FoldedCreases] * problem.has_limits,
+            *[Touch] * problem.contact,
+        ]
+        for kind in itertools.cycle(kind(problem, labels) for kind in kinds):
+            for start in kind.draw(rng, 1):
+                record.starts += 1
+                record.drawn += 1
+                record.by_source[kind.name] += 1
+                before = go_down.work
+                (way,) = go_down.each([start], rng.normal(size=(1, n)))
+                x, why = way()
+                if ipopt:
+                    record.solves += 1
+                    record.iterations += go_down.work - before
+                    record.statuses[why or "Solve_Succeeded"] += 1
+                record.stalled += bool(why)
+                if why:
+                    yield None
+                    continue
+                record.feasible_starts += 1
+                record.converged += 1
+                found, new = record.file(self.model, exact_state(self.model, x))
+                found.hits += 1
+                found.in_rounds += 1
+                found.first = found.first or record.drawn
+                yield found if new else None
 
     def _tell(self) -> None:
         r, found = self.record, self._found

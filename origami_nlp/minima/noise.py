@@ -15,22 +15,19 @@ sheets it is counted besides what errors of the springs alone leave.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.kkt import State, classify, follow, newton, project
+from origami_nlp.kkt import State, classify, newton
 from origami_nlp.minima.minimum import TRIALS, JudgedState, Survival
-from origami_nlp.numerics import CARRIES, CLOSURE_TOL, unit_normals
+from origami_nlp.numerics import CARRIES, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import MOST_DENSE, CanonicalLabelling, PatternProblem
-
-Down: TypeAlias = Callable[[PatternProblem, np.ndarray], np.ndarray | None]
-"""From a state beside closed ones down to a certified minimum, or None."""
+from origami_nlp.search import ByIpopt, Follower, StartState, at_limits
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
@@ -38,6 +35,8 @@ MOST_NOISE = 10.0
 """Degrees: with more, errors are no longer small beside sector angles."""
 GROWTH = 0.25, 0.5, 0.75, 1.0
 """Shares of the errors: from one to the next states are followed."""
+OPENED = 1.0, 0.99, 0.97, 0.94
+"""Of a state's fold angles, from where it is gone down: at fully folded and flat creases errors may leave none."""
 FARTHEST = 0.2
 """A state that moves further in one of these steps [rad] has jumped."""
 
@@ -64,21 +63,19 @@ def _has_jumped(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(np.abs(y - x).max() > FARTHEST)
 
 
-def downhill(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
-    """Return the certified minimum downhill from the closed state beside a state [n]; None where there is none."""
-    limits = problem.fold_limits
-    start, residual = project(
-        problem, x, [c for c in State(problem, x).contacts.base if c.is_limit]
-    )
-    if residual > CLOSURE_TOL:
-        start, _ = project(problem, x)
-    try:
-        down = follow(problem, limits.clip(start), until=lambda y: _has_jumped(x, y))
-    except np.linalg.LinAlgError:  # a ValueError as well
-        raise
-    except ValueError:
-        return None
-    return down.end if down.what.verdict == "minimum" else None
+def downhill(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarray | None:
+    """Return the certified minimum downhill from beside a state [n]; None where there is none.
+
+    aside: direction [n] that says to which side saddles are left.
+    """
+    follower = Follower(problem)
+    go_down = follower if follower.usable else ByIpopt(problem)
+    for share in OPENED:
+        start = problem.fold_limits.clip(share * x)
+        end, why = go_down(StartState(start, at_limits(problem, start)), aside)
+        if not why and classify(State(problem, end)).verdict == "minimum":
+            return end
+    return None
 
 
 def with_survival(
@@ -86,7 +83,6 @@ def with_survival(
     labels: CanonicalLabelling,
     states: Sequence[JudgedState],
     degrees: float,
-    down: Down = downhill,
 ) -> list[JudgedState]:
     """Follow minima of an origami into origamis with random errors.
 
@@ -103,8 +99,6 @@ def with_survival(
         Judged.
     degrees
         Standard deviation of the errors: of rest and sector angles in degrees, of stiffnesses as a share, in radians.
-    down
-        What goes downhill where the minimum with the same contacts is lost.
 
     Returns
     -------
@@ -112,13 +106,14 @@ def with_survival(
         With `survival` where they are minima.
     """
     minima = [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
+    aside = labels.drawn(np.sin(1.0 + np.arange(problem.size)))
 
     def counts(moves: bool) -> list[int]:
         kept = [0] * len(minima)
         for trial in range(TRIALS):
             way = [problem, *_noisy(problem, labels, math.radians(degrees), trial, moves)]
             for k, x in enumerate(minima):
-                kept[k] += _survives(way, x, down)
+                kept[k] += _survives(way, x, aside)
         return kept
 
     sheet = problem.flattened is not None and not len(problem.parameters.sectors)
@@ -230,12 +225,12 @@ def _noisy(
         )
 
 
-def _survives(way: Sequence[PatternProblem], x: np.ndarray, down: Down) -> bool:
+def _survives(way: Sequence[PatternProblem], x: np.ndarray, aside: np.ndarray) -> bool:
     """Return whether a state [n] can be followed, and is a minimum at the end."""
     for before, after in pairwise(way):
         try:
             new = _solved(before, after, x)
-            new = down(after, x) if new is None else new
+            new = downhill(after, x, aside) if new is None else new
         except (np.linalg.LinAlgError, ArithmeticError):
             return False
         if new is None or _has_jumped(x, new):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,18 +18,16 @@ from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 
 if TYPE_CHECKING:
-    from concurrent.futures import ProcessPoolExecutor
+    pass
 
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
 EARLY = 64
-"""Compiled descents that are made before their ends are judged, by each thread."""
+"""Descents that are made before their ends are judged, by each thread."""
 FIRST = 16
 """The same of the first ones: a first answer early."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
-Work = Generator[tuple[Descents, Samples], Ends, None]
-"""A search on its way: it asks for descents of samples, and is sent their ends."""
 
 
 class Search:
@@ -43,14 +40,11 @@ class Search:
     under
         The same scene under other labels, where descents are made, and these labels; None: `model` itself.
     workers
-        Threads that share compiled descents, or processes those in NumPy.
+        Threads that share descents.
     found
         Called after each new minimum.
     until
         Times of `time.monotonic` after which descents stop, and after which no further end is judged.
-    batches
-        Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little
-        there), and at most from then on.
     """
 
     def __init__(
@@ -61,34 +55,26 @@ class Search:
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
         until: tuple[float, float] = (math.inf, math.inf),
-        batches: tuple[int, int] = (256, 4096),
     ) -> None:
-        self.model, self.record, self._batches = model, record, batches
+        self.model, self.record = model, record
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model, until=until[0], threads=workers)
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[FoundState] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
         self._workers, self._found, self._until = workers, found, until[1]
-        self._pool: ProcessPoolExecutor | None = None
         self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
 
-    def __enter__(self) -> Search:
-        return self
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        if self._pool is not None and (kind or time.monotonic() > self._descents.until):
-            from origami_nlp.workers import stop_workers
-
-            stop_workers(self._pool)
-        elif self._pool is not None:
-            self._pool.shutdown(cancel_futures=True)
+    @property
+    def usable(self) -> bool:
+        """Whether descents are compiled, as there is a compiler, and there are no forces in space."""
+        return self._descents.usable
 
     def also_from(self, x: Iterable[np.ndarray]) -> None:
         """Start from states [n] of the scene with the next batch; like guesses, they are not counted."""
         self._below += list(x)
 
-    def run(self, starts: Samples | None = None) -> Work:
+    def run(self, starts: Samples | None = None) -> None:
         """Descend from starts (those that cross are dropped), and judge what is new among the ends.
 
         Starts either side of the saddles found before go with them: a batch costs by the call more than by the sample.
@@ -105,11 +91,10 @@ class Search:
             for source, name in enumerate(SOURCES):
                 record.by_source[name] += int((some.source == source).sum())
             parts = self._parts(some[feasible])
-            made = self._made_by_workers(parts)
             for part in parts:
                 if time.monotonic() > self._descents.until:
                     return
-                ends = next(made) if made else (yield self._descents, part)
+                ends = self._descents.run(part)
                 good = ends.converged | ends.settled
                 nowhere = ~good & ~ends.broken
                 record.stalled += int((nowhere & (ends.samples.source != GIVEN)).sum())
@@ -133,22 +118,10 @@ class Search:
 
     def _parts(self, starts: Samples) -> list[Samples]:
         """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
-        early, most = self._batches
-        if self._descents.compiled:
-            early, most = FIRST * self._workers, EARLY * self._workers
-        elif self._descents.crossings.any:
-            early = 0
+        early, most = FIRST * self._workers, EARLY * self._workers
         first, rest = np.split(np.arange(len(starts)), [0 if self._answer_of else early])
         split = [first, *np.array_split(rest, -(-len(rest) // most) or 1)]
         return [starts[part] for part in split if len(part)]
-
-    def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:
-        if self._workers == 1 or len(parts) <= 1 or self._descents.compiled:
-            return None
-        from origami_nlp.workers import worker_pool  # processes: rarely wanted, slow to load
-
-        self._pool = self._pool or worker_pool(self._workers)
-        return self._pool.map(self._descents.run, parts)
 
     def _feasible(self, starts: Samples) -> np.ndarray:
         crossings = self._descents.crossings
@@ -248,38 +221,6 @@ class Search:
             if gap != OPEN
         ]
         return tuple(dict.fromkeys((*limits, *gaps)))
-
-
-def finish(searches: Sequence[Work]) -> None:
-    """Bring searches to their ends.
-
-    Descents that several ask for at the same time are made together where their scenes have one vertex: a batch costs
-    by the call more than by the sample.
-    """
-    asked = {k: ask for k, search in enumerate(searches) if (ask := next(search, None))}
-    number = {k: i for i, k in enumerate(asked)}
-    together = Descents.of_each([descents for descents, _ in asked.values()])
-    while asked:
-        if together is None or len(asked) == 1:
-            answers = [descents.run(samples) for descents, samples in asked.values()]
-        else:
-            parts = [
-                replace(samples, springs=np.full(len(samples), number[k]))
-                for k, (_, samples) in asked.items()
-            ]
-            answers = _split(together.run(joined(*parts)), [len(part) for part in parts])
-        for k, ends in zip(list(asked), answers, strict=True):
-            try:
-                asked[k] = searches[k].send(ends)
-            except StopIteration:
-                del asked[k]
-
-
-def _split(ends: Ends, lengths: list[int]) -> list[Ends]:
-    """Return the ends of each of some searches, as if it had descended alone."""
-    own = replace(ends.samples, springs=np.zeros(len(ends.samples), dtype=int))
-    cuts = np.split(np.arange(len(own)), np.cumsum(lengths)[:-1])
-    return [replace(ends, samples=own)[k] for k in cuts]
 
 
 def _gap_under(model: Model, other: Model, labels: Relabelling) -> np.ndarray:

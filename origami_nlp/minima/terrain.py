@@ -1,4 +1,4 @@
-"""Minima of a vertex with descents between them: compiled where that is possible."""
+"""Minima of a vertex with descents between them, where these are compiled."""
 
 from __future__ import annotations
 
@@ -197,6 +197,8 @@ class VertexTerrain(Terrain):
         at_limit = self.model.fold_limits.near(states, 0.0)
         at_limit *= self.model.has_limits
         out = np.full(states.shape, math.nan)
+        if not self._descents.usable:
+            return out
         # at the flat state closure has no rank, steps no direction: rounding would choose one
         left = np.abs(states).max(axis=1) > RESOLVED
         for y in self.minima:
@@ -252,6 +254,8 @@ class VertexTerrain(Terrain):
 
     def _short_steps(self, state: np.ndarray) -> np.ndarray:
         model, paths = self.model, list[np.ndarray]()
+        if not self._descents.usable:
+            return state[None]
         at_limit = model.fold_limits.near(state[None], 0.0) * model.has_limits
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             self._descents.run(Samples.on(state[None], at_limit), paths)

@@ -23,7 +23,6 @@ from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
-from origami_nlp.minima.search import finish
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
@@ -62,21 +61,14 @@ def jobs_of(
     return jobs
 
 
-def finish_all(
-    searches: Sequence[Sequence[Job]], guesses: Sequence[np.ndarray] = (), workers: int = 1
-) -> None:
-    """Bring the searches of each of some scenes to their ends; guesses [N] go to the winding that they miss least.
-
-    Descents of one winding are made together for all scenes, where these have one vertex.
-    """
-    jobs = [job for some in searches for job in some]
+def finish_all(jobs: Sequence[Job], guesses: Sequence[np.ndarray] = (), workers: int = 1) -> None:
+    """Bring searches to their ends; guesses [N] go to the winding that they miss least."""
     given: dict[int, list[np.ndarray]] = {id(job): [] for job in jobs}
     for guess in guesses:
         # a state closes in the problem of its own winding only
         given[id(min(jobs, key=lambda job: _miss(job.model, guess)))].append(guess)
-    for winding in sorted({job.model.structure.winding for job in jobs}):
-        some = [job for job in jobs if job.model.structure.winding == winding]
-        finish([job.work(given[id(job)], workers) for job in some])
+    for job in sorted(jobs, key=lambda job: job.model.structure.winding):
+        job.work(given[id(job)], workers)
 
 
 def _miss(model: Model, guess: np.ndarray) -> float:

@@ -20,6 +20,7 @@ from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
+    NOISE,
     Completeness,
     JudgedState,
     MinimaResult,
@@ -27,6 +28,7 @@ from origami_nlp.minima import (
     check_method,
     check_noise,
     check_prove,
+    with_survival,
 )
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
@@ -47,7 +49,6 @@ from origami_nlp.pattern_states.judgement import (
     singular_beside,
     stationary_beside,
 )
-from origami_nlp.pattern_states.noise import NOISE, with_survival
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
@@ -483,8 +484,7 @@ class _Search(Parts):
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        given = self.by_energy(), self.contact, degrees
-        self.judged = with_survival(self.problem, self.labels, *given)
+        self.judged = with_survival(self.problem, self.labels, self.by_energy(), degrees)
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""

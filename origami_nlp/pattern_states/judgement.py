@@ -17,6 +17,7 @@ from origami_nlp.numerics import (
     NONZERO,
     OUTSIDE,
     STATIONARY,
+    energy_or_zero,
 )
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 
@@ -44,7 +45,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         phi = at_limit
     problem = problem.with_contact(contact)
     residual = problem.residual(phi)
-    energy, angles = problem.energy(phi), tuple(problem.expand(phi).tolist())
+    energy = float(energy_or_zero(problem.energy(phi), problem.pattern.stiffness))
+    angles = tuple(problem.expand(phi).tolist())
     why = ""
     if not residual <= CLOSURE_TOL:
         why = f"does not close: {residual:.1e}"

@@ -132,16 +132,17 @@ class Parts:
             self.say()
 
     def _level_with_known(self, state: JudgedState) -> bool:
-        """Return whether a minimum is one that is known: beside it, and level with it and with what is between.
+        """Return whether a state is one that is known: beside it, and level with it and with what is between.
 
         Where hinges have no stiffness at the bottom of a well, descents end somewhere near it.
         """
-        if state.verdict != "minimum" or not self.problem.pattern.laws:
+        if state.verdict not in ("minimum", "undecided") or not self.problem.pattern.laws:
             return False
         x = self.at_state(state)
         for k, s in enumerate(self.judged):
             y = self.at_state(s)
-            if s.verdict != "minimum" or np.abs(x - y).max() > NEAR_SINGULAR_TOL:
+            beside = s.verdict == "minimum" or s.verdict == state.verdict
+            if not beside or np.abs(x - y).max() > NEAR_SINGULAR_TOL:
                 continue
             level = LEVEL * max(abs(s.energy), self.problem.scale)
             between, residual = project(self.problem, 0.5 * (x + y))

@@ -34,10 +34,15 @@ class Follower:
     ----------
     problem
         The problem.
+
+    Attributes
+    ----------
+    work
+        Evaluations of closure so far.
     """
 
     def __init__(self, problem: PatternProblem) -> None:
-        self.problem, self.descents = problem, CompiledDescent(problem)
+        self.problem, self.descents, self.work = problem, CompiledDescent(problem), 0
         self._levels: dict[object, list[tuple[np.ndarray, np.ndarray, str]]] = {}
 
     @property
@@ -87,6 +92,7 @@ class Follower:
             replace(s, hold=True, most=0) if o else s for s, o in zip(starts, opened, strict=True)
         ]
         legs = self.descents(first, asides, pauses)
+        self.work += sum(leg.work for leg in legs)
         each = zip(starts, opened, legs, asides, strict=True)
         return [partial(self._onward, *given, known_end) for given in each]
 
@@ -106,9 +112,10 @@ class Follower:
             for x, onward, why in level:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
-            here = end.x
+            either = bool(self.problem.faces(end.x).open)  # facets may lie either way
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
-            level.append((here, onward, why))
+            if not either:
+                level.append((end.x, onward, why))
             return onward, why
         if folded:  # with creases fully folded that are free: their layers are ordered first
             if end.why == CLOSES_NOT:  # what is fully folded opens as it closes
@@ -136,6 +143,7 @@ class Follower:
 
     def _leg(self, start: StartState, aside: np.ndarray) -> DescentEnd:
         (end,) = self.descents([start], aside[None], self.problem.contact)
+        self.work += end.work
         return end
 
     def _ordered(

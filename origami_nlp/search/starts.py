@@ -92,7 +92,7 @@ class Touch(FoldedCreases):
 
     name = "touch"
     sentence = "facets that touch, held until the others are at rest"
-    cost = 40
+    cost = 20
 
     def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
         """Draw states, some creases at their limits, and which of the features that are near each other there meet."""

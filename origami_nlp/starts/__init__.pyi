@@ -6,8 +6,6 @@ from .batch_closure import (
     SETTLING as SETTLING,
     STEPS as STEPS,
     Closing as Closing,
-    ClosurePoint as ClosurePoint,
-    balance as balance,
 )
 from .batch_states import (
     SLOTS as SLOTS,

@@ -1,15 +1,14 @@
-"""Samples of a model brought onto closure and the contacts that they hold: values, multipliers, Gauss-Newton."""
+"""Samples of a model brought onto closure and the contacts that they hold, by Gauss-Newton."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
-from origami_nlp.problem import OPEN, FoldedRays, HingeLaws, Kinematics, Model, Parameters
+from origami_nlp.problem import OPEN, FoldedRays, HingeLaws, Kinematics, Model
 from origami_nlp.starts.batch_states import Samples
 
 CLOSED = 0.1 * OUTSIDE
@@ -24,35 +23,6 @@ POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
 
 
-@dataclass(frozen=True, eq=False)
-class ClosurePoint:
-    """What samples are at their states, in the metric y = sqrt(k) phi.
-
-    Attributes
-    ----------
-    at
-        The folded states.
-    rows
-        Gradients of closure and held gaps, shape [K, m + S, n].
-    torque
-        G, the gradient of the energy, shape [K, n].
-    multipliers
-        lam, that balance it best on the free creases, shape [K, m + S].
-    left
-        R = G - rows' lam, shape [K, n].
-    free_rows, inverse
-        The rows on the free creases, and the (pseudo-)inverse of their Gram matrix.
-    """
-
-    at: FoldedRays
-    rows: np.ndarray
-    torque: np.ndarray
-    multipliers: np.ndarray
-    left: np.ndarray
-    free_rows: np.ndarray
-    inverse: np.ndarray
-
-
 class Closing:
     """Closure and held contacts of a model, at many samples.
 
@@ -60,56 +30,26 @@ class Closing:
     ----------
     model
         The posed scene.
-    springs
-        Those that samples name by their number (`Samples.springs`), of the vertex of the model and without forces in
-        space; by default those of the model alone.
     """
 
-    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
+    def __init__(self, model: Model) -> None:
         self.model, self.kinematics = model, Kinematics(model)
-        self._all, self._several = model.parameters, bool(springs)
-        if springs:
-            stiffness, rest, load = (
-                np.array([getattr(p, name) for p in springs])
-                for name in ("stiffness", "rest", "load")
-            )
-            self._all = replace(self._all, stiffness=stiffness, rest=rest, load=load)
-        self._roots = np.sqrt(self._all.stiffness)
-        low, high = (bound(axis=-1, keepdims=True) for bound in (self._roots.min, self._roots.max))
+        self._root = np.sqrt(model.parameters.stiffness)
         # where stiffnesses are very unequal; ones elsewhere
-        self._unequal = np.where(high > math.sqrt(UNEQUAL) * low, self._roots, 1.0)
-
-    def springs(self, s: Samples) -> Parameters:
-        """Return the springs of samples: numbers [n] where all have the same, [K, n] otherwise."""
-        p, k = self._all, s.springs
-        if not self._several:
-            return p
-        return replace(p, stiffness=p.stiffness[k], rest=p.rest[k], load=p.load[k])
-
-    def numbered(self, s: Samples) -> np.ndarray:
-        """Return which of the springs in `tables` are those of each sample, [K]."""
-        return s.springs if self._several else np.zeros(len(s), dtype=int)
+        unequal = self._root.max() > math.sqrt(UNEQUAL) * self._root.min()
+        self._unequal = self._root if unequal else np.ones(model.size)
 
     def tables(self) -> dict[str, np.ndarray]:
-        """Return what compiled descents read of all springs, [S, n] each."""
-        p = self._all
+        """Return what compiled descents read of the springs, [n] each."""
+        p = self.model.parameters
         return {
             "stiffness": p.linear,
             "rest": p.rest,
             "load": p.load,
-            "root": self._roots,
+            "root": self._root,
             "metric": self._unequal,
             **(p.laws or HingeLaws((), np.zeros(0), np.zeros(0))).tables(),
         }
-
-    def root(self, s: Samples) -> np.ndarray:
-        """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
-        return self._roots[s.springs] if self._several else self._roots
-
-    def soft(self, s: Samples) -> np.ndarray:
-        """Return the stiffness of hinges of samples over that of the metric: 1 for springs, [n] or [K, n]."""
-        p = self.model.parameters
-        return p.curvature(s.x) / p.stiffness
 
     def rows(self, s: Samples) -> tuple[FoldedRays, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
@@ -126,40 +66,9 @@ class Closing:
         value = np.concatenate([value, sides * g], axis=1)
         return at, value, np.concatenate([jacobian, sides[..., None] * dg], axis=1)
 
-    def point(self, s: Samples) -> ClosurePoint:
-        """Balance the torque of samples on their free creases."""
-        at, _, jacobian = self.rows(s)
-        root = self.root(s)
-        torque = self.springs(s).torque(s.x) / root
-        return balance(s, at, jacobian / root[..., None, :], torque)
-
-    def hessian(self, s: Samples, p: ClosurePoint) -> np.ndarray:
-        """Hessian of the Lagrangian in the metric, [K, n, n]."""
-        m = self.model.equation_count
-        curved = self.kinematics.closure_hessian(p.at, p.multipliers[:, :m])
-        if p.rows.shape[1] > m:
-            used = p.rows.shape[1] - m
-            forces = s.sides[:, :used] * p.multipliers[:, m:]
-            curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
-        # in y = sqrt(k) phi the springs have the unit matrix: H = 1 - sum lam_i Hess c_i / (root root')
-        own = np.eye(s.x.shape[1]) * np.asarray(self.soft(s))[..., None, :]
-        if (dead := self.model.parameters.dead) is not None:
-            curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
-        root = self.root(s)
-        return own - curved / (root[..., :, None] * root[..., None, :])
-
-    def close(
-        self, s: Samples, steps: int = STEPS, to: float = CLOSED, *, metric: bool = False
-    ) -> Samples:
-        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there.
-
-        metric: where stiffnesses are very unequal, by the shortest way in the metric, so that stiff creases hardly turn
-        and the energy hardly changes.
-        """
+    def close(self, s: Samples, steps: int = STEPS, to: float = CLOSED) -> Samples:
+        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
         x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
-        root = np.ones((len(s), 1))
-        if metric:
-            root = (self._unequal[s.springs] if self._several else self._unequal) * root
         for _ in range(steps):
             part = replace(s[todo], x=x[todo], at_limit=at_limit[todo])
             _, value, rows = self.rows(part)
@@ -167,10 +76,9 @@ class Closing:
             todo, value = todo[far], value[far]
             if not len(todo):
                 break
-            rows = rows[far] * (at_limit[todo] == 0)[:, None] / root[todo][:, None]
+            rows = rows[far] * (at_limit[todo] == 0)[:, None]
             # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
             move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
-            move /= root[todo]
             length = np.abs(move).max(axis=1)
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
@@ -188,17 +96,6 @@ class Closing:
             if not len(todo):
                 break
         return replace(s, x=x, at_limit=at_limit)
-
-
-def balance(s: Samples, at: FoldedRays, rows: np.ndarray, torque: np.ndarray) -> ClosurePoint:
-    """Find the multipliers of rows [K, r, n] that balance a torque [K, n] best on the free creases."""
-    free_rows = rows * (s.at_limit == 0)[:, None]
-    inverse = gram_inverse(free_rows)
-    # least squares; creases at their limits carry whatever torque is left over
-    lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
-    lam += (inverse @ (free_rows @ (torque - (lam[:, None] @ rows)[:, 0])[..., None]))[..., 0]
-    left = torque - (lam[:, None] @ rows)[:, 0]
-    return ClosurePoint(at, rows, torque, lam, left, free_rows, inverse)
 
 
 def gram_inverse(rows: np.ndarray) -> np.ndarray:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -29,8 +28,6 @@ class Samples:
         Whether contacts are held until the descent has converged on its stratum, shape [K].
     source
         Which kind of start it is, shape [K].
-    springs
-        Under which of the springs that descents were given it is, shape [K].
     """
 
     x: np.ndarray
@@ -39,7 +36,6 @@ class Samples:
     sides: np.ndarray
     hold: np.ndarray
     source: np.ndarray
-    springs: np.ndarray
 
     @classmethod
     def on(
@@ -60,7 +56,6 @@ class Samples:
             np.ones((k, SLOTS), dtype=int),
             np.full(k, hold),
             np.full(k, source),
-            np.zeros(k, dtype=int),
         )
 
     @classmethod
@@ -73,15 +68,6 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.x)
-
-    def holding(self, gap: np.ndarray, side: np.ndarray) -> tuple[Samples, np.ndarray]:
-        """Hold one more gap each (none where `gap` is negative); return where there was room for it."""
-        slots, sides = self.slots.copy(), self.sides.copy()
-        free = (slots == OPEN) & ~(slots == gap[:, None]).any(axis=1, keepdims=True)
-        room = free.any(axis=1) & (gap >= 0)
-        first, r = free.argmax(axis=1), np.flatnonzero(room)
-        slots[r, first[r]], sides[r, first[r]] = gap[r], side[r]
-        return replace(self, slots=slots, sides=sides), room
 
 
 def joined(*parts: Samples) -> Samples:
@@ -116,13 +102,3 @@ class Ends:
     converged: np.ndarray
     settled: np.ndarray
     broken: np.ndarray
-
-    @classmethod
-    def of(cls, parts: Sequence[Ends]) -> Ends:
-        """Return ends one after the other."""
-        samples = joined(*(part.samples for part in parts))
-        rest = (np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)[1:])
-        return cls(samples, *rest)
-
-    def __getitem__(self, which: np.ndarray) -> Ends:
-        return Ends(*(getattr(self, f.name)[which] for f in fields(self)))

@@ -28,10 +28,6 @@ class SearchOptions:
         How often random starts must have reached every minimum before the search stops.
     quiet
         Rounds without a new minimum after which it may stop although one was reached less often.
-    batch
-        Descents made together; fewer take longer, more take more memory.
-    first_batch
-        Descents made first, for early answers.
     most_with_corners
         Creases up to which corners are started from: with more there are too many.
     fewest_for_moments
@@ -70,8 +66,6 @@ class SearchOptions:
     rounds: int = 16
     hits: int = 2
     quiet: int = 2
-    batch: int = 4096
-    first_batch: int = 256
     most_with_corners: int = 24
     fewest_for_moments: int = 16
     most_batched: int = 24

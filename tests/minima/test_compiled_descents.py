@@ -1,4 +1,4 @@
-"""Descents in C end where those in NumPy end, start by start; without a compiler a search answers the same."""
+"""Descents in C: ends are KKT points by the model's own derivatives, whoever makes them; without a compiler IPOPT."""
 
 import ctypes
 import json
@@ -51,7 +51,7 @@ def starts_of(model, descents, most):
 def assert_same(one, other, to=SAME):
     for name in ("converged", "settled", "broken"):
         assert (getattr(one, name) == getattr(other, name)).all()
-    for name in ("at_limit", "slots", "sides", "hold", "source", "springs"):
+    for name in ("at_limit", "slots", "sides", "hold", "source"):
         assert (getattr(one.samples, name) == getattr(other.samples, name)).all()
     done = one.converged | one.settled
     assert np.abs(one.samples.x - other.samples.x)[done].max(initial=0.0) <= to
@@ -105,31 +105,27 @@ CASES = {
 
 
 @pytest.mark.parametrize("scene, most", CASES.values(), ids=CASES)
-def test_every_start_ends_as_in_numpy(scene, most):
+def test_ends_are_stationary_with_their_contacts_and_lower(scene, most):
     model = Model(scene)
     descents = Descents(model)
     starts = starts_of(model, descents, most)
-    assert len(starts) > 20
-    assert_same(descents.run(starts), descents.run_in_numpy(starts))
-
-
-@pytest.mark.parametrize(
-    "name", ["mirrored, full contact", "degree 6 with contact", "degree 6 with laws"]
-)
-def test_short_steps_go_the_same_way_as_in_numpy(name):
-    scene, most = CASES[name]
-    model = Model(scene)
-    descents = Descents(model, steps=120, longest=0.1)
-    starts = starts_of(model, descents, most // 2)
-    in_c, in_numpy = list[np.ndarray](), list[np.ndarray]()
-    ends = descents.run(starts, in_c)
-    assert_same(ends, descents.run_in_numpy(starts, in_numpy))
-    moved = [np.abs(np.diff(path, axis=0)).max(initial=0.0) for path in in_c]
-    assert sum(len(path) > 10 for path in in_c) > 10 and 0.05 < max(moved) < 0.2
-    for one, other, done in zip(in_c, in_numpy, ends.converged, strict=True):
-        if done:
-            assert one.shape == other.shape and np.abs(one - other).max(initial=0.0) < SAME
-    assert np.abs(model.closure(np.concatenate(in_c))[0]).max() < CLOSURE_TOL
+    ends = descents.run(starts)
+    done = np.flatnonzero(ends.converged)
+    assert len(starts) > 20 and len(done) >= 0.5 * len(starts)
+    for k in done:
+        s, local = ends.samples, model.local(ends.samples.x[k])
+        at_limit = np.flatnonzero(s.at_limit[k])
+        contacts = [Contact("limit", int(v), int(s.at_limit[k, v])) for v in at_limit]
+        slots = zip(s.slots[k].tolist(), s.sides[k].tolist(), strict=True)
+        contacts += [Contact("gap", gap, side) for gap, side in slots if gap != OPEN]
+        _, slopes = local.openings(contacts)
+        rows = np.vstack([local.closure_jacobian, slopes])
+        forces, *_ = np.linalg.lstsq(rows.T, local.gradient, rcond=1e-9)
+        size = 1 + np.abs(local.gradient).max() + np.abs(forces).max()
+        assert np.abs(local.closure).max() <= CLOSURE_TOL
+        assert np.abs(local.gradient - rows.T @ forces).max() <= 1e-7 * size
+    energy = model.parameters.energy
+    assert (energy(ends.samples.x) <= energy(starts.x) + 1e-7).all()
 
 
 @pytest.mark.parametrize("scene", [CASES["mirrored, full contact"][0], vertex(7, 3, "full")])
@@ -154,19 +150,21 @@ def test_projections_and_what_is_admissible_are_those_of_numpy(scene):
             assert np.abs(y[of == k] - z)[done].max() < SAME
 
 
-def test_several_scenes_of_one_vertex_and_threads():
-    scenes = [vertex(5, 4), vertex(5, 4, decades=6.0)]
-    both = [Model(s) for s in scenes]
-    descents = Descents(both[0], [m.parameters for m in both], threads=2)
-    samples = starts_of(both[0], descents, 400)
-    samples.springs[::2] = 1
-    ends = descents.run(samples)
-    assert_same(ends, descents.run_in_numpy(samples))
-    for number, model in enumerate(both):
-        own = samples[samples.springs == number]
-        own.springs[:] = 0
-        alone = Descents(model).run(own)
-        assert (alone.samples.x == ends.samples.x[samples.springs == number]).all()
+def test_threads_change_nothing():
+    model = Model(vertex(5, 4))
+    samples = starts_of(model, Descents(model), 400)
+    one, two = (Descents(model, threads=k).run(samples) for k in (1, 2))
+    assert_same(one, two, 0.0)
+
+
+def test_short_steps_are_kept_and_close():
+    model = Model(CASES["degree 6 with contact"][0])
+    paths = list[np.ndarray]()
+    descents = Descents(model, steps=120, longest=0.1)
+    descents.run(starts_of(model, descents, 60), paths)
+    moved = [np.abs(np.diff(path, axis=0)).max(initial=0.0) for path in paths]
+    assert sum(len(path) > 10 for path in paths) > 10 and 0.05 < max(moved) < 0.2
+    assert np.abs(model.closure(np.concatenate(paths))[0]).max() < CLOSURE_TOL
 
 
 def test_where_linear_algebra_breaks_down_a_descent_ends_where_it_began():
@@ -187,59 +185,28 @@ def test_a_large_vertex_keeps_its_limit_of_time():
     assert time.process_time() - begin < 5 and not ends.converged.all()
 
 
-SCENES = vertex(5, 5), vertex(5, 2, "full")
 ASK = """
 import json
-from origami_nlp.minima import compiled
-from tests.minima.test_compiled_descents import answers
-print(json.dumps([compiled() is None, answers()]))
+from origami_nlp import find_minima
+from tests.minima.test_compiled_descents import vertex
+r = find_minima(vertex(5, 5), prove=False, effort="quick")
+print(json.dumps([r.search.solves, [m.fold_angles for m in r.minima], r.minima[0].escape.why]))
 """
 
 
-def answers():
-    found = [find_minima(s, prove=False, effort="quick", escape=False) for s in SCENES]
-    return [result.to_dict() for result in found]
-
-
-def test_without_a_compiler_a_search_answers_the_same():
+@pytest.mark.parametrize("switch", [(SWITCH, "0"), ("CC", "/bin/false")])
+def test_without_a_compiler_ipopt_searches(switch, tmp_path):
+    changed = dict([switch, ("XDG_CACHE_HOME", str(tmp_path))])
     asked = subprocess.run(
-        [sys.executable, "-c", ASK],
-        env=os.environ | {SWITCH: "0"},
-        capture_output=True,
-        text=True,
+        [sys.executable, "-c", ASK], env=os.environ | changed, capture_output=True, text=True
     )
     assert not asked.returncode, asked.stderr
-    none, others = json.loads(asked.stdout)
-    assert none
-    for here, there in zip(json.loads(json.dumps(answers())), others, strict=True):
-        assert_near(here, there)
-
-
-@pytest.mark.parametrize(
-    "name, value",
-    [("CC", "/bin/false"), ("CC", "/no/such/cc"), ("CC", "'"), ("XDG_CACHE_HOME", "/dev/null")],
-)
-def test_where_nothing_can_be_compiled_numpy_descends(name, value, monkeypatch):
-    monkeypatch.setenv(name, value)
-    model = Model(vertex(5, 4))
-    descents = Descents(model)
-    assert descents.compiled is None
-    assert descents.run(Samples.on(np.zeros((1, 5)))).converged.all()
-
-
-def assert_near(one, other, at=""):
-    if isinstance(one, float) and isinstance(other, float):
-        assert math.isclose(one, other, rel_tol=1e-10, abs_tol=1e-12), (at, one, other)
-    elif isinstance(one, dict):
-        assert one.keys() == other.keys()
-        for key in one.keys() - {"seconds", "cost"}:
-            assert_near(one[key], other[key], f"{at}.{key}")
-    elif isinstance(one, list):
-        assert len(one) == len(other), at
-        for k, (a, b) in enumerate(zip(one, other, strict=True)):
-            assert_near(a, b, f"{at}[{k}]")
-    else:
-        assert one == other, (at, one, other)
+    solves, minima, why = json.loads(asked.stdout)
+    here = find_minima(vertex(5, 5), prove=False, effort="quick", escape=False).minima
+    # whatever one solve each finds of them is among those that batches find
+    assert solves > 10 and minima and "compiler" in why
+    listed = np.array([m.fold_angles for m in here])
+    assert max(np.abs(listed - x).max(axis=1).min() for x in np.array(minima)) < 1e-6
 
 
 def test_it_is_compiled_once_and_told(tmp_path, monkeypatch):

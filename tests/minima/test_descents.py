@@ -1,17 +1,15 @@
 """Descents in batches: their ends are KKT points by the model's own derivatives; labels and workers change nothing."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
-from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.pattern import Relabelling, canonical_labels
-from origami_nlp.problem import OPEN, Contact, Model, random_strata
+from origami_nlp.problem import Model
 from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
 
@@ -26,46 +24,6 @@ def vertex(degree, seed, contact, symmetry="none"):
         symmetry=symmetry,
         contact=contact,
     )
-
-
-CASES = [
-    vertex(5, 5, "fold-limits"),
-    vertex(6, 2, "full"),
-    vertex(5, 3, "none"),
-    examples.degree6("pi/3", 1),
-]
-
-
-@pytest.mark.parametrize("scene", CASES, ids=lambda s: f"{s.group.name}-{s.contact}")
-def test_ends_are_stationary_with_their_contacts(scene):
-    model = Model(scene)
-    x = random_strata(model, np.random.default_rng(0), 60)
-    at_limit = np.where(np.abs(x) == math.pi, np.sign(x), 0)
-    descents = Descents(model)
-    free = descents.crossings.of(descents.closing.kinematics.fold(x), x, at_limit)[0] == OPEN
-    starts = Samples.on(x[free], at_limit[free], hold=True)
-    ends = descents.run(starts)
-    assert ends.converged.mean() >= 0.8
-    for k in np.flatnonzero(ends.converged):
-        s, local = ends.samples, model.local(ends.samples.x[k])
-        contacts = [
-            Contact("limit", int(v), int(s.at_limit[k, v])) for v in np.flatnonzero(s.at_limit[k])
-        ]
-        contacts += [
-            Contact("gap", int(g), int(o))
-            for g, o in zip(s.slots[k], s.sides[k], strict=True)
-            if g != OPEN
-        ]
-        opening, slopes = local.openings(contacts)
-        rows = np.vstack([local.closure_jacobian, slopes])
-        forces, *_ = np.linalg.lstsq(rows.T, local.gradient, rcond=1e-9)
-        size = 1 + np.abs(local.gradient).max()
-        assert np.abs(local.closure).max() <= 1e-12 and np.abs(opening).max(initial=0) <= 1e-9
-        assert np.abs(local.gradient - rows.T @ forces).max() <= 1e-7 * size
-        if np.linalg.matrix_rank(rows, 1e-6) == len(rows):
-            assert forces[len(local.closure) :].min(initial=0) >= -1e-7 * size
-    energy = model.parameters.energy
-    assert (energy(ends.samples.x) <= energy(starts.x) + 1e-7).all()
 
 
 def test_a_stratum_that_exists_only_while_it_is_held_keeps_its_end():
@@ -112,10 +70,9 @@ def test_canonical_labels_are_the_same_for_all_labels():
 
 
 def test_workers_change_nothing():
-    options = replace(EFFORTS["quick"], first_batch=50, batch=100)
     scene = vertex(6, 6, "fold-limits")
     alone, shared = (
-        find_minima(scene, workers=w, options=options, prove=False, escape=False) for w in (1, 2)
+        find_minima(scene, workers=w, effort="quick", prove=False, escape=False) for w in (1, 2)
     )
     assert [(m.fold_angles, m.hits) for m in alone.minima] == [
         (m.fold_angles, m.hits) for m in shared.minima
@@ -153,31 +110,6 @@ def test_all_corners_is_said_only_where_all_were_tried():
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False, escape=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
     assert "leave without degrees of freedom" not in capped.report(verbose=True)
-
-
-def test_scenes_of_one_vertex_descend_together_as_each_does_alone():
-    """Searches at both ends of a range of springs, one of which ends later; then scenes that share no vertex."""
-    scenes = [examples.degree6("5*pi/12", ratio) for ratio in (0.01, 100.0)]
-    options = {"prove": False, "effort": "quick", "seed": 3}
-    for some in (scenes, [vertex(4, 1, "fold-limits"), scenes[1]]):
-        for one, each in zip(some, find_minima_of_each(some, **options), strict=True):
-            alone = find_minima(one, **options, escape=False)
-            assert [m.hits for m in each.minima] == [m.hits for m in alone.minima]
-            for a, b in zip(each.minima, alone.minima, strict=True):
-                assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-12)
-                assert a.kind == b.kind
-            for name in ("starts", "feasible_starts", "by_source", "stopped_by", "complete"):
-                assert getattr(each.search, name) == getattr(alone.search, name)
-    models = [Model(s) for s in scenes]
-    together = Descents.of_each([Descents(m) for m in models])
-    assert (
-        together is not None and Descents.of_each([Descents(Model(s)) for s in CASES[:2]]) is None
-    )
-    x = random_strata(models[0], np.random.default_rng(1), 20)
-    s = replace(Samples.on(x), springs=np.repeat([0, 1], 10))
-    energies = together.closing.springs(s).energy(x)
-    own = [models[k].parameters.energy(v) for k, v in zip(s.springs, x, strict=True)]
-    assert energies == pytest.approx(own, rel=1e-14)  # each sample under the springs that it names
 
 
 def test_rounding_does_not_stall_descents_at_contacts_that_force_each_other_shut():

@@ -9,13 +9,13 @@ import pytest
 
 from origami_nlp import Scene, State, Vertex, classify, find_minima
 from origami_nlp.kkt import Solve, polish
-from origami_nlp.minima import record, search
+from origami_nlp.minima import record
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
-from origami_nlp.starts import CORNER, Rounds, contact_starts, model_strata, options_of
+from origami_nlp.starts import Rounds, contact_starts, model_strata, options_of
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 
@@ -237,32 +237,6 @@ def test_one_polish_that_breaks_down_is_counted_and_the_search_goes_on(monkeypat
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert len(result.minima) == 3
     assert result.search.failed["Singular matrix"] > 0
-
-
-def test_one_descent_that_breaks_down_leaves_the_others_as_they_are(monkeypatch):
-    monkeypatch.setenv("ORIGAMI_NLP_COMPILED", "0")  # NumPy's linear algebra raises errors
-    model = Model(UNCLOSED)
-    samples = next(iter(Rounds(model, 0, options_of("quick"))))
-    whole = Descents(model).run(samples)
-    # a corner: searches of every effort start from it
-    true, bad = Descents.run_in_numpy, samples.x[samples.source == CORNER][0]
-
-    def breaks(self, starts, paths=None):
-        if (starts.x == bad).all(axis=1).any():
-            raise np.linalg.LinAlgError("Eigenvalues did not converge")
-        return true(self, starts, paths)
-
-    monkeypatch.setattr(Descents, "run_in_numpy", breaks)
-    ends = Descents(model).run(samples)
-    assert (
-        np.flatnonzero(ends.broken).tolist()
-        == np.flatnonzero((samples.x == bad).all(axis=1)).tolist()
-    )
-    good = ~ends.broken & whole.converged
-    assert np.abs(ends.samples.x - whole.samples.x)[good].max() < 1e-6
-    found = find_minima(UNCLOSED, prove=False, escape=False)
-    assert found.search.failed[search.BREAKDOWN] > 0
-    assert len(found.minima) == 4
 
 
 def test_a_state_with_contacts_of_almost_no_slope_is_judged():

@@ -258,7 +258,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     whole = find_states("metasheet:3x3", starts=2)
     stopped(monkeypatch, 1)
     with pytest.raises(KeyboardInterrupt) as end:  # as programs expect it
-        find_states("metasheet:3x3", starts=2)
+        find_states("metasheet:3x3", starts=200)
     found = end.value.result
     assert found.search.interrupted and found.search.left_out[0] == "random starts"
     assert "interrupted, not through with: random starts" in found.report(verbose=True)

@@ -49,7 +49,7 @@ BESIDE_THE_TABLE = {
         contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
-        minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
+        minima/descent_rules.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
         search/descend.SOFT starts/moments.SHORTEST_SHARE

@@ -11,6 +11,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp import examples
 from origami_nlp.pattern import detent, linear, polynomial, sum_of
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import judge
 from tests.independent.rigid import Rigid
 from tests.independent.search_sheets import minima, sheet_of
 from tests.independent.strips import Strip
@@ -126,6 +128,7 @@ def test_wells_without_stiffness_are_listed_once(creases):
 
 def test_a_state_without_stiffness_is_not_decided():
     # at the bottom itself nothing is certified; its energy is 0, not what rounding leaves
+    at = judge(PatternProblem(strip(1).with_laws([QUARTIC])), np.array([0.5]))
+    assert (at.verdict, at.energy) == ("undecided", 0.0)
     found = o.find_minima(strip(1).with_laws([QUARTIC]), escape=False)
-    assert not found.minima
-    assert [s.energy for s in found.search.undecided] == [0.0]
+    assert [s.energy for s in found.minima] == [0.0] and not found.search.undecided

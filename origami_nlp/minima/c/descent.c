@@ -7,12 +7,12 @@ static void copy_ints(const int64_t *a, int64_t n, int64_t *to) { memcpy(to, a, 
 
 static void copy(const double *a, int64_t n, double *to) { memcpy(to, a, n * sizeof(double)); }
 
-static double energy(const Vertex *v, int64_t g, const double *x) {
+static double energy(const Vertex *v, const double *x) {
   double springs = 0.0, work = 0.0;
   for (int64_t i = 0; i < v->n; i++) {
-    double turn = x[i] - v->rest[g * v->n + i];
-    springs += v->stiffness[g * v->n + i] * (turn * turn);
-    work += x[i] * v->load[g * v->n + i];
+    double turn = x[i] - v->rest[i];
+    springs += v->stiffness[i] * (turn * turn);
+    work += x[i] * v->load[i];
   }
   return 0.5 * springs - work + (v->laws ? law_energy(v, x) : 0.0);
 }
@@ -47,7 +47,7 @@ static int release(const Vertex *v, const Samples *s, int64_t k, double size, do
 /* The Hessian along the stratum, the identity across it. */
 static void project_hessian(const Vertex *v, const Samples *s, int64_t k, int64_t rows, const Point *p, Scratch *w) {
   int64_t n = v->n, *at_limit = s->at_limit + k * n, *slots = s->slots + k * SLOTS;
-  const double *root = v->root + s->scene[k] * n;
+  const double *root = v->root;
   double *h = w->h, *projector = w->projector, *product = w->product;
   memset(h, 0, n * n * sizeof(double));
   add_closure_hessian(v, &p->at, p->multipliers, h);
@@ -111,11 +111,11 @@ static int try_state(const Vertex *v, const Samples *s, int64_t k, double slope,
                      int64_t *gap, int64_t *side) {
   const Trial *t = &w->trial;
   const double *x = s->x + k * v->n;
-  int64_t rows = rows_at(v, t->x, t->slots, t->sides, q), g = s->scene[k];
+  int64_t rows = rows_at(v, t->x, t->slots, t->sides, q);
   int good = largest_of(q->value, rows) <= EXPLORED;
   good = good && (!v->plane || q->at.end[0] > 0);
   for (int64_t i = 0; i < v->n; i++) good = good && !beyond(v, t->x, i) && fabs(t->x[i] - x[i]) < 2 * REACH;
-  double now = energy(v, g, t->x), e = energy(v, g, x);
+  double now = energy(v, t->x), e = energy(v, x);
   /* sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies */
   int lower = now <= e + DECREASE * fmin(slope, 0.0) + EXPLORED * (1 + fabs(e));
   good = good && (lower || (escaped && now <= e + SAME_ENERGY));
@@ -128,7 +128,7 @@ static int meet(const Vertex *v, const Samples *s, int64_t k, int64_t gap, int64
                 Scratch *w) {
   Trial *t = &w->trial;
   int64_t n = v->n, room = -1, other, way;
-  const double *metric = v->metric + s->scene[k] * n;
+  const double *metric = v->metric;
   double is_now = side * gap_at(v, &q->at, gap, w->opens); /* still folded at the trial state */
   fold(v, s->x + k * n, &q->at);
   double was = side * gap_at(v, &q->at, gap, w->opens), share = 0.5;
@@ -157,10 +157,10 @@ static int meet(const Vertex *v, const Samples *s, int64_t k, int64_t gap, int64
 static int advance(const Vertex *v, const Samples *s, int64_t k, int escaped, Point *q, Scratch *w) {
   int64_t n = v->n, gap, side;
   double reach = s->reach[k];
-  for (int64_t i = 0; i < n; i++) w->dx[i] = w->d[i] / v->root[s->scene[k] * n + i];
+  for (int64_t i = 0; i < n; i++) w->dx[i] = w->d[i] / v->root[i];
   double longest = largest_of(w->dx, n);
   double share = move(v, s, k, w->dx, fmin(1.0, reach / fmax(longest, NONZERO)), &w->trial);
-  if (!close_state(v, &w->trial, CLOSED, v->metric + s->scene[k] * n, q)) return -1;
+  if (!close_state(v, &w->trial, CLOSED, v->metric, q)) return -1;
   int good = try_state(v, s, k, dot(w->down, w->d, n) * share, escaped, q, w, &gap, &side);
   if (gap >= 0) {
     for (int64_t i = 0; i < n; i++) w->dx[i] *= share;
@@ -183,7 +183,7 @@ static void accept(const Vertex *v, const Samples *s, int64_t k, const Trial *t)
 /* Leave a stationary state downhill where it is a saddle; return whether it is; -1: linear algebra breaks down. */
 static int leave_saddle(const Vertex *v, const Samples *s, int64_t k, int64_t rows, const Point *p, Scratch *w) {
   int64_t n = v->n;
-  const double *root = v->root + s->scene[k] * n;
+  const double *root = v->root;
   double longest = 0.0;
   if (!v->chain && !all_finite(w->h, n, n)) return -1;
   if (!((v->chain ? bent(n, w, p, rows) : lowest(n, w)) < SADDLE) || s->escapes[k] >= ESCAPES) return 0;
@@ -200,12 +200,12 @@ static int leave_saddle(const Vertex *v, const Samples *s, int64_t k, int64_t ro
 
 /* One step of a descent; 0 where linear algebra breaks down. */
 static int make_step(const Vertex *v, const Samples *s, int64_t k, Point *p, Point *q, Scratch *w) {
-  int64_t n = v->n, g = s->scene[k], *at_limit = s->at_limit + k * n;
-  const double *x = s->x + k * n, *root = v->root + g * n;
+  int64_t n = v->n, *at_limit = s->at_limit + k * n;
+  const double *x = s->x + k * n, *root = v->root;
   double *d = w->d, moved = 0.0, tiny = 0.0;
   int64_t rows = rows_at(v, x, s->slots + k * SLOTS, s->sides + k * SLOTS, p);
   for (int64_t i = 0; i < n; i++) {
-    p->torque[i] = v->stiffness[g * n + i] * (x[i] - v->rest[g * n + i]) - v->load[g * n + i];
+    p->torque[i] = v->stiffness[i] * (x[i] - v->rest[i]) - v->load[i];
     for (int64_t e = 0; e < rows; e++) p->rows[e * n + i] /= root[i];
   }
   add_laws(v, x, root, p->torque, w->soft);

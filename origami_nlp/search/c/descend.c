@@ -436,7 +436,8 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
       double off_way = 0.0, new = energy(s, t->trial);
       for (int64_t i = 0; i < n; i++) off_way = fmax(off_way, fabs(t->trial[i] - x[i]));
       if (off_way > 3 * radius + OUTSIDE) continue;
-      int tiny = !off && share * far <= SETTLED && new <= now + ROUNDED * (1 + fabs(now));
+      /* at rest Newton's steps are taken although energies no longer tell them apart */
+      int tiny = !off && (last || share * far <= SETTLED) && new <= now + ROUNDED * (1 + fabs(now));
       if (!(new < now - DECREASE * share * fabs(slope) * (off ? 0.0 : 1.0)) && !tiny) continue;
       if (crosses(t, t->trial, &t->there)) {
         double low = 0.0, high = 1.0;
