@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 import origami_nlp as o
 from origami_nlp.display import draw_pattern, draw_state
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern import fold_vertices, group_equivalent_vertices, parse_fold, vertex_scenes
+from origami_nlp.pattern import fold_vertices, parse_fold, vertex_scenes
+from tests.pattern.equivalent_vertices import group_equivalent_vertices
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "examples.md", DOCS / "figures" / "examples"

@@ -74,7 +74,7 @@ def minima(
             _check_provable(stated, certificate, scene.whole_contact or "full")
     stopped = False
     try:
-        result = search(stated, scene.name, verbose=verbose, **options)
+        result = search(stated, scene.name, **options)
     except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.print_to(out.console, verbose)

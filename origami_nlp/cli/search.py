@@ -12,13 +12,16 @@ if TYPE_CHECKING:
     from origami_nlp.pattern import Pattern, Scene
 
 
-def search(
-    origami: Scene | Pattern, name: str | None, *, verbose: bool = False, **options: Any
-) -> Any:
+NO_COMPILER = (
+    "no C compiler was found, or none is wanted: IPOPT searches, some hundred times slower, and escapes of vertices "
+    "are not sought; install cc, gcc or clang, or name one by CC"
+)
+
+
+def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
     """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
 
-    name: of what has no label.  verbose: say where nothing could be compiled.  options: of `find_minima`; what is None
-    is left to it.
+    name: of what has no label.  options: of `find_minima`; what is None is left to it.
     """
     from origami_nlp.io import screen
     from origami_nlp.minima import compiled
@@ -27,10 +30,8 @@ def search(
 
     vertex = isinstance(origami, Scene)
     terminal = screen("-").is_terminal
-    if vertex and compiled(_note if terminal else lambda line: None) is None and verbose:
-        _note(
-            "descents are made in NumPy, several times slower: no C compiler was found, or none is wanted"
-        )
+    if vertex and compiled(_note if terminal else lambda line: None) is None:
+        _note(NO_COMPILER)
     label = origami.label if isinstance(origami, Scene) else origami.name
     with progress(label or str(name)) as show:
         energies: list[float] = []

@@ -87,10 +87,8 @@ from .hinges_stated import (
 )
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
-    EquivalentVertices as EquivalentVertices,
     Relabelling as Relabelling,
     canonical_labels as canonical_labels,
-    group_equivalent_vertices as group_equivalent_vertices,
     symmetries as symmetries,
 )
 from .lattice_stated import (

@@ -12,6 +12,7 @@ Which orders there are is asked of `Orders`; those that all of them agree on are
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -227,7 +228,11 @@ class Faces:
     def _above(self, pair: int) -> list[ContactPair]:
         """Return the gaps of a pair whose first piece is above."""
         stack, crossings = self._stack, self._problem.crossings
-        one, other = (_Piece(stack, self._problem.features, int(p)) for p in stack.pairs[pair])
+        both, features = stack.pairs[pair].tolist(), self._problem.features
+        for p in both:
+            if p not in stack.outlined:
+                stack.outlined[p] = _Piece(stack, features, p)
+        one, other = (stack.outlined[p] for p in both)
         up = stack.up[stack.pairs[pair][0]]
         room = INSIDE * crossings.size
         found: list[tuple[np.ndarray, ContactPair | None]] = []
@@ -256,7 +261,7 @@ class Faces:
         kept: list[tuple[np.ndarray, ContactPair | None]] = []
         for x, feature in found:
             # a corner on a border is also where sides cross: each point once
-            if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
+            if all(math.dist(x, y) > stack.near for y, _ in kept):
                 kept.append((x, feature))
         turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
         # points of the first piece, also where the other one is not quite in its plane
@@ -286,12 +291,16 @@ class _Piece:
         self.way = stack.normal[piece]
         a, b, c = rings.triangle[piece].tolist()
         self.triangle: tuple[int, int, int] = a, b, c
+        along = np.roll(self.x, -1, axis=0) - self.x
+        long = np.linalg.norm(along, axis=1)
+        # corner, side from there on, and its length, in plain numbers
+        self.sides = list(zip(self.x.tolist(), along.tolist(), long.tolist(), strict=True))
+        inward = cross(self.way, along)
+        self._inward = inward / np.linalg.norm(inward, axis=1, keepdims=True)
 
     def depth(self, points: np.ndarray) -> np.ndarray:
         """Return how far inside points of its plane are, [k, 3] -> [k]."""
-        inward = cross(self.way, np.roll(self.x, -1, axis=0) - self.x)
-        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
-        depth = np.einsum("kpi,pi->kp", points[:, None] - self.x[None], inward)
+        depth = np.einsum("kpi,pi->kp", points[:, None] - self.x[None], self._inward)
         return np.asarray(depth.min(axis=1))
 
 
@@ -299,24 +308,26 @@ def _crossings(
     one: _Piece, other: _Piece, up: np.ndarray
 ) -> Iterator[tuple[np.ndarray, tuple[int, int, int, int], float, float]]:
     """Go through sides that cross: point, ends, the sign with which the other is above, and the distance of ends."""
-    for i, (a, u) in enumerate(zip(one.x, np.roll(one.x, -1, axis=0) - one.x, strict=True)):
-        for j, (c, v) in enumerate(
-            zip(other.x, np.roll(other.x, -1, axis=0) - other.x, strict=True)
-        ):
-            w = cross(u, v)
-            size = float(w @ up)
-            lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
-            if abs(size) <= INSIDE * lengths[0] * lengths[1]:
+    x, y, z = up.tolist()
+    first, second = one.sides, other.sides
+    for i, ((a0, a1, a2), (u0, u1, u2), long) in enumerate(first):
+        for j, ((c0, c1, c2), (v0, v1, v2), far_long) in enumerate(second):
+            size = x * (u1 * v2 - u2 * v1) + y * (u2 * v0 - u0 * v2) + z * (u0 * v1 - u1 * v0)
+            if abs(size) <= INSIDE * long * far_long:
                 continue  # as good as parallel: corners show what there is
             # a + s u = c + t v in the common plane
-            s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
+            d0, d1, d2 = c0 - a0, c1 - a1, c2 - a2
+            s = x * (d1 * v2 - d2 * v1) + y * (d2 * v0 - d0 * v2) + z * (d0 * v1 - d1 * v0)
+            t = x * (d1 * u2 - d2 * u1) + y * (d2 * u0 - d0 * u2) + z * (d0 * u1 - d1 * u0)
+            s, t = s / size, t / size
             if not (0 < s < 1 and 0 < t < 1):
                 continue
-            far = min(min(s, 1 - s) * lengths[0], min(t, 1 - t) * lengths[1])
+            far = min(min(s, 1 - s) * long, min(t, 1 - t) * far_long)
             real = one.border[i] and other.border[j]
             after = one.corners[(i + 1) % len(one.x)], other.corners[(j + 1) % len(other.x)]
             sides = one.corners[i], after[0], other.corners[j], after[1]
-            yield a + s * u, sides, float(np.sign(size)), far if real else 0.0
+            at = np.array([a0 + s * u0, a1 + s * u1, a2 + s * u2])
+            yield at, sides, math.copysign(1.0, size), far if real else 0.0
 
 
 def _point(x: np.ndarray) -> Point:

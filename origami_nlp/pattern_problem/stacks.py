@@ -38,6 +38,7 @@ from origami_nlp.numerics import (
     unit_normals,
 )
 from origami_nlp.pattern_problem.crossings import PatternCrossings, boxes_that_meet
+from origami_nlp.pattern_problem.plain_vectors import Vector, dot, minus, scaled, times, vector
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +48,7 @@ GRID = 1e-3
 """Of coordinates where bodies are intersected, over the distance from which features lie on each other."""
 
 Pair = tuple[int, int]
-End: TypeAlias = tuple[int, np.ndarray]
+End: TypeAlias = tuple[int, Vector]
 """Of a passage: a piece, and the direction in which it leaves the line."""
 
 
@@ -115,6 +116,7 @@ class Stack:
         # what touches where pairs lie on each other, as `Faces` finds it: of the place of pieces alone
         self.told: dict[tuple[int, bool], tuple[Any, ...]] = {}
         self.shut: dict[tuple[int, bool, float], tuple[Any, ...]] = {}
+        self.outlined: dict[int, Any] = {}
         self.unknown: dict[Pair, int] = {}
         for k, (i, j) in enumerate(self.pairs.tolist()):
             self.unknown |= dict.fromkeys(crossings.copied_pairs(i, j), k)
@@ -210,6 +212,11 @@ class Stack:
         way = np.einsum("pi,pi->p", self.normal[:own], self.normal[first[label]])
         turned = np.tile(np.where(way < 0, -1.0, 1.0), self._copies)
         return np.asarray(self.normal * turned[:, None])
+
+    @cached_property
+    def _up(self) -> list[Vector]:
+        up: list[Vector] = self.up.tolist()
+        return up
 
     @cached_property
     def bends(self) -> Bends:
@@ -382,11 +389,12 @@ class Stack:
         seen = set()
         for k, e, p in zip(long.tolist(), edge[long].tolist(), piece[long].tolist(), strict=True):
             self._check()
-            one, d = self._over(e, along[e]), side[k]
+            one = self._over[e]
             if where[k] == 0:
                 at = np.linspace(low[k], high[k], 3)[:, None]
-                if not self._goes_round(one, p, b.start[e] + at * along[e]):
-                    yield one, ((p, d), (p, -d))
+                if not self._goes_round(one, p, (b.start[e] + at * along[e]).tolist()):
+                    d = vector(side[k])
+                    yield one, ((p, d), (p, scaled(d, -1.0)))
                 continue
             for other in self._edges_of[p]:
                 if (pair := _pair(e, other)) in seen or e == other:
@@ -397,29 +405,39 @@ class Stack:
                 if apart > self.near or min(t.max(), length[e]) - max(t.min(), 0) <= 10 * self.near:
                     continue
                 seen.add(pair)
-                yield one, self._over(other, along[other])
+                yield one, self._over[other]
 
-    def _goes_round(self, one: tuple[End, End], p: int, points: np.ndarray) -> bool:
+    def _goes_round(self, one: tuple[End, End], p: int, points: list[list[float]]) -> bool:
         """Return whether a passage over an edge, off a piece by less than `near`, meets its plane beside its paper.
 
         points: on the edge, [m, 3].  What pierces the piece by more than `DEEP` was found before; what only touches its
         border does not pass through it.
         """
-        normal, x = self.normal[p], self.x[p]
-        inward = cross(normal, np.roll(x, -1, axis=0) - x)
-        inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), NONZERO)
-        height = (points - x[0]) @ normal
+        normal, sides = self._plain[p]
+        deep, first = DEEP * self.crossings.size, sides[0][0]
         for piece, way in one:
-            slope = float(way @ normal)
+            slope = dot(way, normal)
             if abs(slope) <= ANSWERED or _pair(piece, p) in self.unknown:
                 continue
-            # nearer than `DEEP` the edge itself is on the paper
-            down = (height * slope < 0) & (np.abs(height) > DEEP * self.crossings.size)
-            meets = points - np.where(down, height / slope, 0.0)[:, None] * way
-            inside = np.einsum("mqi,qi->mq", meets[:, None] - x, inward).min(axis=1)
-            if down.any() and (inside <= DEEP * self.crossings.size).all():
+            any_down, inside = False, True
+            for point in points:
+                height = dot(minus(point, first), normal)
+                # nearer than `DEEP` the edge itself is on the paper
+                down = height * slope < 0 and abs(height) > deep
+                meets = minus(point, scaled(way, height / slope)) if down else point
+                any_down |= down
+                inside &= min(dot(minus(meets, x), inward) for x, inward in sides) <= deep
+            if any_down and inside:
                 return True
         return False
+
+    @cached_property
+    def _plain(self) -> list[tuple[Vector, list[tuple[Vector, Vector]]]]:
+        """Of each piece its normal, and its corners with the way inward from the side that begins there."""
+        inward = cross(self.normal[:, None], np.roll(self.x, -1, axis=1) - self.x)
+        inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
+        each = zip(self.normal.tolist(), self.x.tolist(), inward.tolist(), strict=True)
+        return [(n, list(zip(x, way, strict=True))) for n, x, way in each]
 
     @cached_property
     def _edges_of(self) -> list[list[int]]:
@@ -432,10 +450,17 @@ class Stack:
                 found[p].append(e)
         return found
 
-    def _over(self, e: int, along: np.ndarray) -> tuple[End, End]:
-        """Return the passage over an edge."""
-        i, j = int(self.bends.left[e]), int(self.bends.right[e])
-        return (i, cross(self.normal[i], along)), (j, -cross(self.normal[j], along))
+    @cached_property
+    def _over(self) -> list[tuple[End, End]]:
+        """The passage over each edge."""
+        b = self.bends
+        along = b.end - b.start
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        ways = cross(self.normal[b.left], along), -cross(self.normal[b.right], along)
+        each = zip(
+            b.left.tolist(), ways[0].tolist(), b.right.tolist(), ways[1].tolist(), strict=True
+        )
+        return [((i, vector(u)), (j, vector(v))) for i, u, j, v in each]
 
     def _reach(
         self, piece: np.ndarray, origin: np.ndarray, along: np.ndarray, d: np.ndarray
@@ -458,24 +483,24 @@ class Stack:
     def _apart(self, one: tuple[End, End], other: tuple[End, End]) -> Rule | None:
         """Keep two passages from interleaving; None where no order could make them."""
         ends = [*one, *other]
-        d = np.array([way for _, way in ends])
-        axis = cross(d[0], self.normal[ends[0][0]])
-        axis /= np.linalg.norm(axis)
-        e1 = d[0] - (d[0] @ axis) * axis
-        e2 = cross(axis, e1)
-        turned = np.arctan2(d @ e2, d @ e1)
+        d = [way for _, way in ends]
+        axis = times(d[0], self._plain[ends[0][0]][0])
+        axis = scaled(axis, 1 / math.hypot(*axis))
+        e1 = minus(d[0], scaled(axis, dot(d[0], axis)))
+        e2 = times(axis, e1)
+        turned = [math.atan2(dot(way, e2), dot(way, e1)) for way in d]
         # ends of passages on one ray: pieces that lie on each other and leave the line in the same direction
         ray = list(range(4))
         for k, m in itertools.combinations(range(4), 2):
             i, j = ends[k][0], ends[m][0]
-            if _pair(i, j) in self.unknown and d[k] @ d[m] > 0:
+            if _pair(i, j) in self.unknown and dot(d[k], d[m]) > 0:
                 ray = [ray[k] if r == ray[m] else r for r in ray]
         for k, m in itertools.combinations(range(4), 2):
-            if ray[k] != ray[m] and np.linalg.norm(d[k] - d[m]) < ANSWERED:
+            if ray[k] != ray[m] and math.dist(d[k], d[m]) < ANSWERED:
                 raise Unclear
         rank = {r: n for n, r in enumerate(sorted(set(ray), key=lambda r: turned[r]))}
         # on a ray, what is above comes later, counter-clockwise about the axis, or earlier
-        later = [bool(self.up[p] @ cross(axis, way) > 0) for p, way in ends]
+        later = [dot(self._up[p], times(axis, way)) > 0 for p, way in ends]
         pairs: dict[Pair, int] = {}
         level = []
         for k, m in itertools.combinations(range(4), 2):
@@ -489,7 +514,7 @@ class Stack:
         if not pairs and allowed:
             return None
         if not pairs and any(
-            ray[k] != ray[m] and np.linalg.norm(d[k] - d[m]) < NEAR_SINGULAR_TOL
+            ray[k] != ray[m] and math.dist(d[k], d[m]) < NEAR_SINGULAR_TOL
             for k, m in itertools.combinations(range(4), 2)
         ):
             # the line may be as far off the piece as features that lie on each other: what leaves it at so small an

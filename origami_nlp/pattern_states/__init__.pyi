@@ -37,7 +37,6 @@ from .judgement import (
 from .mobility import (
     Mobility as Mobility,
     analyze_mobility as analyze_mobility,
-    jacobian_rank as jacobian_rank,
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .proved import hold_against as hold_against

@@ -7,7 +7,7 @@ zero, in proportion to the distance, where curves meet.  Between two samples tha
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -163,18 +163,6 @@ def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> Tangen
     return TangentCone(np.array(lines).reshape(-1, problem.size), tuple(families), ways.reason)
 
 
-def is_on_plane(
-    planes: Sequence[tuple[np.ndarray, np.ndarray]], basis: np.ndarray, off: np.ndarray
-) -> bool:
-    """Return whether a plane of closed states, spanned by a basis [n, t] from a state [n], is one of some."""
-    return any(
-        other.shape == basis.shape
-        and np.abs(off - there).max() < SETTLED
-        and np.abs(basis - other @ (other.T @ basis)).max(initial=0.0) < SETTLED
-        for other, there in planes
-    )
-
-
 def into_family(
     phi: np.ndarray, basis: np.ndarray, side: np.ndarray, limits: FoldLimits
 ) -> Iterator[np.ndarray]:
@@ -183,9 +171,3 @@ def into_family(
     for k in range(4):
         d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
         yield inward / max(np.abs(inward).max(), NONZERO) + 0.2 * d / np.abs(d).max()
-
-
-def closes_along(problem: PatternProblem, phi: np.ndarray, d: np.ndarray) -> bool:
-    """Return whether states close at unequal distances both ways along a generic direction: a plane of them."""
-    ends = phi + 0.7 * d, phi - 1.1 * d
-    return all(problem.residual(end) <= 10 * CLOSURE_TOL for end in ends)

@@ -280,8 +280,8 @@ class _Search(Parts):
             name = shares.next()
             number, family = numbers[name], self._families[numbers[name]]
             rng = np.random.default_rng([self._seed, number, made[name]])
-            batch = family.draw(rng, together)
-            made[name] += together
+            batch = family.draw(rng, min(together, most - tally.drawn))
+            made[name] += len(batch)
             asides = self.labels.drawn(rng.normal(size=(len(batch), self.problem.size)))
             shares.work[name] += family.cost * together
             for way in self.go_down.each(batch, asides, self._is_end):

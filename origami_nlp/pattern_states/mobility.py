@@ -306,26 +306,6 @@ def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobilit
     )
 
 
-def jacobian_rank(problem: PatternProblem, phi: np.ndarray, below: float = RANK) -> int:
-    """Count the singular values of the Jacobian of closure above a bound.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    phi
-        A state [rad], [n].
-    below
-        Values up to this count as zero.
-
-    Returns
-    -------
-    int
-        The rank.
-    """
-    return problem.rank(phi, below)
-
-
 def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
     """Return the closed state in which most creases are folded, and what it was reached from."""
     best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")

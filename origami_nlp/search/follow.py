@@ -112,7 +112,10 @@ class Follower:
             for x, onward, why in level:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
-            either = bool(self.problem.faces(end.x).open)  # facets may lie either way
+            level_facets = end.side.any() and self.problem.contact
+            either = level_facets and bool(
+                self.problem.faces(end.x).open
+            )  # facets may lie either way
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
             if not either:
                 level.append((end.x, onward, why))

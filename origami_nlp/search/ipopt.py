@@ -204,7 +204,7 @@ def solve_with(
     nlp = symbols.nlp(start, contacts)
     form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
     asked: dict[str, Any] = {"print_time": False, "error_on_fail": False}
-    asked["ipopt"] = {**options, "tol": tolerance_for(problem)}
+    asked["ipopt"] = {"tol": tolerance_for(problem), **options}
     solver = ca.nlpsol("origami", "ipopt", form, asked)
     limits = problem.fold_limits
     bounds = {"lbx": limits.low, "ubx": limits.high, "lbg": nlp.lower, "ubg": nlp.upper}

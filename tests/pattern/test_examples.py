@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import examples, group_equivalent_vertices, parse_fold, vertex_scenes
+from origami_nlp.pattern import examples, parse_fold, vertex_scenes
 from tests import gallery
 from tests.computed_once import once
 from tests.independent.rotations import project
+from tests.pattern.equivalent_vertices import group_equivalent_vertices
 
 KNOWN = {  # name: degrees of interior vertices of the pattern, whether it folds flat vertex by vertex
     "miura": ({4}, True),
