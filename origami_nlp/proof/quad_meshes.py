@@ -156,8 +156,10 @@ class _QuadSearch:
     def run(self) -> None:
         """Go through all choices; then ask of the flat state."""
         self._choose((), None)
+        low, high = self.pattern.limit_angles
         if not self.curves:
-            self.minima.append(SheetMinimum(np.zeros(self.mesh.creases), 0.0))
+            if ((low <= 0) & (high >= 0)).all():  # no stop excludes it
+                self.minima.append(SheetMinimum(np.zeros(self.mesh.creases), 0.0))
         elif all(self._flat):
             self.minima += [one for one in self._flat[:1] if one is not None]
         elif any(self._flat):

@@ -42,6 +42,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_type
+from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
 from origami_nlp.pattern_problem import pose
@@ -124,6 +125,16 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
+    if (stated := _as_stated(model)) is not model:
+        found = prove(stated, seconds=seconds, until=until, options=options)
+        flat = np.zeros(model.size)
+        shift = model.energy(flat) - stated.energy(flat)
+        points = tuple(replace(p, energy=p.energy + shift) for p in found.points)
+        singular, undecided = (
+            tuple(replace(c, energies=(c.energies[0] + shift, c.energies[1] + shift)) for c in some)
+            for some in (found.singular, found.undecided)
+        )
+        return replace(found, points=points, singular=singular, undecided=undecided)
     asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, **asked)
@@ -132,6 +143,28 @@ def prove(
     limits = prove_within_limits(Model(replace(model.scene, contact="fold-limits")), **asked)
     over = None if seconds is None else max(seconds - (time.process_time() - started), 0.0)
     return with_touches(model, limits, seconds=over, until=until, options=options)
+
+
+def _as_stated(model: Model) -> Model:
+    """Return the model of a scene that states all of a model: a load on its creases is preload.
+
+    Raises
+    ------
+    OptionError
+        If its springs are others than those of its scene.
+    """
+    known, own = model.parameters, Model(model.scene).parameters
+    for name in ("stiffness", "rest"):
+        if not np.array_equal(getattr(known, name), getattr(own, name)):
+            raise OptionError(
+                f"the {name} of the problem is not that of its scene: pose the scene that has it"
+            )
+    load = known.load - own.load
+    if not load.any():
+        return model
+    each = model.expand(load * model.scale / model.multiplicity)
+    preload = np.array(model.scene.preload or [0.0] * model.scene.degree) + each
+    return Model(replace(model.scene, preload=tuple(preload.tolist())))
 
 
 def why_not(model: Model) -> str:

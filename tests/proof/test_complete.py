@@ -9,6 +9,8 @@ from mpmath import mp, mpf
 
 from benchmarks import family_scene
 from origami_nlp import Scene, find_minima
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions, prove
@@ -261,3 +263,26 @@ def test_options_limit_the_boxes_of_a_proof(contact):
     scene = replace(examples.degree6("pi/3", ratio=1), contact=contact)
     proof = prove(Model(scene), options=ProofOptions(boxes=1))
     assert not proof.finished and not proof.complete
+
+
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+@pytest.mark.parametrize("scene", [DEGREE4[0], examples.degree6("pi/3", 1.0)], ids=["C1", "D1"])
+def test_a_problem_with_a_load_is_proved_with_its_load(scene, contact):
+    """The load was dropped: minima of the unloaded vertex were called all of the loaded one."""
+    model = Model(replace(scene, contact=contact))
+    load = 0.3 * np.sin(1.0 + np.arange(model.size))
+    loaded, torque = model.loaded(load), load * model.scale / model.multiplicity
+    proof = prove(loaded)
+    assert proof.finished and proof.minima
+    for p in proof.minima:
+        x = np.array(p.x)
+        assert classify(State(loaded, x)).verdict == "minimum"
+        assert p.energy == pytest.approx(loaded.energy(x), rel=1e-9, abs=1e-12)
+    stated = replace(model.scene, preload=tuple(model.expand(torque).tolist()))
+    found = np.array(
+        [model.reduce(m.fold_angles) for m in find_minima(stated, escape=False).minima]
+    )
+    far = np.abs(found[:, None] - states(proof)).max(axis=2)
+    assert (far.min(axis=0) < 1e-8).all()
+    with pytest.raises(OptionError):
+        prove(model.varied(replace(model.parameters, stiffness=2 * model.parameters.stiffness)))

@@ -218,3 +218,17 @@ def test_what_is_no_such_mesh_is_named():
     assert "folds flat" in why_no_quad_mesh(o.examples.pattern("miura", 3, 3))
     with pytest.raises(OptionError, match="no mesh that can be proved"):
         prove_quad_mesh(o.examples.pattern("miura", 3, 3))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_stop_that_excludes_the_flat_state_excludes_it(seed):
+    """It was listed outside its limits, with nothing open."""
+    sheet = quads(seed)
+    free = ((-math.pi, math.pi),) * sheet.creases
+    for k, stop in ((2, (0.3, math.pi)), (0, (-math.pi, -0.1)), (3, (-1.0, math.pi))):
+        held = replace(sheet, limits=(*free[:k], stop, *free[k + 1 :]))
+        proof = prove_quad_mesh(held, boxes=30_000)
+        listed = [m for m in proof.minima if not np.any(m.fold_angles)]
+        assert len(listed) == (stop[0] <= 0 <= stop[1]) and not proof.undecided
+        low, high = held.limit_angles
+        assert all(((low <= m.fold_angles) & (m.fold_angles <= high)).all() for m in proof.minima)
