@@ -41,7 +41,9 @@ class Poses:
         pattern = self.pattern = pattern.spread
         n, f = pattern.creases, pattern.facets
         both = np.r_[pattern.left, pattern.right], np.r_[pattern.right, pattern.left]
-        self._graph = sp.sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
+        # scipy before 1.13 walks graphs of such indices only
+        ends = tuple(x.astype(np.int32) for x in both)
+        self._graph = sp.sparse.csr_array((np.ones(2 * n), ends), shape=(f, f))
         own = len(self.centres) // (
             len(self.cell.copies) if self.cell else 1
         )  # the cell itself comes first
