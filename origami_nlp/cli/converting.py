@@ -68,6 +68,7 @@ def convert(
     from origami_nlp.pattern import convert as written
 
     out = Output()
+    out.check(("OUT", to))
     asked = DrawingOptions(
         tolerance, _letters(colour or []), int(curves) if curves.isdigit() else curves, part
     )

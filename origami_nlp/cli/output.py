@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -78,7 +80,7 @@ class Output:
         from origami_nlp.io import check_outputs, screen
 
         named = [*(("-o", o.place(file)) for _, file in self._given), *more]
-        check_outputs(*named)
+        check_outputs(*named, read=_read())
         self.console: Console = screen(*(file for _, file in named))
 
     def files(self, *kinds: str) -> list[str]:
@@ -182,6 +184,13 @@ def answers(
         return writes(*kinds)(o.extended(run, command, own))
 
     return decorate
+
+
+def _read() -> list[str]:
+    """Return the files that the command line names twice: what is written would be what is read."""
+    words = [word.rpartition("=")[2] for word in sys.argv[1:]]
+    named = Counter(os.path.realpath(word) for word in words if os.path.isfile(word))
+    return [file for file, many in named.items() if many > 1]
 
 
 def _kind(file: str, kinds: Sequence[str]) -> str:

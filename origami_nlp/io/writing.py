@@ -13,7 +13,7 @@ import os
 import secrets
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -146,20 +146,22 @@ def check_writable(target: Target | None, option: str) -> None:
             os.unlink(probe)
 
 
-def check_outputs(*named: tuple[str, Target | None]) -> None:
-    """Check every target as `check_writable` does, and that no two are one file.
+def check_outputs(*named: tuple[str, Target | None], read: Iterable[Target] = ()) -> None:
+    """Check every target as `check_writable` does, that no two are one file, and that none is read.
 
     Parameters
     ----------
     named
         Pairs (option, target).
+    read
+        Files that are read.
 
     Raises
     ------
     OptionError
         If one cannot be written, or would overwrite another.
     """
-    seen: dict[str, str] = {}
+    seen, inputs = dict[str, str](), set(map(os.path.realpath, read))
     for option, target in named:
         check_writable(target, option)
         if target is None or is_stdout(target) or not _is_replaceable(_status(target)):
@@ -171,6 +173,9 @@ def check_outputs(*named: tuple[str, Target | None]) -> None:
             raise OptionError(
                 f"{option} = {_shown(target)} is the file of {seen[place]} too: give it another name"
             )
+        if place in inputs:
+            what = "is the file that is read: give it another name"
+            raise OptionError(f"{option} = {_shown(target)} {what}")
         seen[place] = option
 
 

@@ -72,3 +72,26 @@ def test_a_folder_that_may_not_be_looked_into(here, monkeypatch):
 
     monkeypatch.setattr("os.stat", locked)
     is_refused(("minima", os.path.join("locked", "a.toml")), "locked")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("inspect", "IN", "-o", "IN"),
+        ("convert", "IN", "IN"),
+        ("minima", "IN", "-o", "IN"),
+        ("load", "IN", "--crease", "1", "--to", "0.01", "-o", "IN"),
+        ("minima", "IN", "--certificate", "IN", "--contact", "fold-limits"),
+    ],
+    ids=lambda words: " ".join(words),
+)
+def test_what_is_read_is_not_written_over(words, tmp_path):
+    file = tmp_path / "m.fold"
+    assert run("example", "miura:2x2", "-o", file)[0] == 0
+    before = file.read_bytes()
+    beside = tmp_path / "." / "m.fold"
+    code, _, err = run(
+        *(file if w == "IN" and k < 2 else beside if w == "IN" else w for k, w in enumerate(words))
+    )
+    assert code == 2 and "m.fold" in err and file.read_bytes() == before
+    assert [f.name for f in tmp_path.iterdir()] == ["m.fold"]
