@@ -21,8 +21,9 @@ from origami_nlp.kkt import (
     of_image,
     polish,
     project,
+    singular_beside,
 )
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
+from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact, Model, Problem
 from origami_nlp.starts import Listed
@@ -233,6 +234,9 @@ def judge(record: Record, answer: FoundState) -> None:
         return
     try:
         answer.what = classify(State(problem, p.x), polished=p.converged)
+        if answer.is_minimum and singular_beside(problem, p.x) is not None:
+            why = f"within {BESIDE_SINGULAR:g} rad of a state where closure loses rank, and not distinguished from it"
+            answer.what = Classification("undecided", None, why, 0)
     except BREAKDOWNS as error:
         why = f"linear algebra failed where it was judged: {error}"
         answer.what = Classification("undecided", None, why, 0)

@@ -32,7 +32,6 @@ from .judgement import (
     classified as classified,
     judge as judge,
     judge_end as judge_end,
-    singular_beside as singular_beside,
 )
 from .mobility import (
     Mobility as Mobility,

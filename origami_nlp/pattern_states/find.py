@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.kkt import TangentCone
+from origami_nlp.kkt import TangentCone, singular_beside
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
@@ -46,7 +46,6 @@ from origami_nlp.pattern_states.judgement import (
     classified,
     judge,
     judge_end,
-    singular_beside,
     stationary_beside,
 )
 from origami_nlp.pattern_states.parts import Parts

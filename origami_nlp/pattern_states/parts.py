@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.kkt import project
+from origami_nlp.kkt import project, singular_beside
 from origami_nlp.minima import JudgedState, PatternSearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
-from origami_nlp.pattern_states.judgement import singular_beside
 
 FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""

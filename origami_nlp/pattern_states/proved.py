@@ -11,11 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
+from origami_nlp.kkt import singular_beside
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.judgement import judge, judge_end, singular_beside
+from origami_nlp.pattern_states.judgement import judge, judge_end
 from origami_nlp.proof import (
     MeshProof,
     ProofOptions,

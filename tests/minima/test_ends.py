@@ -3,11 +3,12 @@
 import itertools
 import math
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, State, Vertex, classify, find_minima
+from origami_nlp import Scene, State, Vertex, classify, find_minima, read_scene
 from origami_nlp.kkt import Solve, polish
 from origami_nlp.minima import record
 from origami_nlp.minima.descents import Descents
@@ -321,3 +322,17 @@ def test_every_minimum_of_sixty_scenes_that_is_given_back_is_listed():
     found = [given_back(number, (1, 2, 3, 4)) for number in range(60)]
     assert sum(count for count, _ in found) > 150
     assert not [lost for _, some in found for lost in some]
+
+
+SCENES = Path(__file__).resolve().parents[3] / "shared" / "scenes"
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_no_state_beside_a_singular_one_is_called_a_minimum(seed):
+    """A hexagon that misses its special angles by 1e-6: closed states 5e-8 rad away were lower."""
+    file = SCENES / "near6_false_minimum.toml"
+    if not file.exists():
+        pytest.skip(f"{file} is not there")
+    found = find_minima(read_scene(file), seed=seed, prove=False, escape=False)
+    energies = [m.energy for m in found.minima]
+    assert len(energies) == 12 and min(abs(e - 23.8044) for e in energies) > 1.0

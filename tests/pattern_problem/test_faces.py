@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp import Scene, State, Vertex, check_admissible, classify
 from origami_nlp.display import contact_places
-from origami_nlp.kkt import contact_forces
+from origami_nlp.kkt import contact_forces, singular_beside
 from origami_nlp.pattern_problem import (
     CoplanarContact,
     Faces,
@@ -19,7 +19,7 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
     order_layers,
 )
-from origami_nlp.pattern_states import judge, singular_beside
+from origami_nlp.pattern_states import judge
 from origami_nlp.problem import Model, vertices
 from tests.patterns import grid, miura, miura_angles, wheel
 
