@@ -234,7 +234,9 @@ def judge(record: Record, answer: FoundState) -> None:
         return
     try:
         answer.what = classify(State(problem, p.x), polished=p.converged)
-        if answer.is_minimum and singular_beside(problem, p.x) is not None:
+        # where all springs rest nothing beside is lower
+        pulled = bool(np.abs(problem.torque(p.x)).max(initial=0.0) > DUPLICATE_TOL)
+        if answer.is_minimum and pulled and singular_beside(problem, p.x) is not None:
             why = f"within {BESIDE_SINGULAR:g} rad of a state where closure loses rank, and not distinguished from it"
             answer.what = Classification("undecided", None, why, 0)
     except BREAKDOWNS as error:
