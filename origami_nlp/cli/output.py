@@ -188,7 +188,7 @@ def answers(
 
 def _read() -> list[str]:
     """Return the files that the command line names twice: what is written would be what is read."""
-    words = [word.rpartition("=")[2] for word in sys.argv[1:]]
+    words = [w if os.path.isfile(w) else w.partition("=")[2] for w in sys.argv[1:]]  # --folder=x
     named = Counter(os.path.realpath(word) for word in words if os.path.isfile(word))
     return [file for file, many in named.items() if many > 1]
 

@@ -24,16 +24,28 @@ def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
     name: of what has no label.  options: of `find_minima`; what is None is left to it.
     """
     from origami_nlp.io import screen
-    from origami_nlp.minima import compiled
     from origami_nlp.pattern import Scene
+
+    terminal = screen("-").is_terminal
+    label = origami.name
+    if isinstance(origami, Scene):
+        _tell_of_compiler(terminal)
+        label = origami.label
+    return _searched(origami, label or str(name), terminal, **options)
+
+
+def _tell_of_compiler(terminal: bool) -> None:
+    """Say, once a command, what is compiled for vertices, or that nothing is."""
+    from origami_nlp.minima import compiled
+
+    if compiled(_note if terminal else lambda line: None) is None:
+        _note(NO_COMPILER)
+
+
+def _searched(origami: Scene | Pattern, label: str, terminal: bool, **options: Any) -> Any:
     from origami_nlp.verbs import find_minima
 
-    vertex = isinstance(origami, Scene)
-    terminal = screen("-").is_terminal
-    if vertex and compiled(_note if terminal else lambda line: None) is None:
-        _note(NO_COMPILER)
-    label = origami.label if isinstance(origami, Scene) else origami.name
-    with progress(label or str(name)) as show:
+    with progress(label) as show:
         energies: list[float] = []
 
         def report(starts: int, found: int, at: int | str) -> None:
@@ -59,12 +71,14 @@ def _note(line: str) -> None:
 
 def search_panels(seed: int, full: bool = False) -> list[Any]:
     """Find the minima of all 18 panels of the paper's two landscape figures."""
+    from origami_nlp.io import screen
     from origami_nlp.pattern import examples
 
-    results: list[Any] = []
+    results, terminal = list[Any](), screen("-").is_terminal
+    _tell_of_compiler(terminal)
     scenes = examples.panels()
     with progress("panels", len(scenes)) as done:
         for scene in scenes:
-            results.append(search(scene, None, seed=seed, full=full))
+            results.append(_searched(scene, scene.label, terminal, seed=seed, full=full))
             done(len(results))
     return results

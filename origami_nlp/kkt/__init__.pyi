@@ -49,7 +49,10 @@ from .polishing import (
     polish as polish,
 )
 from .projection import LONGEST_MOVE as LONGEST_MOVE, PROJECTED as PROJECTED, project as project
-from .singular_beside import singular_beside as singular_beside
+from .singular_beside import (
+    not_told_apart as not_told_apart,
+    singular_beside as singular_beside,
+)
 from .state import State as State, Stratum as Stratum
 from .stress import Stress as Stress, find_stress as find_stress
 from .tangent_cone import (

@@ -7,7 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, NEAR_SINGULAR_TOL, OUTSIDE
+from origami_nlp.numerics import (
+    BESIDE_SINGULAR,
+    CLOSURE_TOL,
+    DUPLICATE_TOL,
+    NEAR_SINGULAR_TOL,
+    OUTSIDE,
+)
 
 
 def singular_beside(problem: Any, phi: np.ndarray) -> np.ndarray | None:
@@ -42,3 +48,28 @@ def singular_beside(problem: Any, phi: np.ndarray) -> np.ndarray | None:
     # a sheet drawn with noise: there it misses by what closes within `BESIDE_SINGULAR`, to the square of that
     lost = residual <= BESIDE_SINGULAR**2 and np.abs(near - phi).max() < NEAR_SINGULAR_TOL
     return near if lost and problem.rank(near) < problem.rank(phi, CLOSURE_TOL) else None
+
+
+def not_told_apart(problem: Any, phi: np.ndarray) -> str:
+    """Return why nothing is decided on a state, as it is not told from a singular one beside it; "" where it may be.
+
+    Parameters
+    ----------
+    problem, phi
+        The problem and a closed state, [n] [rad].
+
+    Returns
+    -------
+    str
+        Empty as well where linear springs are at rest, each to `DUPLICATE_TOL`: no state at all has less energy.
+    """
+    p = problem.parameters
+    linear = p.laws is None and p.dead is None
+    if linear and (np.abs(problem.torque(phi)) <= DUPLICATE_TOL * p.stiffness).all():
+        return ""
+    if singular_beside(problem, phi) is None:
+        return ""
+    return (
+        f"not decided: within {BESIDE_SINGULAR:g} rad of a state where closure loses rank, "
+        "and not distinguished from it"
+    )

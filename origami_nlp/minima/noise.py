@@ -15,9 +15,10 @@ sheets it is counted besides what errors of the springs alone leave.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -63,13 +64,14 @@ def _has_jumped(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(np.abs(y - x).max() > FARTHEST)
 
 
-def downhill(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarray | None:
+def downhill(
+    problem: PatternProblem, x: np.ndarray, aside: np.ndarray, engine: Callable[[Any], Any]
+) -> np.ndarray | None:
     """Return the certified minimum downhill from beside a state [n]; None where there is none.
 
-    aside: direction [n] that says to which side saddles are left.
+    aside: direction [n] that says to which side saddles are left.  engine: makes ways down of a problem.
     """
-    follower = Follower(problem)
-    go_down = follower if follower.usable else ByIpopt(problem)
+    go_down = engine(problem)
     for share in OPENED:
         start = problem.fold_limits.clip(share * x)
         end, why = go_down(StartState(start, at_limits(problem, start)), aside)
@@ -83,6 +85,7 @@ def with_survival(
     labels: CanonicalLabelling,
     states: Sequence[JudgedState],
     degrees: float,
+    engine: Callable[[Any], Any] | None = None,
 ) -> list[JudgedState]:
     """Follow minima of an origami into origamis with random errors.
 
@@ -99,6 +102,9 @@ def with_survival(
         Judged.
     degrees
         Standard deviation of the errors: of rest and sector angles in degrees, of stiffnesses as a share, in radians.
+    engine
+        What goes downhill where the minimum with the same contacts is lost, made of a problem; None: compiled descents,
+        or IPOPT where there are none.
 
     Returns
     -------
@@ -107,13 +113,14 @@ def with_survival(
     """
     minima = [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
     aside = labels.drawn(np.sin(1.0 + np.arange(problem.size)))
+    down = engine or (Follower if Follower(problem).usable else ByIpopt)
 
     def counts(moves: bool) -> list[int]:
         kept = [0] * len(minima)
         for trial in range(TRIALS):
             way = [problem, *_noisy(problem, labels, math.radians(degrees), trial, moves)]
             for k, x in enumerate(minima):
-                kept[k] += _survives(way, x, aside)
+                kept[k] += _survives(way, x, aside, down)
         return kept
 
     sheet = problem.flattened is not None and not len(problem.parameters.sectors)
@@ -225,12 +232,14 @@ def _noisy(
         )
 
 
-def _survives(way: Sequence[PatternProblem], x: np.ndarray, aside: np.ndarray) -> bool:
+def _survives(
+    way: Sequence[PatternProblem], x: np.ndarray, aside: np.ndarray, engine: Callable[[Any], Any]
+) -> bool:
     """Return whether a state [n] can be followed, and is a minimum at the end."""
     for before, after in pairwise(way):
         try:
             new = _solved(before, after, x)
-            new = downhill(after, x, aside) if new is None else new
+            new = downhill(after, x, aside, engine) if new is None else new
         except (np.linalg.LinAlgError, ArithmeticError):
             return False
         if new is None or _has_jumped(x, new):

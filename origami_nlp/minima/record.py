@@ -18,12 +18,12 @@ from origami_nlp.kkt import (
     State,
     classify,
     exact_beside,
+    not_told_apart,
     of_image,
     polish,
     project,
-    singular_beside,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact, Model, Problem
 from origami_nlp.starts import Listed
@@ -234,10 +234,7 @@ def judge(record: Record, answer: FoundState) -> None:
         return
     try:
         answer.what = classify(State(problem, p.x), polished=p.converged)
-        # where all springs rest nothing beside is lower
-        pulled = bool(np.abs(problem.torque(p.x)).max(initial=0.0) > DUPLICATE_TOL)
-        if answer.is_minimum and pulled and singular_beside(problem, p.x) is not None:
-            why = f"within {BESIDE_SINGULAR:g} rad of a state where closure loses rank, and not distinguished from it"
+        if answer.is_minimum and (why := not_told_apart(problem, p.x)):
             answer.what = Classification("undecided", None, why, 0)
     except BREAKDOWNS as error:
         why = f"linear algebra failed where it was judged: {error}"

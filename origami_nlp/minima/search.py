@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +15,6 @@ from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, OUTSIDE, RO
 from origami_nlp.pattern import Relabelling
 from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
-
-if TYPE_CHECKING:
-    pass
 
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""

@@ -108,6 +108,11 @@ class Orbits:
         """How many creases follow each variable, [n]."""
         return np.bincount(self.orbit, minlength=self.variables)
 
+    @cached_property
+    def _first(self) -> np.ndarray:
+        """The first crease that follows each variable, [n]."""
+        return np.asarray(np.unique(self.orbit, return_index=True)[1])
+
     def expand(self, y: np.ndarray) -> np.ndarray:
         """Return the fold angles [..., N] of variables [..., n]."""
         return np.asarray(self.sign * y[..., self.orbit])
@@ -120,10 +125,8 @@ class Orbits:
 
     def reduce(self, phi: np.ndarray) -> np.ndarray:
         """Return the variables [..., n] of fold angles [..., N]: means over orbits."""
-        first = np.unique(self.orbit, return_index=True)[1]
-        y = (self.sign * phi)[
-            ..., first
-        ]  # what the mean adds is 0 where all agree, to the last bit
+        # what the mean adds is 0 where all agree, to the last bit
+        y = (self.sign * phi)[..., self._first]
         return np.asarray(y + self.gather(phi - self.expand(y)) / self.multiplicity)
 
     def limits(self, limits: FoldLimits) -> FoldLimits:

@@ -63,7 +63,10 @@ class Symbols:
     def __init__(self, problem: Any) -> None:
         p = problem.parameters
         if p.dead is not None:
-            raise OptionError("forces in space have no symbols here: state torques on creases")
+            raise OptionError(
+                "forces in space have no symbols for IPOPT: descents take them, which need a C compiler, or state "
+                "torques on creases"
+            )
         self.problem, n, pattern = problem, problem.size, problem.pattern
         self.y = ca.SX.sym("y", n)
         k, rest, load = (ca.SX.sym(name, n) for name in ("k", "rest", "load"))

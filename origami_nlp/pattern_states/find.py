@@ -78,6 +78,8 @@ SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
+NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
+"""Said of a search that had none."""
 BATCH, TOGETHER = 2_000, 32
 """Starts that are drawn together, over the square of the number of variables, and at most."""
 FOLLOWED = 60
@@ -229,6 +231,8 @@ class _Search(Parts):
         if not self.go_down.usable:
             by = ByNewton if self.problem.sparse else ByIpopt
             self.go_down = by(self.problem)
+            if by is ByIpopt:
+                self.tally.skip(NO_COMPILER)
         self._seed = 0
 
     @property
@@ -483,7 +487,8 @@ class _Search(Parts):
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        self.judged = with_survival(self.problem, self.labels, self.by_energy(), degrees)
+        given = self.by_energy(), degrees, type(self.go_down)
+        self.judged = with_survival(self.problem, self.labels, *given)
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""

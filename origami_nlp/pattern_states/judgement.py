@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, State, classify, newton, singular_beside
+from origami_nlp.kkt import Classification, State, classify, newton, not_told_apart, singular_beside
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import (
     ANSWERED,
@@ -79,10 +79,9 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         softest_mode=() if what.mode is None else tuple(problem.expand(what.mode).tolist()),
     )
     # lower states as well: what closes to rounding may be further off the curve than they are away
-    if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
-        why = f"not decided: within {BESIDE_SINGULAR:g} rad of a state where closure loses rank"
-        why += ", and not distinguished from it"
-        return replace(state, verdict="undecided", kind="", certificate=why)
+    if state.verdict == "minimum" or state.refuted:
+        if why := not_told_apart(problem, phi):
+            return replace(state, verdict="undecided", kind="", certificate=why)
     if state.verdict != "not admissible" and problem.size <= MOST_DENSE:
         left = problem.null_spaces(phi).left_out(problem.closure.values(phi))
         if left > BESIDE_SINGULAR:

@@ -151,14 +151,13 @@ def _as_stated(model: Model) -> Model:
     Raises
     ------
     OptionError
-        If its springs are others than those of its scene.
+        If its springs or sectors are others than those of its scene.
     """
     known, own = model.parameters, Model(model.scene).parameters
-    for name in ("stiffness", "rest"):
-        if not np.array_equal(getattr(known, name), getattr(own, name)):
-            raise OptionError(
-                f"the {name} of the problem is not that of its scene: pose the scene that has it"
-            )
+    if not np.array_equal(replace(known, load=own.load).vector, own.vector):
+        raise OptionError(
+            "the problem has other springs or sectors than its scene: pose the scene that has them"
+        )
     load = known.load - own.load
     if not load.any():
         return model

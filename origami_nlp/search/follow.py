@@ -112,10 +112,8 @@ class Follower:
             for x, onward, why in level:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
-            level_facets = end.side.any() and self.problem.contact
-            either = level_facets and bool(
-                self.problem.faces(end.x).open
-            )  # facets may lie either way
+            # facets that may lie either way go on otherwise the next time
+            either = self._is_level(end.x) and bool(self.problem.faces(end.x).open)
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
             if not either:
                 level.append((end.x, onward, why))
@@ -149,9 +147,13 @@ class Follower:
         self.work += end.work
         return end
 
+    def _is_level(self, x: np.ndarray) -> bool:
+        """Return whether creases are fully folded whose facets must not cross."""
+        return bool(self.problem.contact and at_limits(self.problem, x).any())
+
     def _ordered(
         self, x: np.ndarray, before: np.ndarray | None, known: set[Order], aside: np.ndarray
     ) -> tuple[Slot, ...] | None:
-        if not self.problem.contact or not at_limits(self.problem, x).any():
+        if not self._is_level(x):
             return ()
         return ordered_slots(self.problem, x, before, known, aside)

@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.numerics import OUTSIDE, RESOLVED
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search.descend import PICKS, StartState
+from origami_nlp.search.descend import PICKS, SLOTS, StartState
 
 MOST_LINES, MOST_FOLDED = 3, 250
 """Straight lines that are folded at a time, and ways in which so many are."""
@@ -22,8 +22,6 @@ GRID = 2.0**-33
 """Of fold angles of minima that are changed [rad]."""
 SOONER = 0.15
 """Chance that a feature is made to touch rather than one of those that face each other less closely."""
-MOST_RANKS = 40
-"""Of these: further ones are as good as any."""
 
 
 class StartKind(ABC):
@@ -100,7 +98,7 @@ class Touch(FoldedCreases):
         folded = np.maximum(dof - rng.geometric(0.5, count), 0)
         starts = self._folded(rng, rng.integers(folded + 1))
         brought = np.minimum(rng.geometric(0.5, count), min(dof, PICKS)).tolist()
-        picks = np.minimum(rng.geometric(SOONER, (count, PICKS)), MOST_RANKS).tolist()
+        picks = np.minimum(rng.geometric(SOONER, (count, PICKS)), SLOTS).tolist()
         each = zip(starts, picks, brought, strict=True)
         return [replace(s, picks=tuple(ranks[:many])) for s, ranks, many in each]
 
