@@ -1,18 +1,14 @@
-"""What it takes to leave a state: exact barriers against a dense scan, bounds never below them, a noisy waterbomb.
-
-``python -m tests.minima.test_escape`` writes `docs/how_to/noise.md`.
-"""
+"""What it takes to leave a state: exact barriers against a dense scan, bounds never below them, a noisy waterbomb."""
 
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
-from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
+from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, project
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
@@ -21,27 +17,6 @@ from tests.computed_once import panel_result
 from tests.kernels.answers import generic
 
 DEGREES = 0.06
-PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "noise.md"
-HEAD = """# Distinguish states that last from states that noise makes
-
-Exact data are special: creases in line, equal angles, equal springs. Measured ones are not, and small errors make
-minima that are true and of no use: a ripple, left over a barrier of nothing. Every minimum therefore has a *softest
-stiffness* and an *escape barrier*, the energy that has to be put in to reach a state of no higher energy; one below
-1e-4 of sum k pi^2 / 2 (the energy that folds every crease by pi) is *shallow* and counted apart. `--noise DEG` follows
-every state into 20 scenes with random errors of DEG degrees (standard deviation) of rest and sector angles, and of as
-many radians of stiffnesses as a share, and says how many it survives.
-
-<!-- run: not: the table below is made by the tests -->
-```bash
-origami-nlp minima waterbomb.toml --noise 0.06
-```
-
-A waterbomb, `origami_nlp.examples.waterbomb(symmetry="none")`, exact and with errors of 0.06 degrees of rest angles.
-"Before" is the count that a list without barriers gives. Energies in J, sum k pi^2 / 2 = 0.74 J; "<=" is an upper
-bound: an explicit escape path climbs so high. Lower ones may exist: of 29 bounds of four random vertices 3 are 1.05 to
-1.18 times the lowest that any numbering of their creases shows. So a state that is not called shallow may be.
-
-"""
 
 
 def four(seed, contact="fold-limits"):
@@ -195,41 +170,6 @@ def noisy(seed):
     return replace(scene, rest_angles=tuple(np.array(scene.rest_angles) + errors))
 
 
-def page():
-    """What `docs/how_to/noise.md` has to be."""
-    rows = [
-        "| rest angles | before | now | energy | barrier | survives |",
-        "|---|---|---|---|---|---|",
-    ]
-    for name, scene in (
-        ("exact", examples.waterbomb(symmetry="none")),
-        *((f"errors, draw {seed + 1}", noisy(seed)) for seed in range(3)),
-    ):
-        result = find_minima(scene, noise=DEGREES, prove=False)
-        now = result.verdict.partition(": ")[2].split(" (")[0]
-        for number, m in enumerate(result.minima):
-            barrier = m.escape.words() + ", shallow" * m.shallow
-            first = (name, f"{len(result.minima)} stable states", now) if not number else ("",) * 3
-            rows.append(
-                "| " + " | ".join([*first, f"{m.energy:.6f}", barrier, str(m.survival)]) + " |"
-            )
-    return HEAD + "\n".join(rows) + "\n" + FOOT
-
-
-FOOT = """
-The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state held by
-a fold limit at exactly pi, such as flat-folded ones, need not be shallow and still be lost: the column says it.
-With one degree of freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree
-with two and bounds them from both sides with more, and
-`result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
-with the reason in `escape.why`.
-
-Whole patterns: `origami-nlp minima FILE --noise 0.06`. Errors of sector angles move the vertices in the plane
-there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals, more)
-nothing folds with such errors, and what survives errors of the springs alone is reported beside.
-"""
-
-
 @pytest.mark.parametrize(
     "scene, energy",
     [
@@ -297,139 +237,3 @@ def test_softest_stiffness_is_that_of_its_mode():
         result.model.energy_change(x, project(result.model, x + s * h * mode)[0]) for s in (1, -1)
     ]
     assert sum(rises) / h**2 == pytest.approx(m.softest, rel=1e-3)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page())
-
-
-@pytest.mark.parametrize("number", [4, 10])
-def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
-    # the lowest partings of all rays, descended from state by state: nothing of the order in which that is done
-    result = panel_result(examples.panels()[number])
-    model = Model(result.scene)
-    x = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
-    modes = [[] for _ in x]
-    loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
-    terrain = VertexTerrain(model, x, modes)
-    lowest = {k: [] for k in loose}
-    for k, ray in terrain.rays(loose):
-        rise = terrain.rise(k, ray)
-        for i in range(1, len(ray)):
-            end = terrain.land(ray[i : i + 1])[0]
-            if terrain.is_lower(k, ray[i]) or (np.isfinite(end).all() and terrain.is_way(k, end)):
-                lowest[k].append(float(rise[: i + 1].max()))
-                break
-    seen = {}
-    monkeypatch.setattr(
-        "origami_nlp.kkt.partings._sharpen",
-        lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
-    )
-    monkeypatch.setattr("origami_nlp.kkt.partings._track", lambda terrain, parts, sections: [])
-    monkeypatch.setattr(VertexTerrain, "proved_paths", lambda terrain, which: {})
-    escape_paths(VertexTerrain(model, x, modes), loose, confirmed=1)
-    for k in loose:
-        heights = sorted(p.height for p in seen.values() if p.k == k)
-        assert heights == pytest.approx(sorted(lowest[k])[:1], rel=1e-9)
-    assert sum(map(len, lowest.values())) > len(seen) > 1  # some were left out
-
-
-def test_what_an_escape_path_leads_to_has_an_order_of_layers():
-    """Beside folded books gaps alone let flaps change places: such paths climbed 2e-8 J and led nowhere real."""
-    scene = replace(examples.degree6("pi/3", ratio=1), symmetry="none")
-    result = find_minima(scene, effort="quick", prove=False, escape=False)
-    model = Model(scene)
-    books = [m for m in result.minima if len([c for c in m.contacts if c.is_limit]) == 4]
-    assert books
-    states = np.array([model.reduce(np.array(m.fold_angles)) for m in books[-2:]])
-    terrain = VertexTerrain(model, states, [[] for _ in states])
-    for way in escape_paths(terrain, range(len(states))).values():
-        assert not [x for x in way.states if model.refuses(x)]
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        generic(5, 1, "fold-limits"),
-        generic(6, 2, "none"),
-        pytest.param(generic(8, 4, "fold-limits"), marks=pytest.mark.slow),
-    ],
-    ids=["degree 5", "degree 6", "degree 8"],
-)
-def test_each_escape_path_is_one_state_by_state(scene):
-    """By matrices of its own, energies by their definition: it climbs no higher than is said, and ends lower."""
-    result = find_minima(scene, prove=False, escape=False)
-    model = Model(scene)
-    x = np.array([m.fold_angles for m in result.minima if m.local_dimension != 0][:8])
-    terrain = VertexTerrain(model, np.array([model.reduce(y) for y in x]), [[] for _ in x])
-    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
-    found = escape_paths(terrain, range(len(x)))
-    assert len(found) >= 6
-    for number, way in found.items():
-        path = model.expand(way.states)
-        energies = 0.5 * ((path - rest) ** 2 @ k)
-        here = 0.5 * float(k @ (x[number] - rest) ** 2)
-        assert np.abs(path[0] - x[number]).max() < 1e-8
-        assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.1 + 1e-9
-        assert (
-            max(np.abs(fold(scene.vertex.sector_angles, y) - np.eye(3)).max() for y in path) < 1e-9
-        )
-        assert scene.contact == "none" or np.abs(path).max() <= math.pi + 1e-12
-        assert energies.max() - here <= way.height * (1 + 1e-12)
-        assert energies[-1] < here or (number == 0 and way.to > 0)
-
-
-@pytest.mark.parametrize(
-    "scene, most",
-    [
-        (generic(5, 1, "fold-limits"), {6.612: 0.49, 21.466: 5.6, 60.688: 2.8}),
-        pytest.param(
-            generic(8, 4, "fold-limits"),
-            {4.755: 4.7, 7.751: 0.44, 14.944: 12, 15.153: 0.088, 15.436: 2.7, 17.154: 0.48},
-            marks=pytest.mark.slow,
-        ),
-    ],
-    ids=["degree 5", "degree 8"],
-)
-def test_borders_of_basins_are_followed_down_to_a_pass(scene, most):
-    """They were 0.5, none and 3.0; none, 0.88, 19, 0.16, 8.4 and 9.7: the first ways that were found."""
-    minima = find_minima(scene, prove=False).minima
-    found = {round(m.energy, 3): m.escape.barrier for m in minima}
-    assert all(found[energy] <= bound for energy, bound in most.items())
-
-
-@pytest.mark.parametrize("seed", [3, 7])
-def test_barriers_do_not_hang_on_labels(seed):
-    """Stiffnesses over four decades; Newton's steps onto closure are others where another crease comes first."""
-    rng = np.random.default_rng(seed)
-    sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
-    while sectors.max() > 0.95 * math.pi:
-        sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
-    k, rest = 10 ** rng.uniform(-2, 2, 5), rng.uniform(-2.8, 2.8, 5)
-    scene = Scene(Vertex(tuple(sectors)), stiffness=tuple(k), rest_angles=tuple(rest))
-    minima = find_minima(scene, effort="quick", prove=False, escape=False).minima
-    found = []
-    # as it is, from another crease, and the other way round
-    for order, facets in (
-        (range(5), range(5)),
-        ([2, 3, 4, 0, 1],) * 2,
-        ([0, 4, 3, 2, 1], [4, 3, 2, 1, 0]),
-    ):
-        other = Scene(
-            Vertex(tuple(sectors[list(facets)])),
-            stiffness=tuple(k[list(order)]),
-            rest_angles=tuple(rest[list(order)]),
-        )
-        there = [
-            replace(m, fold_angles=tuple(np.array(m.fold_angles)[list(order)]), softest_mode=())
-            for m in minima
-        ]
-        found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
-    assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
-
-
-def test_isolated_flat_foldings_are_known_as_such():
-    result = find_minima(examples.degree6("pi/4", ratio=1, contact="fold-limits"), prove=False)
-    alone = [m for m in result.minima if m.local_dimension == 0]
-    assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
-    assert len(result.to_dict()["minima"]) == 12
