@@ -88,10 +88,12 @@ def by_minima(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[J
     """Compute what it takes to leave minima once per run for each list of them, the same to the last bit."""
 
     @functools.wraps(compute)
-    def ask(model: Model, minima: Sequence[JudgedState], traced: Any = None) -> list[JudgedState]:
+    def ask(
+        model: Model, minima: Sequence[JudgedState], traced: Any = None, *problem: Any
+    ) -> list[JudgedState]:
         states = [x.hex() for m in minima for x in m.fold_angles]
         name = _question(compute, model, states, traced is None)
-        found = once(name, lambda: [m.escape for m in compute(model, minima, traced)])
+        found = once(name, lambda: [m.escape for m in compute(model, minima, traced, *problem)])
         return [dataclasses.replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
 
     return ask

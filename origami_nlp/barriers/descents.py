@@ -33,10 +33,11 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, VertexTerrain, canonical_states, with_merge_tree
+from origami_nlp.minima import MinimaResult, canonical_states, with_merge_tree
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, INPUT_TOL, coarse
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
+from origami_nlp.search import DescentTerrain, softest_modes
 
 SHOWN = "the lowest path that descents show: lower ones are not excluded"
 NONE = "no admissible path is known"
@@ -74,10 +75,10 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     minima = minima.reshape(-1, model.size)
     if not many:
         return Barriers(result, (), ())
-    soft = [m.softest_mode for m in result.minima]
-    modes = [[model.reduce(np.array(mode))] if mode else [] for mode in soft]
-    posed = canonical_states(model, minima, modes)
-    terrain = VertexTerrain(posed.model, posed.minima, posed.modes)
+    posed = canonical_states(result.model, scene, minima)
+    of = range(many)
+    leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in of}
+    terrain = DescentTerrain(posed.problem, posed.minima, np.zeros(posed.problem.size), leaving)
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
     ways, beyond = list[PathDown](), np.full(many, math.inf)
     for k, found in escape_paths_of_each(terrain, loose):
@@ -90,9 +91,9 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     for k in loose:
         if k not in left and result.minima[k].local_dimension == model.dof:
             ways += _along_rays(terrain, k)
-    flat = np.zeros(terrain.model.size)
+    flat = np.zeros(terrain.of.size)
     ways += _over_saddles(terrain, ways)
-    if scene.vertex.flat and not terrain.model.refuses(flat):
+    if scene.vertex.flat and not terrain.of.refuses(flat):
         ways += _ways_down(terrain, flat)
     ways = [w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in ways]
     whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "bound")
@@ -106,7 +107,7 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     return replace(whole, result=replace(result, minima=tuple(listed)), passes=passes)
 
 
-def _way_between(terrain: VertexTerrain, start: int, states: np.ndarray) -> PathDown | None:
+def _way_between(terrain: DescentTerrain, start: int, states: np.ndarray) -> PathDown | None:
     """Go an escape path [S, n] from a minimum on to where it ends, and look at all of it."""
     down = down_to(terrain, states[-1])
     if down is None or down[1] == start:
@@ -115,7 +116,7 @@ def _way_between(terrain: VertexTerrain, start: int, states: np.ndarray) -> Path
     return _checked(terrain, whole, down[1], start)
 
 
-def _along_rays(terrain: VertexTerrain, k: int) -> Iterator[PathDown]:
+def _along_rays(terrain: DescentTerrain, k: int) -> Iterator[PathDown]:
     """Go along rays from a minimum until careful descents end at another, where descents in batches jumped early."""
     parting = []
     for _, ray in terrain.rays([k]):
@@ -147,7 +148,7 @@ def _along_rays(terrain: VertexTerrain, k: int) -> Iterator[PathDown]:
 
 
 def _checked(
-    terrain: VertexTerrain, states: np.ndarray, to: int, start: int = -1
+    terrain: DescentTerrain, states: np.ndarray, to: int, start: int = -1
 ) -> PathDown | None:
     """Cut steps of a way finely, and bound what it climbs; None where it does not close or touch as it should."""
     apart = [True, *(np.abs(a - b).max() > 0 for a, b in itertools.pairwise(states))]
@@ -160,9 +161,9 @@ def _checked(
     return PathDown(dense, to, start, energy)
 
 
-def _over_saddles(terrain: VertexTerrain, ways: Sequence[PathDown]) -> list[PathDown]:
+def _over_saddles(terrain: DescentTerrain, ways: Sequence[PathDown]) -> list[PathDown]:
     """Go down both sides of the saddles that Newton finds beside the highest states of ways."""
-    model, found, out = terrain.model, list[np.ndarray](), list[PathDown]()
+    model, found, out = terrain.of, list[np.ndarray](), list[PathDown]()
     for way in ways:
         top = way.states[int(model.energies(way.states).argmax())]
         for one in critical_near(model, top[None], NEAR):
@@ -177,9 +178,9 @@ def _over_saddles(terrain: VertexTerrain, ways: Sequence[PathDown]) -> list[Path
     return out
 
 
-def _ways_down(terrain: VertexTerrain, top: np.ndarray) -> Iterator[PathDown]:
+def _ways_down(terrain: DescentTerrain, top: np.ndarray) -> Iterator[PathDown]:
     """Go down from the flat state, beginning towards minima on either side."""
-    sides = np.sign([terrain.model.expand(x).sum() for x in terrain.minima])
+    sides = np.sign([terrain.of.expand(x).sum() for x in terrain.minima])
     far = np.round(np.linalg.norm(terrain.problem.root * (terrain.minima - top), axis=1), PLACES)
     order = np.argsort(far, kind="stable")
     near = [order[sides[order] == side][:TARGETS] for side in (1.0, -1.0, 0.0)]

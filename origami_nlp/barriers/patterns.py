@@ -29,7 +29,8 @@ from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
 from origami_nlp.numerics import NEAR_SINGULAR_TOL
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, ways_between
+from origami_nlp.pattern_states import ways_between
+from origami_nlp.search import DescentTerrain
 
 MINIMA, BETWEEN, SADDLES, ON_CURVES = (
     "the search for minima",
@@ -116,7 +117,7 @@ def _with_ways(
     whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
 
     def lower() -> None:
-        terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+        terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
         ways.extend(over_saddles(terrain, whole.passes, level))
 
     late += _in_time(problem, SADDLES, say, lower)
@@ -166,7 +167,7 @@ NEAR = 0.3
 
 
 def over_saddles(
-    terrain: PatternTerrain, passes: Sequence[Pass], level: float
+    terrain: DescentTerrain, passes: Sequence[Pass], level: float
 ) -> Iterator[PathDown]:
     """Go over saddles beside the highest states of paths that climb above both their ends.
 
@@ -191,7 +192,7 @@ def over_saddles(
         yield from _over_saddle(terrain, first[energy].path)
 
 
-def _over_saddle(terrain: PatternTerrain, path: np.ndarray) -> Iterator[PathDown]:
+def _over_saddle(terrain: DescentTerrain, path: np.ndarray) -> Iterator[PathDown]:
     """Go down both sides of the saddle that Newton finds beside the highest state of a path [S, n]."""
     minima = terrain.minima
 

@@ -20,7 +20,8 @@ from origami_nlp.continuation import (
 from origami_nlp.kkt import Classification, State, classify, singular_beside
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED, first_largest
-from origami_nlp.pattern_states import classified, contact_descent, descend
+from origami_nlp.pattern_states import classified, contact_descent
+from origami_nlp.search import descend
 
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""

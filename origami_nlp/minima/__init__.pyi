@@ -76,5 +76,4 @@ from .stability import (
 )
 from .stopping import chao1 as chao1, chao1_error as chao1_error
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .terrain import VertexTerrain as VertexTerrain
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes

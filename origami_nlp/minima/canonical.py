@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import OUTSIDE, coarse
-from origami_nlp.pattern import Relabelling, canonical_labels
+from origami_nlp.numerics import OUTSIDE
+from origami_nlp.pattern import Relabelling, Scene, canonical_labels, symmetries
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Model
 
 DIGITS = 11
@@ -40,56 +42,58 @@ def canonical_model(model: Model) -> tuple[Model, Relabelling] | None:
 
 @dataclass(frozen=True)
 class CanonicalStates:
-    """States of a model under canonical labels, without what rounding leaves of them.
+    """States of a scene under canonical labels, without what rounding leaves of them.
 
     Attributes
     ----------
-    scene_model, model
-        As given, and under canonical labels, or the same.
+    stated, problem
+        The scene as it is stated, and under canonical labels, posed; the same where labels are as they are.
+    scene
+        Under those labels.
     labels
-        Those labels; None where the model is the same.
-    minima, modes
-        The states in the variables of `model`, [M, n], and soft modes of each.
+        These; None where they are as stated.
+    minima
+        The states in the variables of `problem`, [M, n].
     unit
-        What energies of `model` are multiplied by.
+        What energies of `problem` are multiplied by.
     """
 
-    scene_model: Model
-    model: Model
+    stated: PatternProblem
+    problem: PatternProblem
+    scene: Scene
     labels: Relabelling | None
     minima: np.ndarray
-    modes: Sequence[list[np.ndarray]]
     unit: float
 
-    def to(self, x: np.ndarray) -> np.ndarray:
-        """Return states [..., n] of the scene in the variables of `model`."""
-        return _to(self.scene_model, self.model, self.labels, x)
-
     def back(self, x: np.ndarray) -> np.ndarray:
-        """Return states [..., n] in the variables of the scene's model."""
+        """Return states [..., n] in the variables of the problem as it is stated."""
         if self.labels is None:
             return x
-        return np.asarray(self.scene_model.reduce(self.labels.back(self.model.expand(x))))
+        return np.asarray(self.stated.reduce(self.labels.back(self.problem.expand(x))))
+
+    @property
+    def moves(self) -> list[Callable[[np.ndarray], np.ndarray]]:
+        """Symmetries of creases and springs, of states [..., n] of `problem`."""
+        p = self.problem
+        return [partial(_moved, p, move) for move in symmetries(self.scene)]
 
 
-def canonical_states(
-    model: Model, states: np.ndarray, modes: Sequence[list[np.ndarray]]
-) -> CanonicalStates:
-    """Pose states [M, n] of a model, and soft modes of each, under labels that do not depend on the scene's."""
-    posed = canonical_model(model)
-    if posed is None:
-        return CanonicalStates(model, model, None, states, modes, 1.0)
-    other, labels = posed
+def canonical_states(stated: PatternProblem, scene: Scene, states: np.ndarray) -> CanonicalStates:
+    """Pose states [M, n] of a scene under labels that do not depend on its own."""
+    if not scene.group.is_trivial or scene.loads:
+        return CanonicalStates(stated, stated, scene, None, states, 1.0)
+    labels = canonical_labels(scene)
+    other = labels.relabelled(scene)
+    problem = pose(other)
     # to the last bit, whatever rounding left; creases that are flat or at a limit stay so
-    exact = _to(model, other, labels, states)
-    still = (other.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
-    exact = project(other, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
-    kept = [[coarse(_to(model, other, labels, m)) for m in of] for of in modes]
-    unit = float(np.mean(model.scene.stiffness))
-    return CanonicalStates(model, other, labels, exact, kept, unit)
+    phi = stated.expand(states)
+    exact = np.asarray(problem.reduce(labels.sign * phi[..., labels.creases]))
+    still = (problem.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
+    exact = project(problem, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
+    unit = float(np.mean(scene.stiffness))
+    return CanonicalStates(stated, problem, other, labels, exact, unit)
 
 
-def _to(model: Model, other: Model, labels: Relabelling | None, x: np.ndarray) -> np.ndarray:
-    if labels is None:
-        return x
-    return np.asarray(other.reduce(labels.sign * model.expand(x)[..., labels.creases]))
+def _moved(problem: PatternProblem, move: Relabelling, x: np.ndarray) -> np.ndarray:
+    """Return the states, in the problem's variables [..., n], to which a symmetry takes others."""
+    return np.asarray(problem.reduce(move.back(problem.expand(x))))

@@ -13,35 +13,28 @@ from origami_nlp.kkt import (
     BOUND,
     TRACED,
     Escape,
-    EscapePath,
     barriers,
-    bounds,
     energy_scale,
-    escape_paths,
     level_of,
 )
 from origami_nlp.minima.canonical import canonical_states
-from origami_nlp.minima.descents import compiled
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
-from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import (
-    DUPLICATE_TOL,
-    SHALLOW,
-)
-from origami_nlp.pattern import Relabelling, symmetries
+from origami_nlp.numerics import SHALLOW
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
+from origami_nlp.search import find_escapes
 
-MOST_STATES = 8
-"""Minima out of which ways are sought: those of lowest energy."""
-MOST_VARIABLES = 12
-"""Variables up to which escape paths are sought."""
 NOTHING_NEAR = "no other admissible state is near"
 
 
 def with_escapes(
-    model: Model, minima: Sequence[JudgedState], traced: CandidateMinima | None = None
+    model: Model,
+    minima: Sequence[JudgedState],
+    traced: CandidateMinima | None = None,
+    problem: PatternProblem | None = None,
 ) -> list[JudgedState]:
     """Add what it takes to leave each minimum.
 
@@ -53,6 +46,8 @@ def with_escapes(
         All that are known.
     traced
         The curves of a model with one degree of freedom, where they were resolved.
+    problem
+        The scene, posed; None: it is posed here.
 
     Returns
     -------
@@ -70,7 +65,7 @@ def with_escapes(
         passes = traced_passes(model, traced.curves, traced.branches, states, energies)
         found = passes and _exact(model, passes, energies, isolated, scale)
     if not found:
-        found = _bounded(model, minima, states, energies, isolated, scale)
+        found = _bounded(problem or pose(model.scene), model.scene, states, isolated)
     return [replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
 
 
@@ -138,84 +133,23 @@ def _exact(
 
 
 def _bounded(
-    model: Model,
-    minima: Sequence[JudgedState],
+    problem: PatternProblem,
+    scene: Scene,
     states: np.ndarray,
-    energies: np.ndarray,
     isolated: np.ndarray,
-    scale: float,
 ) -> list[Escape]:
     """Bound barriers by escape paths that descents show."""
-    why = ""
-    if model.scene.loads:
-        why = "forces in space: escape paths are not sought under them"
-    elif compiled() is None:
-        why = "no C compiler was found: escape paths, which many descents show, are not sought"
-    elif model.size > MOST_VARIABLES:
-        why = f"more than {MOST_VARIABLES} variables: escape paths are not sought"
-    loose = [k for k in range(len(minima)) if not isolated[k]]
-    images = _images(model, states)
-    lowest = [] if why else loose[:MOST_STATES]
-    sought = [k for k in lowest if k not in images]
-    modes = [_modes(model, m) for m in minima]
-    ways = _ways(model, states, modes, sought) if sought else {}
-    # an image may be that of an image: earlier ones first
-    for k, (first, move, to) in sorted(images.items(), key=lambda item: item[0]):
-        if k in lowest and (way := ways.get(first)):
-            top = _moved(model, move, way.top)
-            ways[k] = way._replace(top=top, to=int(to[way.to]) if way.to >= 0 else -1)
-    reported = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
-
-    def unknown(k: int) -> str:
-        if not why and k not in lowest:
-            return f"more than {MOST_STATES} minima: sought for those of lowest energy"
-        if not why and len(loose) == 1:
-            return "no other state is known that it could be left for"
-        return why or "no descent from near it ended at a state of lower energy"
-
-    group = model.scene.group
-    kept = "" if group.is_trivial else f"; among states with symmetry {group.name}"
-    heights = np.full((len(minima),) * 2, math.inf)
-    found = bounds(energies, ways, heights, scale, reported, unknown, kept)
+    posed, group = canonical_states(problem, scene, states), scene.group
+    found = find_escapes(
+        posed.problem,
+        posed.minima,
+        isolated.tolist(),
+        labels=CanonicalLabelling(np.arange(problem.size), 1.0, False, ()),
+        moves=posed.moves,
+        kept="" if group.is_trivial else f"; among states with symmetry {group.name}",
+        unit=posed.unit,
+    )
     return [
-        replace(e, top=tuple(model.expand(np.array(e.top)).tolist())) if e.top else e for e in found
+        replace(e, top=tuple(problem.expand(posed.back(np.array(e.top))).tolist())) if e.top else e
+        for e in found
     ]
-
-
-def _ways(
-    model: Model, states: np.ndarray, modes: Sequence[list[np.ndarray]], which: Sequence[int]
-) -> dict[int, EscapePath]:
-    """Find escape paths from minima [M, n] of some numbers, under labels that do not depend on the scene's."""
-    posed = canonical_states(model, states, modes)
-    terrain = VertexTerrain(posed.model, posed.minima, posed.modes)
-    return {
-        k: EscapePath(posed.unit * way.height, posed.back(way.top), way.to)
-        for k, way in escape_paths(terrain, which).items()
-    }
-
-
-def _images(model: Model, states: np.ndarray) -> dict[int, tuple[int, Relabelling, np.ndarray]]:
-    """Return which states [M, n] are images of earlier ones: of which, by which symmetry, and where that takes each.
-
-    Symmetries are those of creases and springs that take all states to one another.
-    """
-    found: dict[int, tuple[int, Relabelling, np.ndarray]] = {}
-    for move in symmetries(model.scene) if len(states) > 1 else ():
-        apart = np.abs(_moved(model, move, states)[:, None] - states).max(axis=2)
-        to = apart.argmin(axis=1)
-        if len(set(to.tolist())) < len(to) or apart.min(axis=1).max() > DUPLICATE_TOL:
-            continue
-        for first, k in enumerate(to.tolist()):
-            if first < k and first not in found and k not in found:
-                found[k] = first, move, to
-    return found
-
-
-def _moved(model: Model, move: Relabelling, x: np.ndarray) -> np.ndarray:
-    """Return the states, in the model's variables [..., n], to which a symmetry takes others."""
-    return np.asarray(model.reduce(move.back(model.expand(x))))
-
-
-def _modes(model: Model, minimum: JudgedState) -> list[np.ndarray]:
-    """Return the softest mode of a minimum in the model's variables, where it is one."""
-    return [model.reduce(np.array(minimum.softest_mode))] if minimum.softest_mode else []

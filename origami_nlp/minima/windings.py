@@ -129,7 +129,7 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> list[
             some = [replace(m, escape=late) for m in some]
         else:
             try:
-                some = with_escapes(job.model, some, job.traced)
+                some = with_escapes(job.model, some, job.traced, job.record.problem)
             except BREAKDOWNS as error:
                 broken = Escape(math.nan, OPEN, f"linear algebra failed: {error}")
                 some = [replace(m, escape=broken) for m in some]

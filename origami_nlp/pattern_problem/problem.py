@@ -256,7 +256,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         return self._symbols
 
     def __getstate__(self) -> dict[str, Any]:
-        return vars(self) | {"_symbols": None}  # CasADi's own do not pickle
+        return vars(self) | {"_symbols": None, "_last": None}  # which do not pickle
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
         """Return closure to second order at a state [n], of each vertex and hole by itself."""

@@ -7,7 +7,6 @@ from .curve import (
     follow_from_flat as follow_from_flat,
     tangents as tangents,
 )
-from .descent import Descended as Descended, descend as descend
 from .drawing import (
     draw_mobility as draw_mobility,
     draw_motion as draw_motion,
@@ -39,6 +38,5 @@ from .mobility import (
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .proved import hold_against as hold_against
-from .terrain import PatternTerrain as PatternTerrain
 from .traced_passes import curve_passes as curve_passes
 from .ways_between import ways_between as ways_between

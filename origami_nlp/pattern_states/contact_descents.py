@@ -8,7 +8,7 @@ import numpy as np
 
 from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
-from origami_nlp.pattern_states.descent import TRUST, Descended
+from origami_nlp.search import TRUST, Descended
 
 MOST_STEPS = 400
 """Of a descent."""

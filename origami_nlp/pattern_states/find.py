@@ -35,10 +35,8 @@ from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
-from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, of_vertex
 from origami_nlp.pattern_states.curve import tangents
 from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
-from origami_nlp.pattern_states.descent import ByNewton
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
@@ -46,15 +44,17 @@ from origami_nlp.pattern_states.judgement import (
     classified,
     judge,
     judge_end,
-    stationary_beside,
 )
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
+from origami_nlp.pattern_states.single_vertex import of_vertex
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
+    BESIDE_FLAT,
     CLOSES_NOT,
     NO_LOWER,
     ByIpopt,
+    ByNewton,
     Changed,
     FoldedCreases,
     Follower,
@@ -63,11 +63,13 @@ from origami_nlp.search import (
     Touch,
     Uniform,
     at_limits,
+    close,
     confirm,
     given,
     hinge_rests,
     on_grid,
     other_wells,
+    stationary_beside,
 )
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
@@ -93,6 +95,8 @@ OUT = 0.2
 PROOF = "the proof that the list is complete"
 OF_PROOF = 0.4
 """Share of the time of a search that is kept for a proof that is asked for."""
+OF_ESCAPES, LEAST_WORK = 2, 100_000
+"""Counted work of escapes over that of the search, and what they may take in any case."""
 SECONDS = 300.0
 """For a search, of wall time."""
 
@@ -470,8 +474,9 @@ class _Search(Parts):
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
-        states, most = self.by_energy(), self.tally.starts
-        self.judged = with_escapes(self.curves, states, self.contact, most)
+        work = getattr(self.go_down, "work", 0)
+        most = max(OF_ESCAPES * work, LEAST_WORK)
+        self.judged = with_escapes(self.curves, self.by_energy(), self.contact, most)
         self.problem.check_time()
 
     def add_confirmations(self) -> None:

@@ -7,19 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, State, classify, newton, not_told_apart, singular_beside
+from origami_nlp.kkt import Classification, State, classify, not_told_apart, singular_beside
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import (
     ANSWERED,
     BESIDE_SINGULAR,
     CLOSURE_TOL,
-    NEAR_SINGULAR_TOL,
     NONZERO,
-    OUTSIDE,
     STATIONARY,
     energy_or_zero,
 )
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.search import stationary_beside
 
 
 def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
@@ -123,23 +122,3 @@ def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
     else:
         return None
     return stationary_beside(problem, problem.reduce(state.phi)) if left else None
-
-
-def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Solve for the stationary state beside a closed one, creases that are fully folded kept so.
-
-    Parameters
-    ----------
-    problem, phi
-        The problem and a closed state, [n] [rad].
-
-    Returns
-    -------
-    numpy.ndarray or None
-        The state, [n]; None where it is far, or the sheet has more than `MOST_DENSE` creases.
-    """
-    if problem.size > MOST_DENSE:
-        return None
-    limits = problem.fold_limits
-    better, _ = newton(problem, phi, limits.contacts(phi, np.abs(limits.room(phi)) <= OUTSIDE))
-    return None if better is None or np.abs(better.x - phi).max() >= NEAR_SINGULAR_TOL else better.x

@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, groups
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, find_labels, image
-from origami_nlp.pattern_states.terrain import PatternTerrain
+from origami_nlp.search import DescentTerrain
 
 NEAREST = 8
 """Other minima that walks from a minimum lead to, while no way to them is known."""
@@ -62,7 +62,7 @@ class _Walks:
         joined: Sequence[tuple[int, int]],
     ) -> None:
         self.minima, self.tops, self.joined = minima, tops, list(joined)
-        self.terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+        self.terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
         pattern = problem.pattern
         self._symmetries, signs = find_labels(pattern).symmetries(pattern), PopSigns(pattern)
         self._nodes = np.array([*minima, *tops])
@@ -96,7 +96,7 @@ class _Walks:
         top = next((k for k, x in enumerate(self._nodes) if not x.any()), None)
         if top is None:
             return
-        is_full = self.terrain.pattern_problem.fold_limits.room(self.minima) <= OUTSIDE
+        is_full = self.terrain.of.fold_limits.room(self.minima) <= OUTSIDE
         folded = np.where(is_full, self.minima, 0.0)
         routes = {self._nodes[top].tobytes(): self._nodes[top][None]}
         for x in sorted(np.unique(folded, axis=0), key=np.count_nonzero):

@@ -6,6 +6,7 @@ from .descend import (
     Slot as Slot,
     StartState as StartState,
 )
+from .escape import find_escapes as find_escapes, softest_modes as softest_modes
 from .follow import Follower as Follower
 from .ipopt import (
     OPTIONS as OPTIONS,
@@ -19,6 +20,15 @@ from .ipopt import (
     solve_with as solve_with,
 )
 from .layers import ordered_slots as ordered_slots
+from .newton import (
+    BESIDE_FLAT as BESIDE_FLAT,
+    TRUST as TRUST,
+    ByNewton as ByNewton,
+    Descended as Descended,
+    close as close,
+    descend as descend,
+    stationary_beside as stationary_beside,
+)
 from .shares import Shares as Shares
 from .starts import (
     Changed as Changed,
@@ -33,3 +43,4 @@ from .starts import (
     other_wells as other_wells,
     variables_around as variables_around,
 )
+from .terrain import DescentTerrain as DescentTerrain

@@ -33,6 +33,10 @@ SOFT = 0.01
 """Of the mean stiffness: the metric takes no crease for softer."""
 MOST_STEPS = 200
 """Of a descent."""
+STAYS = 2
+"""In place of the side of a limit."""
+LONGEST = 0.5
+"""Step of a descent [rad]."""
 NAMES = {
     "APART": 1e-7,  # a slot that is open by more is dropped, over the sheet's size
     "BISECTIONS": 9,
@@ -40,7 +44,7 @@ NAMES = {
     "FACES": 0.5,  # features that face each other closer, over the sheet's size
     "FOLDING": 8,  # steps in which creases are folded
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
-    "LONGEST_STEP": 0.5,  # [rad]
+    "LONGEST_STEP": LONGEST,  # [rad]
     "MOST_CLOSING": 40,
     "MOST_CORRECTIONS": 16,
     "MOST_HALVINGS": 24,
@@ -180,7 +184,8 @@ class StartState:
     Attributes
     ----------
     x, side
-        A state [n], and the fold limits that it holds, by sign [n].
+        A state [n], and the fold limits that it holds, by sign [n]; `STAYS` of what stays where it is while one of
+        no steps is closed.
     slots
         Gaps that it holds.
     hold
@@ -257,7 +262,7 @@ class CompiledDescent:
             whole, at = ctypes.c_int64, ctypes.c_void_p
             call = self._library.descend
             call.restype = None
-            call.argtypes = [at, whole, *[at] * 5, whole, *[at] * 12]
+            call.argtypes = [at, whole, *[at] * 5, whole, ctypes.c_double, *[at] * 13]
 
     @property
     def usable(self) -> bool:
@@ -361,7 +366,12 @@ class CompiledDescent:
         return _SheetInC(*whole, size, deep, reach, *map(at.__getitem__, names))
 
     def __call__(
-        self, starts: Sequence[StartState], asides: np.ndarray, pauses: bool = False
+        self,
+        starts: Sequence[StartState],
+        asides: np.ndarray,
+        pauses: bool = False,
+        longest: float = LONGEST,
+        path: np.ndarray | None = None,
     ) -> list[DescentEnd]:
         """Go downhill from states, each by itself.
 
@@ -373,6 +383,10 @@ class CompiledDescent:
             Directions [K, n] that say to which side saddles are left.
         pauses
             Whether a way ends where facets come to lie on each other, and where all that is held is stationary.
+        longest
+            Step [rad].
+        path
+            Of one start: where its steps lead, [most, n], is written here.
         """
         limits, kept, count, n = (
             self.problem.fold_limits,
@@ -385,7 +399,7 @@ class CompiledDescent:
         signs, picks = np.zeros((count, SLOTS)), np.zeros((count, PICKS), np.int64)
         for one, start in enumerate(starts):
             if not start.drawn:
-                x[one] = limits.hold(x[one], side[one])
+                x[one] = limits.hold(x[one], side[one] * (side[one] != STAYS))
             picks[one, : len(start.picks)] = start.picks[:PICKS]
             for k, slot in enumerate(start.slots[:SLOTS]):
                 (a, b), (i, j) = slot.pieces, slot.places
@@ -411,9 +425,17 @@ class CompiledDescent:
         kind, most, slots = map(address, whole)
         self._library.descend(
             *(ctypes.addressof(self._given), count, address(x), address(side), kind),
-            *(address(picks), most, int(pauses), slots, address(given), address(points)),
-            *(address(signs), address(way), address(kept["room"]), address(kept["ints"])),
-            *(address(begun), address(forces), address(pieces), address(sign), address(ends)),
+            *(address(picks), most, int(pauses), longest, None if path is None else address(path)),
+            *(slots, address(given), address(points), address(signs), address(way)),
+            *(
+                address(kept["room"]),
+                address(kept["ints"]),
+                address(begun),
+                address(forces),
+                address(pieces),
+                address(sign),
+                address(ends),
+            ),
         )
         out = []
         for one, (status, steps, saddles, work, many, hold) in enumerate(ends.astype(int).tolist()):

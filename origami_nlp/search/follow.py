@@ -13,6 +13,7 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search.descend import (
     CLOSES_NOT,
     LEVEL,
+    MOST_STEPS,
     CompiledDescent,
     DescentEnd,
     Slot,
@@ -141,6 +142,25 @@ class Follower:
             start = StartState(end.x, end.side, slots)
             end = self._leg(start, aside)
         return end.x, NOWHERE
+
+    def steps(self, x: np.ndarray, aside: np.ndarray, longest: float) -> np.ndarray:
+        """Return where steps downhill, of a length at most [rad], lead from a closed state, [S, n]."""
+        problem, known, out = self.problem, set[Order](), [np.zeros((0, len(x)))]
+        path, before, slots = np.zeros((MOST_STEPS, len(x))), None, tuple[Slot, ...]()
+        start = StartState(x, at_limits(problem, x))
+        for _ in range(MOST_LEGS):
+            ordered = self._ordered(start.x, before, known, aside)
+            if ordered is None:
+                break
+            start = replace(start, slots=(*slots, *ordered))
+            (end,) = self.descents([start], aside[None], problem.contact, longest, path)
+            self.work += end.work
+            out.append(path[: end.steps + (end.why == LEVEL)].copy())
+            if end.why != LEVEL:
+                break
+            slots, before = tuple(s for s in end.slots if s.pieces[0] >= 0), end.begun
+            start = StartState(end.x, end.side)
+        return np.concatenate(out)
 
     def _leg(self, start: StartState, aside: np.ndarray) -> DescentEnd:
         (end,) = self.descents([start], aside[None], self.problem.contact)

@@ -10,7 +10,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import PatternTerrain, ways_between
+from origami_nlp.pattern_states import ways_between
+from origami_nlp.search import DescentTerrain
 from tests.barriers.test_patterns import checked
 from tests.independent.elastic_bands import Facets, Springs, admissible, passes
 from tests.independent.search_sheets import sheet_of
@@ -57,7 +58,7 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
     found = of_a_waterbomb()
     problem = PatternProblem(found.result.pattern)
     minima = np.array([m.phi for m in found.result.minima])
-    terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+    terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
     path, _ = terrain.walk_to(minima[3], np.zeros(problem.size))
     fine = terrain.with_tops(path)
     top = int(problem.energies(fine).argmax())
@@ -84,7 +85,7 @@ def test_sheets_folded_onto_themselves_are_unfolded_in_stages():
     row, flat = np.array(degrees) == 180, np.zeros(problem.size)
     state, residual = problem.project(np.radians(degrees), row)
     assert residual < 1e-12 and np.abs(np.degrees(state) - degrees).max() < 0.01
-    terrain = PatternTerrain(problem, state[None], True, {}, {}, 0)
+    terrain = DescentTerrain(problem, state[None], np.zeros(problem.size))
     assert not terrain.walk_to(state, flat)[1]
     ((start, to, path),) = ways_between(problem, state[None], [flat], [])
     assert (start, to) == (-1, 0) and not path[0].any() and (path[-1] == state).all()

@@ -11,7 +11,7 @@ from origami_nlp.continuation.equilibrium import EquilibriumCurve
 from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.loading import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
-from origami_nlp.pattern_states import descend
+from origami_nlp.search import descend
 
 
 @cache

@@ -10,7 +10,8 @@ import origami_nlp as o
 from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
-from origami_nlp.pattern_states import contact_descent, descend, judge
+from origami_nlp.pattern_states import contact_descent, judge
+from origami_nlp.search import descend
 
 
 @cache

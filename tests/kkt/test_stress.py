@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from origami_nlp import Scene, Vertex
 from origami_nlp.kkt import State, find_stress
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.pattern_states import descend, judge
+from origami_nlp.pattern_states import judge
+from origami_nlp.search import descend
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6

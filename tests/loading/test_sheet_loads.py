@@ -13,7 +13,8 @@ from scipy.optimize import minimize_scalar
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
-from origami_nlp.pattern_states import descend, judge
+from origami_nlp.pattern_states import judge
+from origami_nlp.search import descend
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
 from tests.patterns import miura, miura_angles, strip, wheel

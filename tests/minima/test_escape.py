@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
-from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, project
+from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
 from origami_nlp.minima.escape import with_escapes
-from origami_nlp.minima.terrain import VertexTerrain
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
+from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
+from origami_nlp.search import DescentTerrain
 from tests.computed_once import panel_result
 from tests.kernels.answers import generic
 
@@ -138,15 +139,13 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
     for m, other in zip(result.minima, again, strict=True):
         a, b = m.escape, other.escape
         assert (a.barrier, a.method, a.to, a.shallow) == (b.barrier, b.method, b.to, b.shallow)
-        assert np.abs(np.subtract(a.top, b.top)).max() < 1e-6
+        assert np.abs(np.subtract(a.top, b.top)).max(initial=0.0) < 1e-6
     assert [m.escape.method for m in again] == [BOUND] * 3
 
 
 def test_middles_of_many_steps_are_those_of_each():
     result = panel_result(examples.degree6("pi/3", ratio=1))
-    model = Model(result.scene)
-    states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
-    terrain = VertexTerrain(model, states, [[] for _ in states])
+    terrain = terrain_of(result.scene, result.minima)
     # 2: a handle, on which contacts stay closed; the others fold freely
     rays = [ray for k, ray in terrain.rays([0, 2]) if len(ray) > 5]
     a, b = (np.array([ray[i] for ray in rays]) for i in (4, 5))
@@ -155,6 +154,13 @@ def test_middles_of_many_steps_are_those_of_each():
     assert len(closed) > 10
     together = terrain.middles(a[closed], b[closed])
     assert np.abs(together - np.array([each[i][0] for i in closed])).max() < 1e-12
+
+
+def terrain_of(scene, minima):
+    """States of a scene with descents between them."""
+    problem = pose(scene)
+    states = np.array([problem.reduce(np.array(m.fold_angles)) for m in minima])
+    return DescentTerrain(problem, states, np.zeros(problem.size))
 
 
 @cache
@@ -237,3 +243,129 @@ def test_softest_stiffness_is_that_of_its_mode():
         result.model.energy_change(x, project(result.model, x + s * h * mode)[0]) for s in (1, -1)
     ]
     assert sum(rises) / h**2 == pytest.approx(m.softest, rel=1e-3)
+
+
+@pytest.mark.parametrize("number", [4])
+def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
+    # the lowest partings of all rays, descended from state by state: nothing of the order in which that is done
+    result = panel_result(examples.panels()[number])
+    loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
+    terrain = terrain_of(result.scene, result.minima)
+    lowest = {k: [] for k in loose}
+    for k, ray in terrain.rays(loose):
+        rise = terrain.rise(k, ray)
+        for i in range(1, len(ray)):
+            end = terrain.land(ray[i : i + 1])[0]
+            if terrain.is_lower(k, ray[i]) or (np.isfinite(end).all() and terrain.is_way(k, end)):
+                lowest[k].append(float(rise[: i + 1].max()))
+                break
+    seen = {}
+    monkeypatch.setattr(
+        "origami_nlp.kkt.partings._sharpen",
+        lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
+    )
+    monkeypatch.setattr("origami_nlp.kkt.partings._track", lambda terrain, parts, sections: [])
+    monkeypatch.setattr(DescentTerrain, "proved_paths", lambda terrain, which: {})
+    escape_paths(terrain_of(result.scene, result.minima), loose, confirmed=1)
+    for k in loose:
+        heights = sorted(p.height for p in seen.values() if p.k == k)
+        assert heights == pytest.approx(sorted(lowest[k])[:1], rel=1e-9)
+    assert sum(map(len, lowest.values())) > len(seen) > 1  # some were left out
+
+
+def test_what_an_escape_path_leads_to_has_an_order_of_layers():
+    """Beside folded books gaps alone let flaps change places: such paths climbed 2e-8 J and led nowhere real."""
+    scene = replace(examples.degree6("pi/3", ratio=1), symmetry="none")
+    result = find_minima(scene, effort="quick", prove=False, escape=False)
+    books = [m for m in result.minima if len([c for c in m.contacts if c.is_limit]) == 4]
+    assert books
+    terrain = terrain_of(scene, books[-2:])
+    for way in escape_paths(terrain, range(2)).values():
+        assert not [x for x in way.states if terrain.of.refuses(x)]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        generic(5, 1, "fold-limits"),
+        generic(6, 2, "none"),
+        pytest.param(generic(8, 4, "fold-limits"), marks=pytest.mark.slow),
+    ],
+    ids=["degree 5", "degree 6", "degree 8"],
+)
+def test_each_escape_path_is_one_state_by_state(scene):
+    """By matrices of its own, energies by their definition: it climbs no higher than is said, and ends lower."""
+    result = find_minima(scene, prove=False, escape=False)
+    some = [m for m in result.minima if m.local_dimension != 0][:8]
+    x, terrain = np.array([m.fold_angles for m in some]), terrain_of(scene, some)
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    found = escape_paths(terrain, range(len(x)))
+    assert len(found) >= 6
+    for number, way in found.items():
+        path = terrain.of.expand(way.states)
+        energies = 0.5 * ((path - rest) ** 2 @ k)
+        here = 0.5 * float(k @ (x[number] - rest) ** 2)
+        assert np.abs(path[0] - x[number]).max() < 1e-8
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= 0.1 + 1e-9
+        assert (
+            max(np.abs(fold(scene.vertex.sector_angles, y) - np.eye(3)).max() for y in path) < 1e-9
+        )
+        assert scene.contact == "none" or np.abs(path).max() <= math.pi + 1e-12
+        assert energies.max() - here <= way.height * (1 + 1e-12)
+        assert energies[-1] < here or (number == 0 and way.to > 0)
+
+
+@pytest.mark.parametrize(
+    "scene, most",
+    [
+        (generic(5, 1, "fold-limits"), {6.612: 0.49, 21.466: 5.6, 60.688: 2.8}),
+        pytest.param(
+            generic(8, 4, "fold-limits"),
+            {4.755: 4.7, 7.751: 0.44, 14.944: 12, 15.153: 0.088, 15.436: 2.7, 17.154: 0.48},
+            marks=pytest.mark.slow,
+        ),
+    ],
+    ids=["degree 5", "degree 8"],
+)
+def test_borders_of_basins_are_followed_down_to_a_pass(scene, most):
+    """They were 0.5, none and 3.0; none, 0.88, 19, 0.16, 8.4 and 9.7: the first ways that were found."""
+    minima = find_minima(scene, prove=False).minima
+    found = {round(m.energy, 3): m.escape.barrier for m in minima}
+    assert all(found[energy] <= bound for energy, bound in most.items())
+
+
+@pytest.mark.parametrize("seed", [3, 7])
+def test_barriers_do_not_hang_on_labels(seed):
+    """Stiffnesses over four decades; Newton's steps onto closure are others where another crease comes first."""
+    rng = np.random.default_rng(seed)
+    sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
+    while sectors.max() > 0.95 * math.pi:
+        sectors = rng.dirichlet(np.full(5, 3.0)) * 2 * math.pi
+    k, rest = 10 ** rng.uniform(-2, 2, 5), rng.uniform(-2.8, 2.8, 5)
+    scene = Scene(Vertex(tuple(sectors)), stiffness=tuple(k), rest_angles=tuple(rest))
+    minima = find_minima(scene, effort="quick", prove=False, escape=False).minima
+    found = []
+    # as it is, from another crease, and the other way round
+    for order, facets in (
+        (range(5), range(5)),
+        ([2, 3, 4, 0, 1],) * 2,
+        ([0, 4, 3, 2, 1], [4, 3, 2, 1, 0]),
+    ):
+        other = Scene(
+            Vertex(tuple(sectors[list(facets)])),
+            stiffness=tuple(k[list(order)]),
+            rest_angles=tuple(rest[list(order)]),
+        )
+        there = [
+            replace(m, fold_angles=tuple(np.array(m.fold_angles)[list(order)]), softest_mode=())
+            for m in minima
+        ]
+        found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
+    assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
+
+
+def test_isolated_flat_foldings_are_known_as_such():
+    result = find_minima(examples.degree6("pi/4", ratio=1, contact="fold-limits"), prove=False)
+    alone = [m for m in result.minima if m.local_dimension == 0]
+    assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
+    assert len(result.to_dict()["minima"]) == 12

@@ -7,8 +7,8 @@ import pytest
 
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import descend, find_states, judge, list_branches
-from origami_nlp.search import CLOSES_NOT
+from origami_nlp.pattern_states import find_states, judge, list_branches
+from origami_nlp.search import CLOSES_NOT, descend
 from tests.independent.trigonometry import scan
 from tests.patterns import metasheet, miura, miura_angles, strip
 

@@ -33,14 +33,14 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
-        minima/terrain.SMALLEST minima/one_dof.ASIDE minima/search.DOWN
+        minima/one_dof.ASIDE minima/search.DOWN
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
-        pattern_states/terrain.FIRST space/cells.RADIUS
+        search/terrain.FIRST search/terrain.POPPED space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
         search/ipopt.BESIDE starts/near_flat.INSIDE
@@ -50,7 +50,7 @@ BESIDE_THE_TABLE = {
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/descent_rules.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
-        pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
+        search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
         search/descend.SOFT starts/moments.SHORTEST_SHARE
     """,
@@ -116,14 +116,14 @@ BESIDE_THE_TABLE = {
     """,
     "torque, curvature and error left in explored states, which are polished": """
         minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
-        pattern_states/descent.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
+        search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "accuracy of published states, and of the grid that they lie on": """
         paper/audit.CLOSED paper/audit.ON_GRID paper/candidates.PRINTED
     """,
     "weights of rows and steps": """
         pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT kkt/descent.SOFTEST numerics/factors.WEIGHT
-        pattern_states/descent.WEIGHTS
+        search/newton.WEIGHTS
     """,
 }
 """Small constants that stand elsewhere, by what they are."""

@@ -171,7 +171,7 @@ def test_inner_cells_of_a_relaxed_big_sheet_have_the_angles_of_the_cell():
     many = [(i, j) for i in range(6) for j in range(6)]
     bare, crease_of = cell.cell.lay(many)
     sheet = bare.with_springs(cell.stiffness[crease_of].tolist(), cell.rest[crease_of].tolist())
-    from origami_nlp.pattern_states import descend
+    from origami_nlp.search import descend
 
     problem = PatternProblem(sheet)
     start, _ = problem.project(state.phi[crease_of] * 0.9)

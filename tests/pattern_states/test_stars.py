@@ -10,8 +10,8 @@ from origami_nlp.kkt import State, smallest_curvature
 from origami_nlp.numerics import dense
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import descend, find_states, judge
-from origami_nlp.search import given
+from origami_nlp.pattern_states import find_states, judge
+from origami_nlp.search import descend, given
 from tests.patterns import wheel
 
 

@@ -14,6 +14,7 @@ typedef struct {
   int64_t *free, *which; /* of nonnegative(); rows of the active set: variables, then n + slots */
   unsigned char *hit, *added;
   int64_t counted;
+  double longest, *path; /* of a step [rad]; where each of them leads, if that is asked for */
 } Descent;
 
 static double energy(const Sheet *s, const double *x) {
@@ -383,7 +384,7 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
   const Sheet *s = t->s;
   Held *held = t->held;
   int64_t n = s->n, rows = 0, last = 0, idle = 0;
-  double radius = LONGEST_STEP;
+  double radius = t->longest;
   for (int64_t i = 0; i < n; i++) held->fixed[i] = held->side[i] != 0;
   memset(held->equal, 1, held->many);
   memset(t->added, 0, n);
@@ -416,7 +417,7 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
     if (torque <= STILL * size && !off) {
       if (hold) {
         if (pauses) return LEVEL;
-        hold = 0, radius = LONGEST_STEP;
+        hold = 0, radius = t->longest;
         continue;
       }
       /* a minimum without stiffness is come to by thirds */
@@ -470,8 +471,9 @@ static int64_t go_down(Descent *t, double *x, int64_t hold, int64_t pauses, int6
     if (!moved) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
     idle = energy(s, t->trial) < now - ROUNDED * (1 + fabs(now)) ? 0 : idle + 1;
     if (idle > MOST_IDLE) return torque <= BALANCED * size && !hold ? ARRIVED : NO_LOWER;
-    radius = fmin(LONGEST_STEP, fmax(2 * share * far * 2.5, 1e-6));
+    radius = fmin(t->longest, fmax(2 * share * far * 2.5, 1e-6));
     memcpy(x, t->trial, n * sizeof(double));
+    if (t->path) memcpy(t->path + n * *steps, x, n * sizeof(double));
     int new = come_to_limits(s, x, held->side);
     drop(t, x);
     if (new && pauses && !hold) return LEVEL; /* facets lie on each other: whoever asks says in which order */

@@ -91,10 +91,10 @@ static void hold_given(const Sheet *s, Held *held, int64_t slots, const int64_t 
 }
 
 /* Go down from starts x [K, n] with sides [K, n]: `kind` [K] 0 as given, 1 held as given, 2 drawn, to be folded, with
-   `picks` [K, PICKS] ranks of features to be brought together, less 1; `most` [K] steps.  ends [K, 6]: status, steps,
+   `picks` [K, PICKS] ranks of features to be brought together, less 1; `most` [K] steps, each as `longest`; of one start where they lead, path [most, n].  ends [K, 6]: status, steps,
    saddles, counted work, slots, whether what it began with was to be held; multipliers of limits and slots [K, n + SLOTS]; slots with pieces, places and signs. */
 void descend(const Sheet *s, int64_t count, double *xs, int64_t *sides, const int64_t *kind, const int64_t *picks, const int64_t *most,
-             int64_t pauses, const int64_t *slots, const int64_t *given, const double *at, const double *signs,
+             int64_t pauses, double longest, double *path, const int64_t *slots, const int64_t *given, const double *at, const double *signs,
              const double *aside, double *room, int64_t *ints, double *begun, double *pulls, int64_t *pieces, double *sign, double *ends) {
   int64_t n = s->n, m = s->m, all = n + SLOTS, wide = m + SLOTS, f = s->facets;
   double *r = room;
@@ -111,7 +111,7 @@ void descend(const Sheet *s, int64_t count, double *xs, int64_t *sides, const in
                &held, &closure, &rows, &step, TAKE(m), TAKE(m * n), TAKE(SLOTS), TAKE(SLOTS * n), TAKE(n), TAKE(n * n),
                TAKE(all * n), TAKE(wide + n), TAKE(all), TAKE(m), TAKE(n * n), TAKE(2 * n * n), TAKE(n * n + all), TAKE(n),
                TAKE(n), TAKE(n), TAKE(n), TAKE((2 * n + all) * all + 2 * all + 6 * n), TAKE(SLOTS), TAKE(SLOTS * n),
-               COUNT(3 * all), COUNT(all), (unsigned char *)COUNT(s->pairs), (unsigned char *)COUNT(3 * n + SLOTS), 0};
+               COUNT(3 * all), COUNT(all), (unsigned char *)COUNT(s->pairs), (unsigned char *)COUNT(3 * n + SLOTS), 0, longest, path};
   for (int64_t one = 0; one < count; one++, xs += n, sides += n, begun += n, aside += n, pulls += all, ends += 6) {
     int64_t steps = 0, saddles = 0, end = ARRIVED, hold = kind[one] > 0, *side = sides;
     held.many = 0, held.side = side, held.pieces = pieces + 4 * SLOTS * one, held.sign = sign + SLOTS * one;

@@ -10,13 +10,17 @@ from functools import partial
 import numpy as np
 import scipy as sp
 
+from origami_nlp.kkt import newton
 from origami_nlp.numerics import (
     BALANCED,
     CLOSURE_TOL,
     DECREASE,
+    EXPLORED,
+    NEAR_SINGULAR_TOL,
     NONZERO,
     OUTSIDE,
     RANK,
+    RESOLVED,
     ROUNDED,
     SETTLED,
     SINGULAR,
@@ -26,10 +30,8 @@ from origami_nlp.numerics import (
     Normal,
     NullSpaces,
 )
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.closed import close
-from origami_nlp.pattern_states.judgement import stationary_beside
-from origami_nlp.search import CLOSES_NOT, NO_LOWER, StartState
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.search.descend import CLOSES_NOT, NO_LOWER, StartState
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -49,6 +51,8 @@ FAR_FROM_SINGULAR = 1e-4
 """Of closure: smaller singular values are left to systems that do not decide on a rank."""
 FAR = 4.0
 """A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
+BESIDE_FLAT = math.sqrt(RESOLVED)
+"""Starts that end with all fold angles smaller [rad] lead back to the flat state."""
 
 
 @dataclass(frozen=True)
@@ -285,3 +289,43 @@ class ByNewton:
     ) -> list[Callable[[], tuple[np.ndarray, str]]]:
         """Return what tells where each of some starts leads."""
         return [partial(self, *both) for both in zip(starts, asides, strict=True)]
+
+
+def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
+    """Close a start within the fold limits, fully folded creases left so if possible; None where it does not close.
+
+    What comes as near to the flat state as `BESIDE_FLAT` without closing is that state: closure holds to the square of
+    the distance there and has singular values of its size, so that rounding says in which step, if ever, it closes.
+    """
+    limits = problem.fold_limits
+    start = limits.clip(start)
+    at_limit = limits.room(start) == 0
+    for held in (at_limit, None) if at_limit.any() else (None,):
+        phi, residual = problem.project(start, held)
+        within = limits.inside(phi, EXPLORED).all()
+        phi = limits.clip(phi)
+        if residual <= CLOSURE_TOL and within and problem.closure.lifts_to_one(phi):
+            return phi
+    flat = np.zeros(problem.size)
+    beside = problem.pattern.lies_flat and bool(np.abs(phi).max() < BESIDE_FLAT)
+    return flat if beside and limits.inside(flat).all() else None
+
+
+def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Solve for the stationary state beside a closed one, creases that are fully folded kept so.
+
+    Parameters
+    ----------
+    problem, phi
+        The problem and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        The state, [n]; None where it is far, or the sheet has more than `MOST_DENSE` creases.
+    """
+    if problem.size > MOST_DENSE:
+        return None
+    limits = problem.fold_limits
+    better, _ = newton(problem, phi, limits.contacts(phi, np.abs(limits.room(phi)) <= OUTSIDE))
+    return None if better is None or np.abs(better.x - phi).max() >= NEAR_SINGULAR_TOL else better.x

@@ -1,0 +1,206 @@
+"""What it takes to leave stable states of a vertex or a sheet: as it is known exactly, or bounded by descents."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from origami_nlp.errors import OutOfTime
+from origami_nlp.kkt import (
+    ALONE,
+    Escape,
+    EscapePath,
+    State,
+    bounds,
+    energy_scale,
+    escape_paths,
+    level_of,
+)
+from origami_nlp.numerics import INDEPENDENT, NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse, nearest
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.search.starts import variables_around
+from origami_nlp.search.terrain import DescentTerrain
+
+MOST_CREASES = 60
+"""Creases up to which escape paths are sought."""
+MOST_STATES = 8
+"""States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
+MOST_OPENED = 3
+"""Directions that open contacts of a state."""
+Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
+"""A symmetry: states [..., n] to states."""
+
+
+class _Image(NamedTuple):
+    """A state that a symmetry makes of state `of`; to: what it makes of each, -1 where not listed."""
+
+    of: int
+    move: Move | None
+    to: Sequence[int]
+
+    def way(self, way: EscapePath) -> EscapePath:
+        """Return the image of a way."""
+        if self.move is None:
+            return way
+        return EscapePath(way.height, self.move(way.top), self.to[way.to] if way.to >= 0 else -1)
+
+
+def find_escapes(
+    problem: PatternProblem,
+    at: np.ndarray,
+    alone: Sequence[bool],
+    *,
+    labels: CanonicalLabelling,
+    moves: Sequence[Move] = (),
+    exact: Mapping[int, Escape] | None = None,
+    heights: np.ndarray | None = None,
+    kept: str = "",
+    unit: float = 1.0,
+    most: float = math.inf,
+) -> list[Escape]:
+    """Return what it takes to leave each of some stable states.
+
+    Parameters
+    ----------
+    problem
+        Of a vertex or a sheet.
+    at
+        The states, [M, n]; ways lead to states among them.
+    alone
+        Which of them stand alone: no admissible state is near.
+    labels
+        Of the problem's variables, so that what is found does not depend on how they are numbered.
+    moves
+        Symmetries of the problem.
+    exact
+        What is known exactly, by number.
+    heights
+        Passes that are known between two of them, [M, M]; inf where there is none.
+    kept
+        What else is said of every way.
+    unit
+        Of the energies that are returned, over those of the problem.
+    most
+        Counted work that descents may take.
+
+    Returns
+    -------
+    list of Escape
+        One a state.
+    """
+    energies = unit * problem.energies(at)
+    scale = unit * energy_scale(problem.pattern.stiffness)
+    level, reported = level_of(energies, scale), dict(exact or {})
+    reported |= {
+        k: Escape(math.inf, ALONE, "no other admissible state is near")
+        for k, is_alone in enumerate(alone)
+        if is_alone
+    }
+    why = ""
+    if problem.pattern.creases > MOST_CREASES:
+        why = f"more than {MOST_CREASES} creases: escape paths are not sought"
+    images = _images(at, moves)
+    loose = [k for k in range(len(at)) if k not in reported]
+    first = [k for k in loose if images[k].of == k]
+    last = energies[first[:MOST_STATES]].max(initial=-math.inf) + level
+    sought = [] if why else [k for k in loose if energies[k] <= last]
+    ways: dict[int, EscapePath] = {}
+    if sought and len(at) > 1:
+        out_of = [k for k in sought if k in first]
+        aside = labels.drawn(np.random.default_rng(0).normal(size=problem.size))
+        vertices = variables_around(problem, labels) if problem.orbits is None else []
+        around = {k: _apart(vertices, at[k], moves) for k in out_of} if problem.contact else {}
+        leaving = {k: [*softest_modes(problem, at[k]), *_openings(problem, at[k])] for k in out_of}
+        terrain = DescentTerrain(problem, at, aside, leaving, around, most)
+        if not terrain.usable:
+            why = "no C compiler was found: escape paths, which many descents show, are not sought"
+        else:
+            try:
+                found = {
+                    k: way._replace(height=unit * way.height)
+                    for k, way in escape_paths(terrain, out_of).items()
+                }
+                ways = {
+                    k: images[k].way(found[images[k].of]) for k in loose if images[k].of in found
+                }
+            except OutOfTime:
+                why = "interrupted by the time limit"
+
+    def unknown(k: int) -> str:
+        if not why and len(at) == 1:
+            return "no other state is known that it could be left for"
+        if not why and k not in sought:
+            return f"sought for the {len(sought)} states of lowest energy"
+        return why or "no way that was tried led to a state of lower energy"
+
+    none = np.full((len(at),) * 2, math.inf)
+    return bounds(
+        energies, ways, none if heights is None else heights, scale, reported, unknown, kept
+    )
+
+
+def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:
+    """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
+    found: dict[int, _Image] = {}
+    listed = []
+    for move in moves:
+        apart = np.array([np.abs(x - at).max(axis=1) for x in move(at)])
+        to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1)
+        listed.append((move, to.tolist()))
+    for k in range(len(at)):
+        if k in found:
+            continue
+        found[k] = _Image(k, None, ())
+        for move, to in listed:
+            if to[k] >= 0:
+                found.setdefault(to[k], _Image(k, move, to))
+    return [found[k] for k in range(len(at))]
+
+
+def _apart(vertices: Sequence[list[int]], x: np.ndarray, moves: Sequence[Move]) -> list[list[int]]:
+    """Return variables round vertices without those that a symmetry of a state [n] makes of others."""
+    kept, seen = [], set()
+    own = [move for move in moves if np.abs(move(x) - x).max() <= NEAR_SINGULAR_TOL]
+    for creases in vertices:
+        if frozenset(creases) not in seen:
+            kept.append(creases)
+            mark = np.isin(np.arange(len(x)), creases) * 1.0
+            seen |= {frozenset(np.flatnonzero(move(mark)).tolist()) for move in own}
+    return kept
+
+
+def _openings(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:
+    """Return directions that open contacts of a state as fast as closure lets them, and close none: all, and each.
+
+    Of single ones those that cost least, where several are alike all of them.
+    """
+    state = State(problem, x)
+    if not (closed := state.contacts.base):
+        return []
+    z = state.kernel
+    slopes = state.on(closed).slopes @ z
+    lengths = np.linalg.norm(slopes, axis=1)
+    free = lengths > INDEPENDENT
+    slopes = slopes[free] / lengths[free, None]
+    ways = (nearest(way, slopes, np.zeros(len(slopes))) for way in (slopes.sum(axis=0), *slopes))
+    out = [z @ y for y in ways if y is not None and np.abs(y).max(initial=0.0) > SETTLED]
+    out = [coarse(d / np.linalg.norm(d)) for d in out]
+    costs = np.round([float(problem.torque(x) @ d) for d in out[1:]], 6)
+    return [*out[:1], *(d for d, c in zip(out[1:], costs, strict=True) if c == costs.min())][
+        :MOST_OPENED
+    ]
+
+
+def softest_modes(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:
+    """Return the softest motions of a state that closure allows, fully folded creases held, where they are single."""
+    at_limit = np.flatnonzero(problem.fold_limits.room(x) <= OUTSIDE)
+    z = problem.kernel(x, at_limit)
+    lam, _, _ = problem.multipliers(x, at_limit)
+    values, vectors = np.linalg.eigh(z.T @ (problem.hessian(x, lam) @ z))
+    if not len(values) or (len(values) > 1 and values[1] - values[0] <= SETTLED):
+        return []
+    mode = coarse(z @ vectors[:, 0])
+    return [mode, -mode]
