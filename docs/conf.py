@@ -19,6 +19,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "sphinx_design",
+    "gallery",
     "notebooks",
     "offline",
     "reference",
@@ -31,7 +32,7 @@ root_doc = "index"
 # ---------------------------------------------------------------- pages and notebooks
 nb_execution_mode = "off"  # the stored outputs, which the tests compare with fresh ones
 nb_merge_streams = True
-myst_enable_extensions = ["colon_fence", "dollarmath", "deflist"]
+myst_enable_extensions = ["colon_fence", "dollarmath", "deflist", "html_image"]
 myst_fence_as_directive = ["math"]  # as GitHub draws them
 smartquotes = False  # two hyphens begin an option
 myst_heading_anchors = 4
@@ -54,7 +55,9 @@ html_title = "origami_nlp"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
-html_sidebars = {page: [] for page in ("index", "getting_started", "concepts")}
+html_sidebars = {
+    page: [] for page in ("index", "getting_started", "which_verb", "gallery", "concepts")
+}
 html_theme_options = {
     "logo": {"text": "origami_nlp"},
     "navbar_persistent": ["search-button"],  # the field would take a line of its own

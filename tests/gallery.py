@@ -1,135 +1,127 @@
-"""The page of examples: crease pattern, stable states and table of each, as the code finds them now.
+"""The gallery: scripts of `docs/gallery`, what each prints and draws, and the page of them.
 
-Written by `python -m tests.gallery`; `tests/pattern/test_examples.py` compares the page with what is found.
+`python -m tests.gallery [NAME ...]` runs them and renews pictures, printed lines and the page;
+`tests/documentation/test_gallery.py` compares with what they do now.
 """
 
 from __future__ import annotations
 
-import inspect
+import ast
+import contextlib
+import io
 import json
+import os
+import re
+import runpy
+import sys
+import tempfile
 import time
 from pathlib import Path
+from unittest.mock import patch
 
-import matplotlib
-import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import origami_nlp as o
-from origami_nlp.display import draw_pattern, draw_state
-from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern import fold_vertices, parse_fold, vertex_scenes
-from tests.pattern.equivalent_vertices import group_equivalent_vertices
-
 DOCS = Path(__file__).parent.parent / "docs"
-PAGE, FIGURES = DOCS / "examples.md", DOCS / "figures" / "examples"
-HEAD = """# Examples by name
+SCRIPTS, PAGE, FIGURES = DOCS / "gallery", DOCS / "gallery.md", DOCS / "figures" / "gallery"
+RECORD = SCRIPTS / "shown.json"
+"""What each script prints, and what its picture shows."""
+ORDER = {
+    "Crease patterns that people know": (
+        "miura_vertex miura_sheet waterbomb_snap square_twist kresling_tube yoshimura resch metasheet"
+    ),
+    "Hinges": "bistable_strip tape_spring thick_panels measured_hinge",
+    "Loads, barriers, parameters, design": (
+        "force_displacement barrier_graph map_two_parameters design_switch noise poisson_ratio"
+    ),
+    "In and out": "fold_in_out svg_by_hand bar_and_hinge ipopt_by_hand",
+    "The source paper": "paper_panel cone equation_check",
+}
+ACROSS = 3
+BARRIER = re.compile(r"barrier (≤|<=|not) .*")
+HEAD = """# Gallery
 
-Each is one vertex with springs, and the crease pattern that it comes from.  Numbers in a pattern are those that
-`--vertex` takes; the framed one is the vertex shown.  Mountains are red, dashes and dots; valleys are blue, dashes.
-Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad.
+Each picture is made by a script of at most 15 lines; a click shows it with what it prints. The tests run all of them.
 
-```bash
-origami-nlp example miura > miura.toml            # the vertex as a scene
-origami-nlp minima miura.toml --full              # its stable states
-origami-nlp example miura:4x4 -o miura.fold   # the pattern, with the same springs
-```
-
-Whole sheets: [sheets by name](sheets.md).
-
-Written by `python -m tests.gallery`.
+Examples by name, for `find_minima("NAME")` and `origami-nlp minima NAME`: `miura:4x4`, `waterbomb:2x2`,
+`yoshimura:3x3`, `resch:1x2`, `metasheet:4x4`, `squaretwist`, `birdbase`, `waterbombbase`; numbers are rows and columns.
+A single vertex as a file to edit: `origami-nlp example miura > miura.toml`; `origami-nlp example --help` lists them.
 """
 
 
-def solve(name: str, **options: object) -> MinimaResult:
-    """The minima of an example, each judged in the full space."""
-    return o.find_minima(o.examples.by_name(name), full=True, **options)
+def title(name: str) -> str:
+    """The first line of a script."""
+    return (ast.get_docstring(ast.parse((SCRIPTS / f"{name}.py").read_text())) or "").split("\n")[0]
 
 
-def rows(result: MinimaResult) -> list[str]:
-    """One line of the table for each minimum; what the page must say whatever the computer."""
-    lines = []
-    for k, m in enumerate(result.minima, start=1):
-        angles = " ".join(f"{a:.1f}" for a in np.round(np.degrees(m.fold_angles), 1) + 0.0)
-        energy = f"{1e3 * m.energy:.4g}" if m.energy > 1e-12 else "0"
-        lines.append(f"| {k} | {energy} | {m.kind} | {m.full_space.verdict} | {angles} |")
-    return lines
-
-
-def frame_of(name: str):
-    """The crease pattern of an example, and the number of the vertex of it that is the example."""
-    (frame,) = parse_fold(json.dumps(o.examples.crease_pattern(name)))
-    scene = o.examples.by_name(name)
-    scenes = vertex_scenes(frame, on_note=lambda note: None, symmetry=scene.symmetry)
-    ours = group_equivalent_vertices({-1: scene, **scenes})[0].numbers[1:]
-    flat = frame.coords[:, :2]
-    middle = flat.mean(axis=0)
-    return frame, min(ours, key=lambda v: float(np.linalg.norm(flat[v] - middle)))
-
-
-def draw(name: str, result: MinimaResult) -> Figure:
-    """The crease pattern, and beside it the states."""
-    frame, number = frame_of(name)
-    states = result.minima
-    figure = Figure(figsize=(3.4 + 2.6 * len(states), 3.3), layout="constrained")
-    widths = [3.4, *[2.6] * len(states)]
-    axes = figure.subplots(1, 1 + len(states), width_ratios=widths)
-    draw_pattern(frame, highlight=[number], axes=axes[0])
-    for k, (m, place) in enumerate(zip(states, axes[1:], strict=True), start=1):
-        draw_state(place, result.scene.vertex, m.fold_angles, size=8)
-        energy = f"{1e3 * m.energy:.3g}" if m.energy > 1e-12 else "0"
-        place.set_title(f"state {k}: {energy} mJ\n{m.kind}", fontsize=9)
-    return figure
-
-
-def section(name: str, result: MinimaResult) -> str:
-    """Text, picture and table of an example."""
-    maker = o.examples.BY_NAME[name]
-    said = (inspect.getdoc(maker) or "").split("\nParameters\n")[0].removeprefix("Make ").strip()
-    found = result.completeness
-    proved = "no proof was tried that none is missing"
-    if found:
-        proved = (
-            "proved: no minimum is missing"
-            + ", except near singular states, each of them judged" * (not found.proved)
-            if found.status != "not-proved"
-            else f"no proof that none is missing ({found.reason})"
-        )
-    n = len(fold_vertices(frame_of(name)[0])[0])
-    vertices = f"{n} interior vert{'ices' if n > 1 else 'ex'} in the pattern as drawn"
-    lines = [
-        f"## {result.scene.label}",
-        "",
-        f"`origami-nlp example {name}` · `o.examples.{maker.__name__}()`",
-        "",
-        said[:1].upper() + said[1:],
-        "",
-        f"![crease pattern and states of {name}](figures/examples/{name}.png)",
-        "",
-        "| # | energy [mJ] | kind | full space | fold angles of creases 1, 2, ... [deg] |",
-        "|---|---|---|---|---|",
-        *rows(result),
-        "",
-        f"Symmetry {result.scene.group.name}; {vertices}.",
-        f"{proved[:1].upper()}{proved[1:]}.",
-        "",
+def shown_by(axes: Axes) -> list[str]:
+    """What is written on axes, and how far curves reach on them."""
+    words = [
+        axes.get_title(),
+        axes.get_xlabel(),
+        axes.get_ylabel(),
+        *(t.get_text() for t in axes.texts),
     ]
-    return "\n".join(lines)
+    box = axes.dataLim
+    reach = [f"{v:.4g}" for v in (box.x0, box.x1, box.y0, box.y1)] if axes.lines else []
+    return [*(" ".join(word.split()) for word in words if word), " ".join(reach)]
 
 
-def main() -> None:
-    """Write the page and its figures."""
-    matplotlib.use("agg")
-    FIGURES.mkdir(parents=True, exist_ok=True)
+def run(name: str, folder: Path | None = None) -> tuple[str, str]:
+    """Run a script away from the tree: what it prints and what its picture shows, which is kept in a folder."""
+    drawn: list[Figure] = []
+    save = Figure.savefig
+
+    def keep(figure: Figure, target: object, **options: object) -> None:
+        drawn.append(figure)
+        if folder is not None:
+            save(figure, folder / f"{name}.png", **{"dpi": 100, "format": "png"})
+
+    with (
+        tempfile.TemporaryDirectory() as away,
+        contextlib.chdir(away),
+        contextlib.redirect_stdout(io.StringIO()) as said,
+        patch.object(Figure, "savefig", keep),
+    ):
+        runpy.run_path(str(SCRIPTS / f"{name}.py"), run_name="__main__")
+    (figure,) = drawn
+    # bounds of barriers get lower as searches get better
+    heads = [BARRIER.sub("", " ".join(t.get_text().split())) for t in figure.texts]
+    lines = [line for axes in figure.axes for line in shown_by(axes)]
+    return said.getvalue(), "\n".join([*heads, *filter(None, lines)])
+
+
+def page() -> str:
+    """The page: pictures in a table, each a link to its script."""
     parts = [HEAD]
-    for name in o.examples.BY_NAME:
+    for head, names in ORDER.items():
+        rows = names.split()
+        parts += [f"## {head}", "", "| " * ACROSS + "|", "|---" * ACROSS + "|"]
+        for k in range(0, len(rows), ACROSS):
+            cells = [
+                f"[![{n}](figures/gallery/{n}.png)](gallery/{n}.py)<br>{title(n)}"
+                for n in rows[k : k + ACROSS]
+            ]
+            parts.append("| " + " | ".join(cells + [""] * (ACROSS - len(cells))) + " |")
+        parts.append("")
+    return "\n".join([*parts, "```{toctree}", ":hidden:", ":glob:", "", "gallery/*", "```", ""])
+
+
+def main(names: list[str]) -> None:
+    """Renew pictures, what is shown, and the page."""
+    FIGURES.mkdir(parents=True, exist_ok=True)
+    known = json.loads(RECORD.read_text()) if RECORD.exists() else {}
+    every = " ".join(ORDER.values()).split()
+    for name in names or every:
         start = time.process_time()
-        result = solve(name, prove=30.0)
-        seconds = time.process_time() - start
-        draw(name, result).savefig(FIGURES / f"{name}.png", dpi=100)
-        parts.append(section(name, result))
-        print(name, f"{seconds:.1f} s", len(result.minima), flush=True)
-    PAGE.write_text("\n".join(parts))
+        printed, picture = run(name, FIGURES)
+        known[name] = {"printed": printed, "picture": picture}
+        print(name, f"{time.process_time() - start:.1f} s", flush=True)
+    kept = {name: known[name] for name in every if name in known}
+    RECORD.write_text(json.dumps(kept, indent=1) + "\n")
+    PAGE.write_text(page())
 
 
 if __name__ == "__main__":
-    main()
+    os.environ.setdefault("MPLBACKEND", "agg")
+    main(sys.argv[1:])

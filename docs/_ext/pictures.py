@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,7 +25,6 @@ from matplotlib.patches import Circle
 import origami_nlp as o
 from origami_nlp.display import draw_state, draw_states
 from origami_nlp.display.drawing import UPPER
-from origami_nlp.hinges import HINGE_EXAMPLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -92,16 +90,12 @@ def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
 def own(name: str) -> None:
     """Make a picture by the verb that draws it."""
     path = FOLDER / f"{name}.png"
-    if name == "states":
-        draw_row(o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), path)
-    elif name == "six_states":
+    if name == "six_states":
         vertex = o.Vertex.from_degrees((62, 100, 119, 79))
         rest = tuple(np.radians((-180, -141, 180, 180)))
         draw_row(o.find_minima(o.Scene(vertex, (0.02, 0.0186, 0.0129, 0.0135), rest)), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
-    elif name == "degree6_pi3":
-        o.draw(o.find_minima(o.examples.degree6("pi/3"), full=True), path)
 
 
 def drawn_periods(name: str) -> None:
@@ -125,23 +119,6 @@ def drawn_periods(name: str) -> None:
     figure.savefig(FOLDER / f"{name}.png", dpi=100)
 
 
-def drawn_tubes(name: str) -> None:
-    """Draw both states of a cylinder of Yoshimura's pattern, six copies round."""
-    cell = o.examples.pattern("yoshimura", 1, 1, cell=True, rolled=6)
-    found = o.find_minima(cell, effort="quick", escape=False)
-    states = [
-        (
-            f"{m.energy:.4f} J a cell, radius {tube.radius:.3g}, rings {abs(tube.advances[1]) / 2:.4f} apart",
-            m.phi,
-        )
-        for m, tube in zip(found.minima, found.lattices, strict=True)
-    ]
-    figure = draw_states(
-        found.pattern, states, "yoshimura:1x1 --cell --rolled 6: two rows of cells"
-    )
-    figure.savefig(FOLDER / f"{name}.png", dpi=100)
-
-
 def by_command(*words: str) -> None:
     """Make a picture by the command that stands beside it."""
     subprocess.run([sys.executable, "-m", *words], check=True)
@@ -154,19 +131,12 @@ def drawn_load(name: str) -> None:
 
 
 def drawn_hinges(name: str) -> None:
-    """Draw the examples of hinges, and a crease that yields."""
-    folder = FOLDER / name
-    with tempfile.TemporaryDirectory() as there:
-        for word, text in HINGE_EXAMPLES.items():
-            file = Path(there) / (word + (".fold" if word == "bistable-strip" else ".toml"))
-            file.write_text(text())
-            read = o.read_pattern if file.suffix == ".fold" else o.read_scene
-            o.draw(o.find_minima(read(file)), folder / f"{word}.png")
+    """Draw the load path of a crease that yields."""
     vertex = o.Vertex.from_degrees((70, 80, 120, 90))
     rest = tuple(np.radians((-50, 20, -60, -15)))
     creased = o.Scene(vertex, (1.0,) * 4, rest, symmetry="none")
     path = o.load_path(creased, 1, to=0.6, yield_torque=0.3, unload=True)
-    o.draw(path, folder / "creased.png")
+    o.draw(path, FOLDER / name / "creased.png")
 
 
 def recorded(name: str) -> None:
@@ -187,14 +157,10 @@ def recorded_engines(name: str) -> None:
 
 
 PICTURES: dict[str, Callable[[str], None]] = {
-    "states": own,
-    "degree6_pi3": own,
     "six_states": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
-    "rolled_yoshimura": drawn_tubes,
-    "examples": lambda _: by_command("tests.gallery"),
-    "sheets": lambda _: by_command("tests.gallery_of_patterns"),
+    "gallery": lambda _: by_command("tests.gallery"),
     **{
         f"states_{family}": lambda name: by_command(
             "tests.bifurcation.maps", name.removeprefix("states_")
@@ -206,8 +172,8 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "speed": recorded,
     "engines": recorded_engines,
 }
-"""What makes each picture of the documentation; ``examples`` and ``sheets`` their folder and page."""
-SLOW = ("examples", "sheets", "states_degree6", "states_degree8")
+"""What makes each picture of the documentation; ``gallery`` its folder and page."""
+SLOW = ("gallery", "states_degree6", "states_degree8")
 """Made only by name, or with ``all``: minutes each."""
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Barriers of a vertex with two or more degrees of freedom: paths that descents show, and the flat state.
 
 Escape paths from each minimum (`kkt.escape_paths_of_each`), and descents from the flat state: with contact it parts
-minima whose fold angles sum to more and to less than 0 (proved in docs/validation/barriers.md), so that a path over it
+minima whose fold angles sum to more and to less than 0 (docs/validation/landscapes.md), so that a path over it
 that climbs no higher is the barrier exactly.  All else bounds it from above: a saddle, exact by its KKT system, or what
 a path climbs to, whose middle states were looked at until they lie below that.
 """
@@ -202,7 +202,7 @@ def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
 
     Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
     every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
-    facets that touch included (proved in docs/validation/barriers.md).
+    facets that touch included (proved in docs/validation/landscapes.md).
     """
     phi = np.asarray(fold_angles, dtype=float)
     total = phi.sum(axis=-1)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh")
+@writes("json", "csv", "figure", "html", "fold", "mesh")
 def minima(
     out: Output,
     scene: Source,
@@ -79,6 +79,7 @@ def minima(
         result, stopped = early.result, True
     result.print_to(out.console, verbose)
     out.write("json", result.to_dict)
+    out.write("csv", result.to_csv)
     out.save("figure", draw, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)

@@ -104,7 +104,13 @@ class _Files:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "json", "figure", "html", "fold", search=("full", "effort", "seed", "seconds"), details=True
+    "json",
+    "csv",
+    "figure",
+    "html",
+    "fold",
+    search=("full", "effort", "seed", "seconds"),
+    details=True,
 )
 def follow(
     scene: Source,
@@ -135,7 +141,7 @@ def follow(
 
 
 @takes_scene(o.SceneFile, springs=False)
-@answers("json", "figure", search=("effort", "seed", "seconds"))
+@answers("json", "csv", "figure", search=("effort", "seed", "seconds"))
 def boundary(
     scene: Source,
     event: Annotated[

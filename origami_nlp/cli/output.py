@@ -175,6 +175,7 @@ def answers(
             found = command(**said)
             found.print_to(out.console, verbose)
             out.write("json", lambda: found.to_dict())
+            out.write("csv", lambda: found.to_csv())
             out.write("figure", draw, found)
             out.save("fold", _save_frames, found)
             out.save("mesh", write_mesh, found)

@@ -160,6 +160,7 @@ def contacts(
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
     "json",
+    "csv",
     "figure",
     "html",
     "fold",

@@ -6,8 +6,10 @@ says what its rows are (`Result._rows`).
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping
 from importlib import import_module
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -137,6 +139,33 @@ class Result:
         rows = [dict(row) for row in self._rows()]
         frame: pandas.DataFrame = require("pandas", "to_frame", "sweep").DataFrame(rows)
         return frame
+
+    def to_csv(self) -> str:
+        """Return the rows of `to_frame` as comma-separated text; it needs no pandas.
+
+        Returns
+        -------
+        str
+            Names of columns first; what is not known is empty.
+
+        Raises
+        ------
+        OptionError
+            If such a result has no rows.
+
+        Examples
+        --------
+        >>> import origami_nlp as o
+        >>> found = o.find_minima(o.examples.miura("pi/3"), prove=False)
+        >>> found.to_csv().splitlines()[0].split(",")[:4]
+        ['scene', 'number', 'energy_J', 'kind']
+        """
+        rows = [dict(row) for row in self._rows()]
+        text = StringIO(newline="")
+        table = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)))
+        table.writeheader()
+        table.writerows(rows)
+        return text.getvalue()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain JSON data.

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Points [v, 3] and triangles [f, 3]."""
+Faces: TypeAlias = tuple[tuple[int, ...], ...]
+"""Corners of each facet, from 0."""
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
@@ -44,6 +46,18 @@ def minima_to_fold(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> d
     return states_to_fold(origami, frames)
 
 
+def state_mesh(origami: Scene | Pattern, phi: np.ndarray) -> tuple[np.ndarray, Faces]:
+    """Return a state [N] [rad] as corners [V, 3] and facets, numbered from 0 as in its FOLD file."""
+    if isinstance(origami, Pattern):
+        from origami_nlp.pattern_problem import pattern_corners
+
+        return pattern_corners(origami, phi), tuple(map(tuple, origami.polygons))
+    n = origami.degree
+    creases, _ = fold_vertex(origami.vertex, phi)
+    faces = tuple((0, i, i % n + 1) for i in range(1, n + 1))
+    return np.vstack([np.zeros((1, 3)), creases]), faces
+
+
 def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[Part]:
     """Return states [N] [rad] side by side, each as triangles.
 
@@ -63,14 +77,9 @@ def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[
         from origami_nlp.pattern_problem import pattern_parts
 
         return pattern_parts(origami, states)
-    n = origami.degree
-    faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
-    parts = []
-    for k, phi in enumerate(states):
-        creases, _ = fold_vertex(origami.vertex, phi)
-        points = np.vstack([np.zeros((1, 3)), creases])
-        parts.append((points + np.array([2.5 * k, 0.0, 0.0]), faces))
-    return parts
+    parts = [state_mesh(origami, phi) for phi in states]
+    aside = np.array([2.5, 0.0, 0.0])
+    return [(points + k * aside, np.array(faces)) for k, (points, faces) in enumerate(parts)]
 
 
 def write_parts(parts: Sequence[Part], target: str | Path) -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp import pattern_problem
+from origami_nlp.arguments import check_whole
 from origami_nlp.display import (
     Content,
     Details,
@@ -31,7 +32,7 @@ from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.fold_out import Part, minima_to_fold, state_parts
+from origami_nlp.minima.fold_out import Faces, Part, minima_to_fold, state_mesh, state_parts
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.pattern_account import PatternSearchReport
 from origami_nlp.minima.report_lines import (
@@ -272,6 +273,62 @@ class MinimaResult(Report, Viewable):
             For `json.dump`; of a vertex, states that are unstable in the full space with their descents.
         """
         return minima_to_fold(self.origami, self.minima)
+
+    def coordinates(self, number: int) -> np.ndarray:
+        """Return where the corners of the origami are in a minimum.
+
+        Parameters
+        ----------
+        number
+            Of the minimum, from 1 as in the table.
+
+        Returns
+        -------
+        ndarray
+            Coordinates [V, 3]: of a pattern in its unit, corner after corner; of a vertex itself, then the ends of its
+            creases, of length 1.
+
+        Raises
+        ------
+        OptionError
+            If there is no such minimum.
+
+        Examples
+        --------
+        >>> import origami_nlp as o
+        >>> found = o.find_minima(o.examples.miura("pi/3"), prove=False)
+        >>> found.coordinates(1).shape
+        (5, 3)
+        """
+        return self.to_mesh(number)[0]
+
+    def to_mesh(self, number: int) -> tuple[np.ndarray, Faces]:
+        """Return a minimum as a mesh of its facets.
+
+        Parameters
+        ----------
+        number
+            Of the minimum, from 1 as in the table.
+
+        Returns
+        -------
+        tuple
+            Coordinates of the corners [V, 3], as `coordinates` has them, and the corners of each facet, from 0.
+
+        Raises
+        ------
+        OptionError
+            If there is no such minimum.
+
+        Examples
+        --------
+        >>> import origami_nlp as o
+        >>> vertices, faces = o.find_minima("miura:2x2", starts=1).to_mesh(1)
+        >>> vertices.shape, faces[0]
+        ((9, 3), (0, 1, 2, 3))
+        """
+        number = check_whole("number", number, 1, len(self.minima))
+        return state_mesh(self.origami, self.minima[number - 1].phi)
 
     def mesh_parts(self) -> list[Part]:
         """Return the states side by side as triangles.

@@ -23,6 +23,7 @@ from .equations import (
 from .faces import CoplanarContact as CoplanarContact, Faces as Faces
 from .features import Features as Features
 from .fold_out import (
+    pattern_corners as pattern_corners,
     pattern_frame as pattern_frame,
     pattern_parts as pattern_parts,
     pattern_to_fold as pattern_to_fold,

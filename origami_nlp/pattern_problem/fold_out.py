@@ -159,8 +159,7 @@ def pattern_frame(
     """
     phi = np.asarray(fold_angles, float)
     letters = ["M" if a < 0 else "V" if a > 0 else "F" for a in phi]
-    x = Poses(pattern).corners(phi)[: len(pattern.corners)]  # of a cell without its neighbours
-    x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
+    x = pattern_corners(pattern, phi)
     layers = order_layers(PatternProblem(pattern), phi)
     planar = pattern.cell is not None and pattern.cell.rolled is None
     return {
@@ -176,6 +175,26 @@ def pattern_frame(
         **({LATTICE_KEY: PatternCrossings(pattern).lattice(phi).tolist()} if planar else {}),
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
+
+
+def pattern_corners(pattern: Pattern, fold_angles: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Return where the corners of a pattern are in a folded state.
+
+    Parameters
+    ----------
+    pattern
+        The sheet.
+    fold_angles
+        Of a closed state, [n] [rad].
+
+    Returns
+    -------
+    ndarray
+        Coordinates [V, 3] in the pattern's unit, in the order of its corners; the facet in the middle stays.
+    """
+    phi = np.asarray(fold_angles, float)
+    x = Poses(pattern).corners(phi)[: len(pattern.corners)]  # of a cell without its neighbours
+    return np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
 
 
 def pattern_parts(

@@ -1,5 +1,6 @@
 """The command line does what the README and the contract say."""
 
+import csv
 import json
 
 import numpy as np
@@ -79,6 +80,15 @@ def test_json_to_stdout_is_only_json(scene):
     code, out, err = run("minima", scene, "-o", "-", *few)
     assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/3"
     assert "stable states" in err
+
+
+def test_the_table_as_csv_has_the_numbers_of_the_json(scene, tmp_path):
+    json_file, csv_file = tmp_path / "a.json", tmp_path / "a.csv"
+    assert run("minima", scene, "--effort", "quick", "-o", json_file, "-o", csv_file).code == 0
+    rows = [*csv.DictReader(csv_file.read_text().splitlines())]
+    minima = json.loads(json_file.read_text())["minima"]
+    assert [float(row["energy_J"]) for row in rows] == [m["energy"] for m in minima]
+    assert [float(row["phi_1_rad"]) for row in rows] == [m["fold_angles"][0] for m in minima]
 
 
 def test_the_same_seed_gives_the_same_answer(scene, tmp_path):

@@ -9,7 +9,13 @@ from typing import NamedTuple
 import nbformat
 
 ROOT = Path(__file__).parents[2]
-MADE = ("docs/reference/commands/", "docs/reference/python/", "docs/tutorials/", "out/")
+MADE = (
+    "docs/reference/commands/",
+    "docs/reference/python/",
+    "docs/tutorials/",
+    "docs/gallery/",
+    "out/",
+)
 """Written when the site is built."""
 BLOCK = re.compile(
     r"(?P<marks>(?:^ *<!-- (?:run|file): .*? -->\n+)*)^(?P<indent> *)```(?P<language>\w*)\n(?P<text>.*?)^ *```$",

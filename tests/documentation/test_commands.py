@@ -34,8 +34,6 @@ DEAR = {
     "many_scenes",
     "pattern",
     "periodic",
-    "sheets",
-    "slow",
 }
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]

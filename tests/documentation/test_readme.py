@@ -4,7 +4,7 @@ import re
 
 from tests.documentation.pages import ROOT
 
-WORDS = 1000
+WORDS = 600
 WIDTH = 100
 
 

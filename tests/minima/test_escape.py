@@ -1,12 +1,8 @@
-"""What it takes to leave a state: exact barriers against a dense scan, bounds never below them, a noisy waterbomb.
-
-``python -m tests.minima.test_escape`` writes `docs/how_to/noise.md`.
-"""
+"""What it takes to leave a state: exact barriers against a dense scan, bounds never below them, a noisy waterbomb."""
 
 import math
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,27 +18,6 @@ from tests.computed_once import panel_result
 from tests.kernels.answers import generic
 
 DEGREES = 0.06
-PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "noise.md"
-HEAD = """# Distinguish states that last from states that noise makes
-
-Exact data are special: creases in line, equal angles, equal springs. Measured ones are not, and small errors make
-minima that are true and of no use: a ripple, left over a barrier of nothing. Every minimum therefore has a *softest
-stiffness* and an *escape barrier*, the energy that has to be put in to reach a state of no higher energy; one below
-1e-4 of sum k pi^2 / 2 (the energy that folds every crease by pi) is *shallow* and counted apart. `--noise DEG` follows
-every state into 20 scenes with random errors of DEG degrees (standard deviation) of rest and sector angles, and of as
-many radians of stiffnesses as a share, and says how many it survives.
-
-<!-- run: not: the table below is made by the tests -->
-```bash
-origami-nlp minima waterbomb.toml --noise 0.06
-```
-
-A waterbomb, `origami_nlp.examples.waterbomb(symmetry="none")`, exact and with errors of 0.06 degrees of rest angles.
-"Before" is the count that a list without barriers gives. Energies in J, sum k pi^2 / 2 = 0.74 J; "<=" is an upper
-bound: an explicit escape path climbs so high. Lower ones may exist: of 29 bounds of four random vertices 3 are 1.05 to
-1.18 times the lowest that any numbering of their creases shows. So a state that is not called shallow may be.
-
-"""
 
 
 def four(seed, contact="fold-limits"):
@@ -201,41 +176,6 @@ def noisy(seed):
     return replace(scene, rest_angles=tuple(np.array(scene.rest_angles) + errors))
 
 
-def page():
-    """What `docs/how_to/noise.md` has to be."""
-    rows = [
-        "| rest angles | before | now | energy | barrier | survives |",
-        "|---|---|---|---|---|---|",
-    ]
-    for name, scene in (
-        ("exact", examples.waterbomb(symmetry="none")),
-        *((f"errors, draw {seed + 1}", noisy(seed)) for seed in range(3)),
-    ):
-        result = find_minima(scene, noise=DEGREES, prove=False)
-        now = result.verdict.partition(": ")[2].split(" (")[0]
-        for number, m in enumerate(result.minima):
-            barrier = m.escape.words() + ", shallow" * m.shallow
-            first = (name, f"{len(result.minima)} stable states", now) if not number else ("",) * 3
-            rows.append(
-                "| " + " | ".join([*first, f"{m.energy:.6f}", barrier, str(m.survival)]) + " |"
-            )
-    return HEAD + "\n".join(rows) + "\n" + FOOT
-
-
-FOOT = """
-The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state held by
-a fold limit at exactly pi, such as flat-folded ones, need not be shallow and still be lost: the column says it.
-With one degree of freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree
-with two and bounds them from both sides with more, and
-`result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
-with the reason in `escape.why`.
-
-Whole patterns: `origami-nlp minima FILE --noise 0.06`. Errors of sector angles move the vertices in the plane
-there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals, more)
-nothing folds with such errors, and what survives errors of the springs alone is reported beside.
-"""
-
-
 @pytest.mark.parametrize(
     "scene, energy",
     [
@@ -303,10 +243,6 @@ def test_softest_stiffness_is_that_of_its_mode():
         result.model.energy_change(x, project(result.model, x + s * h * mode)[0]) for s in (1, -1)
     ]
     assert sum(rises) / h**2 == pytest.approx(m.softest, rel=1e-3)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page())
 
 
 @pytest.mark.parametrize("number", [4])

@@ -54,6 +54,19 @@ def result(request):
     return searched(request.param)
 
 
+@pytest.mark.parametrize("sheet", [False, True])
+def test_corners_and_facets_are_those_of_the_file(sheet):
+    found = find_minima("miura:2x2", starts=1, escape=False) if sheet else searched("degree 4")
+    data = found.to_fold()
+    for number, frame in enumerate(data["file_frames"][: len(found.minima)], 1):
+        corners, faces = found.to_mesh(number)
+        assert (corners == found.coordinates(number)).all()
+        assert corners == pytest.approx(np.array(frame["vertices_coords"]))
+        assert [*map(list, faces)] == data["faces_vertices"]
+    with pytest.raises(OrigamiError, match="number = 99"):
+        found.coordinates(99)
+
+
 def test_states_survive_the_round_trip(result, tmp_path):
     file = tmp_path / "states.fold"
     write_fold(result, file)

@@ -1,0 +1,27 @@
+"""Scripts of the gallery print and draw what its pages show."""
+
+import json
+
+import pytest
+
+from tests import gallery
+from tests.documentation import shell
+
+NAMES = " ".join(gallery.ORDER.values()).split()
+MOST_LINES = 15
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_script_prints_and_draws_what_is_shown(name):
+    shown = json.loads(gallery.RECORD.read_text())[name]
+    printed, picture = gallery.run(name)
+    assert not shell.differs(shown["printed"], printed), "run python -m tests.gallery"
+    assert not shell.differs(shown["picture"], picture), "run python -m tests.gallery"
+
+
+def test_every_script_is_short_and_stands_on_the_page():
+    scripts = {path.stem: path.read_text() for path in gallery.SCRIPTS.glob("*.py")}
+    assert set(scripts) == set(NAMES) == {p.stem for p in gallery.FIGURES.iterdir()}
+    for name, text in scripts.items():
+        assert sum(bool(line.strip()) for line in text.splitlines()) <= MOST_LINES, name
+    assert gallery.PAGE.read_text() == gallery.page()
