@@ -154,7 +154,7 @@ def read_result(path: str | PathLike[str]) -> Any:
     Returns
     -------
     Result
-        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the motion if it is there, else the
+        By the schema that the file names.  Of what ``origami-nlp inspect`` writes: the motion if it is there, else the
         counts.
 
     Raises
@@ -175,6 +175,7 @@ def read_result(path: str | PathLike[str]) -> Any:
     for wanted, key, room, name in _READ:
         if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
+            inside = {k: v for k, v in inside.items() if k != "frames"}  # of `inspect`
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
             return kind.from_dict(inside, repr(str(path)))
     known = ", ".join(dict.fromkeys(f"origami-nlp/{wanted}" for wanted, *_ in _READ))
