@@ -176,8 +176,16 @@ def read_result(path: str | PathLike[str]) -> Any:
         if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
             inside = {k: v for k, v in inside.items() if k != "frames"}  # of `inspect`
-            kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
-            return kind.from_dict(inside, repr(str(path)))
+            kind: Any = getattr(import_module(f"origami_nlp.{room}"), name)
+            found = kind.from_dict(inside, repr(str(path)))
+            try:
+                for _ in found.report_sections():  # lists that should be equally long are not
+                    pass
+            except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+                raise OptionError(
+                    f"{str(path)!r}: its entries do not fit together: {error}"
+                ) from None
+            return found
     known = ", ".join(dict.fromkeys(f"origami-nlp/{wanted}" for wanted, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 

@@ -95,12 +95,21 @@ class Output:
         from origami_nlp.display import InteractivePage
         from origami_nlp.minima import write_parts
 
-        found.print_to(self.console, self.verbose)
+        gone: BaseException | None = None
+        try:
+            found.print_to(self.console, self.verbose)
+        except (
+            BrokenPipeError,
+            SystemExit,
+        ) as error:  # rich ends so; files are written all the same
+            gone, self.console.quiet = error, True
         self.write("json", lambda: found.to_dict())
         self.write("figure", lambda: found.draw())
         self.write("fold", lambda: found.to_fold())
         self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
         self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
+        if gone is not None:
+            raise BrokenPipeError
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.

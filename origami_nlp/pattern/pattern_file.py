@@ -169,7 +169,7 @@ def frame_pattern(
         limits=None
         if frame.limits is None
         else dict(zip(creases, map(tuple, frame.limits[at].tolist()), strict=True)),
-        name=frame.title or f"frame {frame.number}",
+        name=frame.title or Path(frame.source).stem or f"frame {frame.number}",
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
@@ -190,9 +190,11 @@ class _Sheet:
         self.frame = frame
         self.notes: list[str] = []
         if frame.conflicts:
-            e = int(frame.numbers[min(frame.conflicts)])
+            k = min(frame.conflicts)
+            a, b = map(frame.place, frame.edges[k].tolist())
             raise FoldFileError(
-                f"edges_vertices[{e}] is stated twice with different assignments or fold angles: keep one"
+                f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
+                "fold angles: keep one"
             )
         self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
         self.orders: list[tuple[int, int, int]] = []
