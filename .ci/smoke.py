@@ -65,10 +65,9 @@ landscape degree6.toml --space --rings 16
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper transitions degree6 --samples 3 --rings 8
-paper cone full --degree 6 --rest-elevation 0.3
-paper cone foldings --degree 6
+paper cone count --full --degree 6 --rest-elevation 0.3
 paper cone branch --flaps mvv --elevation 0.2
-paper cone draw --degree 6 -o cone.png
+paper cone foldings --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""
 EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh"}

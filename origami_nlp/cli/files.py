@@ -205,7 +205,7 @@ def check(
     if orders:
         if len(files) > 1:
             raise OptionError("--orders is of one ORIGAMI: give one")
-        return layer_orders(Source(files[0], *[None] * 12).read_pattern(), most=most)
+        return layer_orders(Source(files[0], *[None] * 13).read_pattern(), most=most)
     out.refuse("orders of layers are written with --orders", "fold")
     if len(files) > 1:
         out.refuse("a picture is of one file: give one", "figure")

@@ -131,6 +131,11 @@ DIAGONAL = _of_file(
     "short|long|both",
     "Which diagonals --bend takes; both: each facet bends about either (default short).",
 )
+SNAP = _of_file(
+    "SHARE",
+    "Move corners of a drawing by at most this share of the sheet, by as little as it takes, so that sectors that are "
+    "equal, in a line or fold flat within it do so exactly (off unless given).",
+)
 CELL = _flag(
     "Of an example such as miura:1x1, so many rows and columns of what repeats in it: a cell that repeats.",
     "--cell",
@@ -298,17 +303,15 @@ VALLEY = _option("ANGLE", 'Rest angle of valleys [rad], e.g. "pi/2".')
 # ---------------------------------------------------------------- cones
 
 _RATIO = "Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone k_even/k_odd."
-_DEGREE = "Number N of creases: even, at least 6."
-_FLAPS = 'Valley and mountain flaps around the ring: "VVM", or "V2M".'
-_ELEVATION = 'Elevation nu of the folded cone [rad], up > 0 and down < 0: 0.3 or "-pi/6".'
 RATIO = _option("R", _RATIO, usual=1.0)
 RATIO_WANTED = _option("R", _RATIO, "--ratio")
-DEGREE = _option("N", _DEGREE, usual=...)
-DEGREE_WANTED = _option("N", _DEGREE, "--degree")
-FLAPS = _option("FLAPS", _FLAPS, usual=...)
-FLAPS_WANTED = _option("FLAPS", _FLAPS, "--flaps")
-ELEVATION = _option("ANGLE", _ELEVATION, usual=...)
-ELEVATIONS = _option("ANGLE", _ELEVATION, "--elevation")
+DEGREE = _option("N", "Number N of creases: even, at least 6.", usual=...)
+FLAPS = _option("FLAPS", 'Valley and mountain flaps around the ring: "VVM", or "V2M".', usual=...)
+ELEVATION = _option(
+    "ANGLE",
+    'Elevation nu of the folded cone [rad], up > 0 and down < 0: 0.3 or "-pi/6".',
+    usual=...,
+)
 REST_ELEVATION = _option(
     "ANGLE",
     'Elevation nu_0 at rest [rad], up > 0 and down < 0: 0.3 or "-pi/6".',

@@ -12,13 +12,16 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.states import search
 from origami_nlp.cli.timed import Clock
-from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
+
+
+DRAWN_AT = 0.45
+"""Elevation [rad] at which all foldings are drawn."""
 
 
 def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
@@ -148,32 +151,46 @@ def count(
     depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
+    full: bool | None = o.FULL,
 ) -> None:
-    """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
+    """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut.
+
+    With --full each of them is judged in the full contact-admissible space (degrees up to 16).
+    """
     from origami_nlp.paper import cone as cones
 
-    cone = cones.Cone(degree, rest, end)
-    found = cones.count(cone, ratio, _angle(rest_elevation, "--rest-elevation"), depth=depth)
+    cone, nu = cones.Cone(degree, rest, end), _angle(rest_elevation, "--rest-elevation")
+    if full:
+        with progress("branch minima") as report:
+            judged = cones.full_space(cone, ratio, nu, progress=report)
+        cones.print_full_space(judged, out.console)
+        out.write("json", cones.full_space_to_dict, judged)
+        return
+    found = cones.count(cone, ratio, nu, depth=depth)
     cones.print_count(found, out.console)
     out.save("json", cones.write_lines, cones.count_to_dict(found))
 
 
-@writes("json")
+@writes("json", "figure")
 def foldings(out: Output, degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> None:
-    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets); -o FILE.png draws them.
+
+    Drawn they are up to degree 16.
+    """
     from origami_nlp.paper import cone as cones
 
     cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
     shown = degree <= 16 if listed is None else listed
     cones.print_foldings(degree, out.console, shown)
     out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
+    out.write("figure", lambda: cones.draw_foldings(cones.check_degree(degree), DRAWN_AT))
 
 
-@writes("json")
+@writes("json", "figure")
 def branch(
     out: Output, flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE
 ) -> None:
-    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees; -o FILE.png draws it."""
     from origami_nlp.paper import cone as cones
 
     nu = _angle(elevation, "--elevation")
@@ -181,38 +198,7 @@ def branch(
     data = cones.branch_to_dict(state, nu)  # an error past the end, before anything is written
     cones.print_branch(state, nu, out.console)
     out.save("json", cones.write_lines, data)
-
-
-@writes("figure")
-def draw(
-    out: Output,
-    degree: int | None = o.DEGREE_WANTED,
-    flaps: str | None = o.FLAPS_WANTED,
-    elevation: list[str] | None = o.ELEVATIONS,
-    end: str = o.END_RULE,
-) -> None:
-    """Draw all different foldings of a --degree up to 16, or one cone by its --flaps.
-
-    A cone by its flaps is drawn at every --elevation that is given.
-    """
-    from origami_nlp.paper import cone as cones
-
-    if not out.files("figure"):
-        raise OptionError("-o is missing: name the file of the figure, such as -o cone.pdf")
-    angles = [_angle(text, "--elevation") for text in elevation or []]
-    if flaps is not None:
-        word = cones.parse_flaps(flaps, degree)
-        branch = cones.ConeBranch(word, -1 if any(v < 0 for v in angles) else 1, end)
-        steps = [share * branch.end * branch.direction for share in (0.25, 0.5, 0.75, 1.0)]
-        out.write("figure", cones.draw_branch, branch, angles or steps)
-    elif degree is None:
-        raise OptionError("--degree is missing: give a degree, or an assignment with --flaps")
-    elif len(angles) > 1:
-        raise OptionError("--elevation is given twice: all foldings are drawn at one elevation")
-    else:
-        out.write(
-            "figure", cones.draw_foldings, cones.check_degree(degree), angles[0] if angles else 0.45
-        )
+    out.write("figure", cones.draw_branch, state, [nu])
 
 
 @writes("json", "csv", "figure")
@@ -238,25 +224,6 @@ def phase(
     out.write("figure", cones.draw_phase, diagram)
 
 
-@writes("json")
-def full(
-    out: Output,
-    degree: int = o.DEGREE,
-    rest_elevation: str = o.REST_ELEVATION,
-    ratio: float = o.RATIO,
-    rest: str = o.REST_RULE,
-    end: str = o.END_RULE,
-) -> None:
-    """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.paper import cone as cones
-
-    nu, cone = _angle(rest_elevation, "--rest-elevation"), cones.Cone(degree, rest, end)
-    with progress("branch minima") as report:
-        found = cones.full_space(cone, ratio, nu, progress=report)
-    cones.print_full_space(found, out.console)
-    out.write("json", cones.full_space_to_dict, found)
-
-
 def _angle(text: str, option: str) -> float:
     from origami_nlp.pattern import parse_angle
 
@@ -266,5 +233,5 @@ def _angle(text: str, option: str) -> float:
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")
 paper.add(demo, panels, verify, audit, transitions)
 cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
-cone.add(count, phase, full, foldings, branch, draw)
+cone.add(count, phase, foldings, branch)
 paper.add_typer(cone, name="cone")

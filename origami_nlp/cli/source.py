@@ -33,6 +33,8 @@ class Source:
         What of a file is meant.
     stiffness, rest_angle, rest_from, per_length, bend, diagonal
         Springs that a file leaves open.
+    snap
+        How far corners of a drawing may be moved.
     cell, rolled
         Of an example that repeats.
     """
@@ -48,6 +50,7 @@ class Source:
     per_length: bool | None = o.PER_LENGTH
     bend: float | None = o.BEND
     diagonal: str | None = o.DIAGONAL
+    snap: float | None = o.SNAP
     cell: bool | None = o.CELL
     rolled: str | None = o.ROLLED
 
@@ -98,7 +101,7 @@ class Source:
             if self.symmetry is None:
                 return scene
             return replace(scene, symmetry=self.symmetry, mirror=None, winding=None)
-        whole = {"per_length", "bend", "diagonal", "cell", "rolled"} & self.given.keys()
+        whole = {"per_length", "bend", "diagonal", "snap", "cell", "rolled"} & self.given.keys()
         self._refuse("is for whole patterns, not for a vertex of one", only=whole)
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
@@ -137,7 +140,14 @@ class Source:
                 raise OptionError(
                     f"--{option}: {self.name!r} is no example; what a FOLD file states is its origaminlp:{key}"
                 )
-        whole = frame_pattern(self._frame(), **self._springs())
+        frame = self._frame()
+        whole = frame_pattern(frame, snap=self.snap, **self._springs())
+        if self.snap is None and (off := _misses(frame, whole)):
+            note(
+                f"vertices miss folding flat by up to {math.degrees(off):.2g} degrees, as those of a drawing do: "
+                "--snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets facets "
+                "bend"
+            )
         whole = whole.with_springs(per_length=True) if self.per_length else whole
         if self.bend is None:
             self._refuse(
@@ -200,6 +210,21 @@ class Source:
         if self.rest_angle is not None:
             found["rest_angle"] = math.radians(_size(self.rest_angle))
         return found
+
+
+DRAWN = 0.02
+"""What alternate angles round a vertex of a drawing that is meant to fold flat miss, at most [rad]."""
+
+
+def _misses(frame: Frame, whole: Pattern) -> float:
+    """Return by how much vertices miss folding flat [rad], of those that do by what a drawing does; else 0."""
+    from origami_nlp.numerics import CLOSURE_TOL
+    from origami_nlp.pattern import fold_vertices
+
+    off = [v.kawasaki for v in fold_vertices(frame)[0] if v.kawasaki is not None]
+    most = max((v for v in off if v <= DRAWN), default=0.0)
+    as_drawn = bool((whole.corners[: len(frame.coords)] == frame.coords).all())
+    return most if most > CLOSURE_TOL and as_drawn and not frame.folded else 0.0
 
 
 def _size(text: str) -> float:
