@@ -88,7 +88,7 @@ TARGETS = _argument(
     "or flat-and-one (example NAME prints its file).",
 )
 DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
-CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .opx .dxf.")
+CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")
 HINGE_DATA = _argument(
     "DATA",
     "Table of text, - for stdin: columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if wanted, weight, "

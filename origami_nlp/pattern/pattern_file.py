@@ -30,12 +30,10 @@ from origami_nlp.pattern.fold_rings import (
     oriented,
 )
 from origami_nlp.pattern.fold_springs import (
-    LETTERS_ONLY,
-    are_silent,
     check_fold_springs,
     fold_springs,
+    spring_notes,
     stated_sign,
-    unused_words,
 )
 from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.sheet import Pattern, make_pattern
@@ -162,10 +160,7 @@ def frame_pattern(
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
     k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
-    sheet.notes += unused_words(frame, at, found, stiffness, rest_angle, rest_from) if at else []
-    drawn = {frame.assignment[e] for e in at} & set("MV")
-    if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
-        sheet.notes.append(LETTERS_ONLY)
+    sheet.notes += spring_notes(frame, at, found, stiffness, rest_angle, rest_from) if at else []
     make = make_pattern
     if frame.lattice is not None:
         make = partial(make_cell, lattice=frame.lattice, rolled=frame.rolled)
