@@ -98,10 +98,12 @@ def minima(
     found = search(
         clock, stated, origami.name, last=True, seed=seed, effort=effort, method=method, **counts
     )
-    if certificate is not None:
-        _write_certificate(found, certificate)
-        out.written(certificate)
-    return found
+    if certificate is None:
+        return found
+    out.report(found)
+    _write_certificate(found, certificate)
+    out.written(certificate)
+    return Ended.DONE
 
 
 def _check_provable(pattern: Any, file: str, contact: str) -> None:
