@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from typer.main import get_command
@@ -79,10 +78,6 @@ def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_write
     assert run("contacts", whole).code == 0
 
 
-def test_the_version_is_told():
-    assert run("--version") == (0, f"origami-nlp {origami_nlp.__version__}\n", "")
-
-
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
     good = tmp_path / "a.json"
     kinds = ("json", "figure", "csv", "html")
@@ -108,15 +103,6 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
     out.write("csv", lambda: "b")
     reported = capsys.readouterr()
     assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.csv'}\n"
-
-
-def test_an_ending_says_what_a_file_holds_and_several_may_be_of_one_kind(tmp_path, capsys):
-    names = [str(tmp_path / name) for name in ("a.CSV", "b.csv")]
-    out = Output([*names, "-.csv"], ("json", "csv"))
-    out.write("csv", lambda: "text")
-    assert [Path(name).read_text() for name in names] == ["text"] * 2
-    assert capsys.readouterr().out == "text"
-    assert run("example", "degree6", "-o", "-.fold").out.startswith("{")
 
 
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):

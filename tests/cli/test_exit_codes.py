@@ -3,12 +3,14 @@
 import json
 import os
 import time
+from dataclasses import replace
 
 import pytest
 
-from origami_nlp import examples, format_scene
+from origami_nlp import design, examples, format_scene
 from origami_nlp.cli import Ended, Group, writes
 from origami_nlp.cli.timed import Clock
+from tests.cli.test_design import TWO
 from tests.cli.test_seconds import slow_vertex
 from tests.command_line import run
 
@@ -29,6 +31,7 @@ CODES = {
     "check flat.fold miura:2x2": Ended.NO,
     "check flat.fold nowhere.fold": Ended.WRONG,
     "design switch": Ended.DONE,
+    "design two.toml": Ended.NO,
     "paper verify --only s2.loop-closure": Ended.DONE,
     "minima nowhere.toml": Ended.WRONG,
     "minima": Ended.WRONG,
@@ -79,6 +82,7 @@ def here(tmp_path, monkeypatch):
     del flat["edges_foldAngle"]
     (tmp_path / "flat.fold").write_text(json.dumps(flat))
     (tmp_path / "sweep.toml").write_text(SWEEP)
+    (tmp_path / "two.toml").write_text(TWO)
     return tmp_path
 
 
@@ -88,6 +92,31 @@ def test_how_a_command_ends(here, line):
     assert done.code == CODES[line], done
     assert done.code != Ended.WRONG or done.err.count("\n") <= 1
     assert not (here / "swept").exists()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "minima miura.toml --prove 0",
+        "inspect miura:2x2 --path",
+        "design two.toml",
+        "check flat.fold flat.fold",
+        "check flat.fold --orders",
+        "paper cone foldings --degree 8",
+    ],
+)
+def test_json_in_a_pipe_is_only_json(here, line):
+    done = run(*line.split(), "-o", "-")
+    assert done.code in (Ended.DONE, Ended.NO) and done.err
+    json.loads(done.out, parse_constant=pytest.fail)
+
+
+def test_a_design_that_fails_its_check_is_open(here, monkeypatch):
+    def neither(*given, **options):
+        return replace(design(*given, **options), refuted=False)
+
+    monkeypatch.setattr("origami_nlp.inverse_design.design", neither)
+    assert run("design", "two.toml").code == Ended.OPEN
 
 
 @pytest.mark.parametrize("line", LONG)

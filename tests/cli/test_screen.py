@@ -55,12 +55,6 @@ def test_help_loses_nothing(path, command):
         assert bare(inner.help.splitlines()[0]) in shown
 
 
-def test_units_are_in_the_help():
-    assert "[N m/rad]" in RUN.invoke(app, ["minima", "--help"]).output
-    assert "[deg]" in RUN.invoke(app, ["minima", "--help"]).output
-    assert "[rad]" in RUN.invoke(app, ["example", "--help"]).output
-
-
 # ---------------------------------------------------------------- tables
 
 
@@ -290,12 +284,6 @@ def test_a_job_inside_another_is_what_that_is_at(quick, capsys):
             quick()
     out = capsys.readouterr()
     assert "outer: 1 of 2, inner: 50%, x\u241by (" in out.err and not out.out
-
-
-def test_short_jobs_say_nothing(capsys):
-    with progress.progress("short"):
-        pass
-    assert capsys.readouterr().err == ""
 
 
 def test_nothing_is_said_to_a_closed_stream(quick, monkeypatch):
