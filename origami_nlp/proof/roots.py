@@ -27,8 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
-from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import WIDER, Boxes
+from origami_nlp.proof.rows import TINY, UNIT
 from origami_nlp.proof.system import BoxDerivatives, BoxKkt
 
 STEPS = 10

@@ -22,9 +22,8 @@ import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT, cross
 from origami_nlp.problem import FoldedRays, Kinematics, Model
-from origami_nlp.proof.affine import UNIT
-from origami_nlp.proof.chains import SECTORS
 from origami_nlp.proof.law_torques import LawTorques, torques_of
+from origami_nlp.proof.rows import SECTORS, UNIT
 
 FOLD = 40
 """Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
