@@ -31,5 +31,4 @@ from .pieces import VanishingRows as VanishingRows
 from .quad_meshes import QuadProof as QuadProof, prove_quad_mesh as prove_quad_mesh
 from .quad_sheets import why_no_quad_mesh as why_no_quad_mesh
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
-from .singular import Isolation as Isolation, isolated as isolated
 from .touches import prove as prove, why_not as why_not

@@ -194,7 +194,7 @@ class Quadratic:
         square = self.bends[..., first == second, :]
         error = np.abs(self.bends).sum(axis=-2) - 0.5 * np.abs(square).sum(axis=-2) + self.rest
         centre = self.value + 0.5 * square.sum(axis=-2)
-        return padded(centre, self.slopes, error, self.magnitude(), len(first))
+        return padded(centre, self.slopes, error, self.magnitude(), self.slopes.shape[-2] + 1)
 
 
 def number(value: np.ndarray, rest: float, n: int) -> Quadratic:
@@ -268,7 +268,7 @@ class Torques:
             bent = np.abs(rows.bends[t]).sum(axis=1) + rows.rest[t]
             size = np.abs(s) * (np.abs(self.centre[i]) + np.abs(self.lean[i]) + self.room[i])
             out.rest[:] += np.abs(g) * rows.rest[t] + np.abs(r) * bent
-            out.rest[:] += (np.abs(s) * self.error[i] + 32 * UNIT * size) * every[t]
+            out.rest[:] += (np.abs(s) * self.error[i] + 16 * UNIT * size) * every[t]
         return out
 
 
@@ -494,6 +494,7 @@ class Triples:
         self.slopes = np.array(slopes, dtype=int).reshape(-1, 6)
         self.bends = np.array(bends, dtype=int).reshape(-1, 6)
         self.between = between
+        self.before = np.array([[chain.place[u]] for u, _, _ in wanted]).reshape(-1, 1)
         self.left, self.right, self.third = (
             np.array([*table], dtype=int).reshape(-1, 2) for table in (left, right, third)
         )
@@ -522,5 +523,5 @@ class Triples:
         s = self.between @ r
         rest = s**3 / 6 * SLIGHTLY + chain.rounding * (s + s * s)
         steps = 2 * self.between.sum(axis=1)[:, None] + 1
-        rest += CREASE * (steps * folded.near + 3 * chain.steps * np.abs(value))
+        rest += CREASE * (steps * folded.near + 3 * self.before * np.abs(value))
         return Quadratic(value, slopes, bends, rest)
