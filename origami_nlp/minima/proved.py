@@ -338,7 +338,7 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[FoundSta
         return _region(model, lower, upper, cluster.reason)
     middle = 0.5 * (lower + upper)
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
-    verdicts = {a.what.verdict for a in inside if a.what is not None}
+    verdicts: set[str] = {a.what.verdict for a in inside if a.what is not None}
     exact = _singular(model, middle)
     if exact is not None and _within(exact, lower, upper):
         verdicts.add(_verdict_at(model, record, exact, added))

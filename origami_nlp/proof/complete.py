@@ -243,7 +243,7 @@ def _point(model: Model, roots: Roots, i: int) -> ProvedCriticalPoint:
     elif index == 0 and (signs[pins != 0] < 0).all():
         decided = True
     # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
-    half = 0.5 if model.equation_count == 3 else 1.0
+    half = 0.5 if piece_of(model).pivots == 3 else 1.0
     return ProvedCriticalPoint(
         tuple(x.tolist()),
         tuple(pins.tolist()),

@@ -28,7 +28,7 @@ import numpy as np
 from origami_nlp.numerics import CONTACT_TOL, EPS
 from origami_nlp.problem import Model
 from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.rows import Chain, Triples, variables
+from origami_nlp.proof.rows import Triples, variables
 from origami_nlp.proof.touching_rows import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
@@ -75,7 +75,7 @@ class Signs:
         # ray k off facet j, [R, k, j]
         self.off = np.zeros((len(x), n, facets), dtype=int)
         apart = [(k, j) for j in range(facets) for k in range(n) if k not in (j, (j + 1) % n)]
-        signs = self._signs([chain.gap(*shortest(chain, k, j)) for k, j in apart])
+        signs = self._signs([chain.gap(*chain.shortest(k, j)) for k, j in apart])
         for (k, j), sign in zip(apart, signs, strict=True):
             self.off[:, k, j] = sign
         self.bent = _sign_of_sine(low, high, pins)
@@ -94,7 +94,7 @@ class Signs:
 
     def _inside(self, k: int, j: int) -> np.ndarray:
         """Whether ray k is between rays j and j + 1, +1 or -1; 0 where it is unclear, [R]."""
-        signs = self._signs(self.chain.inside(*shortest(self.chain, k, j)))
+        signs = self._signs(self.chain.inside(*self.chain.shortest(k, j)))
         return np.where((signs < 0).all(axis=0), 1, np.where((signs > 0).any(axis=0), -1, 0))
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
@@ -235,11 +235,6 @@ class Signs:
         if last and not first and self.inside(0, 2)[r]:
             return APART if self.inside(0, 2)[r] < 0 else CROSSED
         return UNCLEAR
-
-
-def shortest(chain: Chain, k: int, j: int) -> tuple[int, int]:
-    """Return ray k and facet j as places in the chain, by the way with fewer folds between."""
-    return min(chain.ways(k, j), key=lambda way: abs(way[0] - way[1]))
 
 
 def _sign_of_sine(low: np.ndarray, high: np.ndarray, pins: np.ndarray) -> np.ndarray:

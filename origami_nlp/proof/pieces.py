@@ -95,6 +95,10 @@ class Piece:
     ----------
     linear, pivots
         Rows of closure that are independent to first order where it is regular, and how many of them.
+    by_vectors
+        Whether closure is of vectors that rotate, not of quaternions.
+    near_flat
+        Whether closure is known the better the nearer the flat state.
     subsets
         Variables of each minor, [M, rank + 1].
     """
@@ -102,6 +106,8 @@ class Piece:
     chain: Chain
     linear: slice
     pivots: int
+    by_vectors = False
+    near_flat = False
 
     def __init__(self, model: Model, rank: int) -> None:
         p, scene = model.parameters, model.scene
@@ -120,6 +126,14 @@ class Piece:
     def closure(self, folded: Folded) -> Quadratic:
         """Enclose closure."""
         raise NotImplementedError
+
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose as many rows of closure as are independent (`system` says why a zero of them closes)."""
+        return self.closure(folded)
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether a zero of the equations at the middle of boxes closes, [K]."""
+        return np.ones(folded.near.shape, dtype=bool)
 
     def minors(self, folded: Folded, torques: Torques) -> Quadratic:
         """Enclose the minors of `subsets`."""
@@ -175,6 +189,7 @@ class Loop(Piece):
         self.chain = Chain(steps, [1.0] * len(steps), self.sectors[steps].tolist(), n, n)
         self.half = (n + 1) // 2
         self.whole = 2 * math.pi / model.scene.group.order
+        self.near_flat = self.whole == 2 * math.pi
         triples = list(itertools.combinations(range(n), 3))
         self.triples = Triples(self.chain, [self._along(t) for t in triples])
         place = {t: i for i, t in enumerate(triples)}
@@ -191,6 +206,21 @@ class Loop(Piece):
         ways = [(i, j, k), (j, k, i + n), (k, i + n, j + n)]
         return min(ways, key=lambda w: w[2] - w[0])
 
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose the vector part of closure."""
+        return self.closure(folded)[1:]
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether the product of folds and sectors is -1 where its vector part vanishes, [K]."""
+        return self.loop(folded)[0] > 0
+
+    def loop(self, folded: Folded) -> np.ndarray:
+        """Return -A B at the middle of boxes, [4, K]."""
+        if self.near_flat:
+            return folded.loop
+        turn = about_normal(self.whole + 2 * math.pi)
+        return np.stack(quaternion.multiply(tuple(folded.loop), turn))
+
     def closure(self, folded: Folded) -> Quadratic:
         """Enclose A B_0 - B_0 / B, four rows."""
         n, h, e = self.size, self.half, self.chain.steps
@@ -200,13 +230,9 @@ class Loop(Piece):
         axes = np.einsum("abk,bck->ack", end, x[:, back])
         one = np.zeros_like(folded.loop)
         one[0] = 1.0
-        loop, near = folded.loop, np.full(folded.loop.shape, self.chain.loop_rounding)
-        if self.whole == 2 * math.pi:
+        loop, near = self.loop(folded), np.full(folded.loop.shape, self.chain.loop_rounding)
+        if self.near_flat:
             near[1:] *= folded.near
-        else:
-            loop = np.stack(
-                quaternion.multiply(tuple(loop), about_normal(self.whole + 2 * math.pi))
-            )
         left = self.chain.turned(loop, x[:, :h], range(h), folded.radii[:h], near)
         return left + self.chain.turned(-one, axes, back, -folded.radii[back], 0 * near)
 
@@ -275,6 +301,8 @@ class Wedge(Piece):
         Ray of each variable.
     """
 
+    by_vectors = True
+
     def __init__(self, model: Model) -> None:
         self.order = model.structure.turn
         super().__init__(model, 2 if self.order == 1 else 1)
@@ -305,6 +333,16 @@ class Wedge(Piece):
             row = self.triples.at(folded)[-1:]
             return row + number(0 * row.value + self.level, 4 * UNIT, self.size)
         return apart(self.normals_apart(folded))
+
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose the two rows of first order, or the one."""
+        return self.closure(folded) if self.order > 1 else self.normals_apart(folded)[:2]
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether N is n_1, and not -n_1, for D_1, [K]."""
+        x, c = folded.vectors, self.chain
+        away = (x[:, c.first] * x[:, c.last]).sum(axis=0) < 0
+        return ~away if self.order == 1 else np.ones_like(away)
 
     def normals_apart(self, folded: Folded) -> Quadratic:
         """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: x, z, y."""

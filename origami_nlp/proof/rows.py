@@ -341,6 +341,10 @@ class Chain:
             return [(k, j)]
         return [(j + (k - j) % n, j), (k, k + (j - k) % n)]
 
+    def shortest(self, k: int, j: int) -> tuple[int, int]:
+        """Return ray k and the facet from ray j as places in the chain, by the way with fewer folds between."""
+        return min(self.ways(k, j), key=lambda way: abs(way[0] - way[1]))
+
     def gap(self, k: int, j: int) -> tuple[int, int, int]:
         """Return the vectors whose triple product is zero where ray k is in the plane of the facet from ray j."""
         return (j, j + 1, k) if k > j else (k, j, j + 1)

@@ -61,7 +61,7 @@ from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.pieces import piece_of
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import Roots
-from origami_nlp.proof.touch_roots import ContactSystem
+from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.touching_rows import Row, TouchedPiece
 
 
@@ -316,7 +316,7 @@ def with_touches(
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
-        system = ContactSystem(model, tuple(t.gap for t in touches))
+        system = BoxKkt(model, tuple(t.gap for t in touches))
         roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, options)
         treated += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
@@ -401,7 +401,7 @@ def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
 
 def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> ProvedCriticalPoint:
     """State a root with touches in the scene's units; whether it is a minimum is decided by `_judged`."""
-    equations = model.equation_count
+    equations = piece_of(model).pivots
     half = 0.5 if equations == 3 else 1.0
     lam = model.scale * roots.lam[i]
     # as many contacts as degrees of freedom leave nothing to bend
