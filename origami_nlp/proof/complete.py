@@ -17,7 +17,7 @@ from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
 from origami_nlp.proof.law_torques import energy_bounds
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.pieces import Loop, Piece, piece_of
+from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
@@ -145,7 +145,7 @@ def pose(model: Model) -> tuple[Piece, Flat]:
     if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     piece = piece_of(model)
-    if scene.group.is_trivial and isinstance(piece, Loop):
+    if scene.group.is_trivial and isinstance(piece, VertexPiece):
         return piece, _within_stops(flat_lemma(piece), model)
     return piece, Flat(0.0, 0, None)
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.options import ProofOptions
-from origami_nlp.proof.pieces import Loop, VanishingRows
+from origami_nlp.proof.pieces import VanishingRows, VertexPiece
 from origami_nlp.proof.rows import SECTORS, TRIGONOMETRIC, UNIT, Affine, padded, variables
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
@@ -89,7 +89,7 @@ class ClosedDirections:
     linear = slice(0, 2)
     pivots = 2
 
-    def __init__(self, vertex: Loop, radius: float) -> None:
+    def __init__(self, vertex: VertexPiece, radius: float) -> None:
         n = vertex.size
         self.size = n + 1
         self.radius = radius
@@ -103,7 +103,7 @@ class ClosedDirections:
         self.miss = radius**2 * n**4 / 96 + n * n * 3 * doubt
         self._pose_minors(vertex)
 
-    def _pose_minors(self, vertex: Loop) -> None:
+    def _pose_minors(self, vertex: VertexPiece) -> None:
         """Minors as coefficients of u [M, n] and of r u_i u_j [M, n, n], and how far they are off [M]."""
         n, radius = len(self.b), self.radius
         k = vertex.stiffness
@@ -178,7 +178,7 @@ class ClosedDirections:
         return VanishingRows(closure, critical, none.astype(bool))
 
 
-def creases_of(vertex: Loop) -> np.ndarray:
+def creases_of(vertex: VertexPiece) -> np.ndarray:
     """Return the directions of the creases on the sheet, [N, 2]."""
     azimuth = np.array([math.fsum(vertex.sectors[:i]) for i in range(vertex.size)])
     return np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
@@ -206,7 +206,7 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
     return total
 
 
-def flat_lemma(vertex: Loop) -> Flat:
+def flat_lemma(vertex: VertexPiece) -> Flat:
     """Look for the largest radius within which the flat state is the only critical point.
 
     Parameters
@@ -228,7 +228,7 @@ def flat_lemma(vertex: Loop) -> Flat:
     return Flat(0.0, boxes, no_minimum(vertex))
 
 
-def no_minimum(vertex: Loop) -> bool | None:
+def no_minimum(vertex: VertexPiece) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
     b = creases_of(vertex)
     k = vertex.stiffness

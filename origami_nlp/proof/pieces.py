@@ -177,7 +177,7 @@ class Piece:
         return VanishingRows(self.closure(folded).affine(), critical, asked)
 
 
-class Loop(Piece):
+class VertexPiece(Piece):
     """A vertex without symmetry, or a period of C_n that closes by itself."""
 
     linear, pivots = slice(1, 4), 3
@@ -401,4 +401,4 @@ def piece_of(model: Model) -> Piece:
     group = model.scene.group
     if group.kind == "D":
         return Wedge(model)
-    return Loop(model) if model.structure.turn == 1 else Period(model)
+    return VertexPiece(model) if model.structure.turn == 1 else Period(model)

@@ -12,12 +12,12 @@ from origami_nlp.pattern import Vertex
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.flat import ClosedDirections, creases_of, flat_lemma, no_minimum
-from origami_nlp.proof.pieces import Loop
+from origami_nlp.proof.pieces import VertexPiece
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
-    return Loop(Model(scene))
+    return VertexPiece(Model(scene))
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])

@@ -11,7 +11,7 @@ from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Kinematics, Model, random_strata
 from origami_nlp.proof.complete import pose
-from origami_nlp.proof.pieces import Loop, Period, Wedge, apart, piece_of
+from origami_nlp.proof.pieces import Period, VertexPiece, Wedge, apart, piece_of
 from origami_nlp.proof.rows import Quadratic, pairs, variables
 from tests.proof.fifty_digits import cross, dot, multiply
 
@@ -97,7 +97,7 @@ class Exact:
 
     def closure(self, middle):
         piece, n = self.piece, self.piece.size
-        if isinstance(piece, Loop):
+        if isinstance(piece, VertexPiece):
             a, b = self.product(range(piece.half)), self.product(range(piece.half, n))
             b0 = middle.product(range(piece.half, n))
             back = multiply([b[0], *(-v for v in b[1:])], b0)
@@ -121,7 +121,7 @@ class Exact:
             t = [-self.product(range(i, i + n), True)[1] for i in range(n)]
         else:
             t = self.triples()
-        if isinstance(piece, Loop):
+        if isinstance(piece, VertexPiece):
             of, signs = piece.without.tolist(), (1, -1, 1, -1)
         elif isinstance(piece, Wedge) and piece.order == 1:
             place = {pair: i for i, pair in enumerate(piece.pairs)}

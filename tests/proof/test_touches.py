@@ -13,7 +13,7 @@ from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
-from origami_nlp.proof.pieces import Loop, piece_of
+from origami_nlp.proof.pieces import VertexPiece, piece_of
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.rows import Triples, pairs, variables
 from origami_nlp.proof.touches import contact_strata, why_not, with_touches
@@ -122,7 +122,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
         for j in range(5):
             k = (j + 3) % 5
             others = replace(scene, rest_angles=tuple(rest.tolist()), contact="fold-limits")
-            posed = TouchedPiece(Loop(Model(others)), (Row("facet", (k, j), 0),))
+            posed = TouchedPiece(VertexPiece(Model(others)), (Row("facet", (k, j), 0),))
             form = posed.rows(lower, upper, np.zeros((5, 1), dtype=int)).critical
             middle, half = variables(lower, upper)
             xi = [
