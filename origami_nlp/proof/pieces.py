@@ -313,7 +313,7 @@ class Wedge(Piece):
         weight = [0.5 if r in (0, e - 1) else 1.0 for r in range(e)]
         self.chain = c = Chain(variable, weight, [*self.sectors, 0.0], e, n)
         self.pivots = 2 if self.order == 1 else 1
-        self.linear = slice(0, self.pivots)
+        self.linear = slice(1, 3) if self.order == 1 else slice(0, 1)
         if self.order == 1:
             self.pairs = list(itertools.combinations(range(n), 2))
             wanted = [
@@ -336,7 +336,7 @@ class Wedge(Piece):
 
     def equations(self, folded: Folded) -> Quadratic:
         """Enclose the two rows of first order, or the one."""
-        return self.closure(folded) if self.order > 1 else self.normals_apart(folded)[:2]
+        return self.closure(folded) if self.order > 1 else self.normals_apart(folded)[1:]
 
     def closes(self, folded: Folded) -> np.ndarray:
         """Return whether N is n_1, and not -n_1, for D_1, [K]."""
@@ -345,14 +345,14 @@ class Wedge(Piece):
         return ~away if self.order == 1 else np.ones_like(away)
 
     def normals_apart(self, folded: Folded) -> Quadratic:
-        """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: x, z, y."""
+        """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: y, x, z."""
         c, x, r = self.chain, folded.vectors, folded.radii
         half = len(self.rays) // 2
         back, on = self.rays[:half][::-1], self.rays[half:]
         known = CREASE * (2 * c.steps + 1)
         first = c.turned(x[:, c.first], x[:, back], back, -r[back], 0.0)
         last = c.turned(x[:, c.last], x[:, on], on, r[on], known)
-        return (first + last.times(-1.0))[[0, 2, 1]]
+        return (first + last.times(-1.0))[[1, 0, 2]]
 
     def minors(self, folded: Folded, torques: Torques) -> Quadratic:
         """Enclose G_i (n_1, c_j, c_k) + cyclic, or G_a t_b - G_b t_a."""
@@ -366,17 +366,17 @@ class Wedge(Piece):
 
 
 def apart(rows: Quadratic) -> Quadratic:
-    """Turn the first two rows so that their slopes are at right angles: the weak one does not drown in the other."""
-    a, b = rows.slopes[0], rows.slopes[1]
+    """Turn the last two rows so that their slopes are at right angles: the weak one does not drown in the other."""
+    a, b = rows.slopes[-2:]
     angle = 0.5 * np.arctan2(2 * (a * b).sum(axis=0), (a * a - b * b).sum(axis=0))
     c, s = np.cos(angle), np.sin(angle)
     out = [v.copy() for v in rows.parts]
     for v in out[:3]:
-        v[0], v[1] = c * v[0] + s * v[1], c * v[1] - s * v[0]
-    size = 4 * UNIT * rows.magnitude()[:2].sum(axis=0)
-    first, second = rows.rest[:2]
-    out[3][0] = np.abs(c) * first + np.abs(s) * second + size
-    out[3][1] = np.abs(s) * first + np.abs(c) * second + size
+        v[-2], v[-1] = c * v[-2] + s * v[-1], c * v[-1] - s * v[-2]
+    size = 4 * UNIT * rows.magnitude()[-2:].sum(axis=0)
+    first, second = rows.rest[-2:]
+    out[3][-2] = np.abs(c) * first + np.abs(s) * second + size
+    out[3][-1] = np.abs(s) * first + np.abs(c) * second + size
     return Quadratic(*out)
 
 

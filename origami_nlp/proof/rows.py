@@ -14,14 +14,15 @@ Rounding.  u = 2^-53.  A fold turns two vectors of a frame: each entry of c y + 
 root, 14 u a vector.  A sector does the same, and is off by `SECTORS` ulp of pi itself, 8 u; pi in doubles by 1.1 u.
 Together less than 40 u = `CREASE` a crease.  Frames are linear in the frame they begin with: what came before u
 multiplies u . (v x w) by the determinant of a frame that E creases made, 1 to within 3 E creases, and v and w are off
-by what the L creases between are, and two products by 4 u each: `CREASE` (2 L + 1 + 3 E |value|).  Slopes and bends
+by what the L steps between are, and two products by 4 u each: `CREASE` (2 L + 1 + 3 E |value|).  Slopes and bends
 have up to five factors: 5 (E + 1) `CREASE` for each, weighed with s + s^2.  The product of folds about the creases as
 the sheet has them: a product of quaternions 10 u, a cosine and a sine of half a fold 8 u, those of an azimuth 10 u
 and 8 u for each sector before: less than 40 L u + 4 L^2 u.
 
 Near the flat state values are known better.  With t the sum of |phi| over the chain, or 1, parts along e3 of axes, and
-the vector part of the product of folds, are sums of products that each hold a sine of size t, and a triple product is
-one of products with an odd number of such parts: every error is relative to such a term, and counts t times.
+the vector part of the product of folds, are sums of products that each hold a sine of size t, and a triple product of
+vectors that lie in the sheet where it is flat is one of products with an odd number of such parts: every error is
+relative to such a term, and counts t times.
 
 What is made of rows afterwards is sums of products of coefficients: n terms are off by
 gamma_{n+1} of the sum of their absolute values (Higham, Accuracy and Stability of Numerical Algorithms, 3.1), for
@@ -498,7 +499,11 @@ class Triples:
         self.slopes = np.array(slopes, dtype=int).reshape(-1, 6)
         self.bends = np.array(bends, dtype=int).reshape(-1, 6)
         self.between = between
-        self.before = np.array([[chain.place[u]] for u, _, _ in wanted]).reshape(-1, 1)
+        places = np.array([[chain.place[u], chain.place[w]] for u, _, w in wanted]).reshape(-1, 2)
+        self.before, self.steps = places[:, :1], np.diff(places, axis=1)
+        # of vectors that are in the plane of the sheet where it is flat
+        upright = {chain.up, *range(chain.steps, 2 * chain.steps)}
+        self.planar = np.array([[upright.isdisjoint(t)] for t in wanted], dtype=bool).reshape(-1, 1)
         self.left, self.right, self.third = (
             np.array([*table], dtype=int).reshape(-1, 2) for table in (left, right, third)
         )
@@ -526,6 +531,6 @@ class Triples:
         bends[t, w] = (left[:, u] * two[:, v]).sum(axis=0) * (share * r[a] * r[b])
         s = self.between @ r
         rest = s**3 / 6 * SLIGHTLY + chain.rounding * (s + s * s)
-        steps = 2 * self.between.sum(axis=1)[:, None] + 1
-        rest += CREASE * (steps * folded.near + 3 * self.before * np.abs(value))
+        near = np.where(self.planar, folded.near, 1.0)
+        rest += CREASE * ((2 * self.steps + 1) * near + 3 * self.before * np.abs(value))
         return Quadratic(value, slopes, bends, rest)

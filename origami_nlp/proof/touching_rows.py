@@ -63,12 +63,16 @@ class TouchedPiece:
     def __init__(self, piece: Piece, touches: Sequence[Row]) -> None:
         self.piece, self.size = piece, piece.size
         gaps: list[Three] = []
+        again: list[Three] = []
         refused: list[Three] = []
         self.on_each_other: list[Three] = []
         slopes: list[dict[int, Three]] = []
         for touch in touches:
             ways, beyond, slope = self._rows(touch)
-            gaps, refused, slopes = gaps + ways, refused + beyond, [*slopes, slope]
+            # one way of each before the other of any: with closure they are the independent rows
+            gaps, again = [*gaps, ways[0]], again + ways[1:]
+            refused, slopes = refused + beyond, [*slopes, slope]
+        gaps += again
         wanted = [*gaps, *refused, *self.on_each_other]
         # of each gap the number of the slope by each variable
         self.columns: list[dict[int, int]] = []

@@ -12,7 +12,7 @@ from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Kinematics, Model, random_strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.pieces import Period, VertexPiece, Wedge, apart, piece_of
-from origami_nlp.proof.rows import Quadratic, pairs, variables
+from origami_nlp.proof.rows import Quadratic, Triples, pairs, variables
 from tests.proof.fifty_digits import cross, dot, multiply
 
 BOXES = 10_000
@@ -89,10 +89,10 @@ class Exact:
                 q = multiply(q, [self.cos(half), 0, 0, self.sin(half)])
         return q
 
-    def triples(self):
+    def triples(self, wanted=None):
         return [
             dot(self.vectors[u], cross(self.vectors[v], self.vectors[w]))
-            for u, v, w in self.piece.triples.wanted
+            for u, v, w in wanted or self.piece.triples.wanted
         ]
 
     def closure(self, middle):
@@ -112,7 +112,7 @@ class Exact:
         x, y, z = (
             sum(e[i] * s for e, s in zip(middle.frames[at], seen, strict=True)) for i in range(3)
         )
-        return [x, z, y]
+        return [y, x, z]
 
     def minors(self, torque):
         piece = self.piece
@@ -182,7 +182,13 @@ def test_what_is_allowed_for_rounding_is_more_than_it_is(name, size):
     piece = piece_of(Model(SCENES[name]))
     rng, n = np.random.default_rng(1), piece.size
     middle = rng.uniform(-size, size, (n, 5))
-    rows = forms(piece, middle, 0 * middle)
+    rows, chain = forms(piece, middle, 0 * middle), piece.chain
+    touching = [chain.up, 0, chain.last], *(chain.behind(1, side) for side in (0, 1))
+    if isinstance(piece, VertexPiece):
+        ways = chain.ways(3, 0)
+        touching = [t for w in ways for t in (chain.gap(*w), *chain.inside(*w))]
+    touching = [tuple(t) for t in touching]
+    gaps = Triples(chain, touching).at(chain.fold(middle, 0 * middle))
     total = sum(map(mpf, piece.sectors))
     whole = round(float(2 * mp.pi / total)) * total / (2 * mp.pi)
     sectors = [mpf(a) / whole for a in piece.chain.sectors.tolist()]
@@ -191,7 +197,8 @@ def test_what_is_allowed_for_rounding_is_more_than_it_is(name, size):
         angles = [mpf(a) for a in middle[:, k]]
         at = Exact(piece, angles, sectors, cos=mp.cos, sin=mp.sin)
         torque = [t * (a - mpf(r)) for t, a, r in zip(top, angles, piece.rest, strict=True)]
-        for form, true in zip(rows, (at.closure(at), at.minors(torque)), strict=True):
+        exact = at.closure(at), at.minors(torque), at.triples(touching)
+        for form, true in zip((*rows, gaps), exact, strict=True):
             for row, value in enumerate(true):
                 assert abs(value - mpf(form.value[row, k])) <= mpf(form.rest[row, k])
 
@@ -205,9 +212,9 @@ def test_rows_turned_apart_are_the_same_rows():
         np.zeros((3, 9)),
     )
     other = apart(one)
-    assert np.abs((other.slopes[0] * other.slopes[1]).sum(axis=0)).max() < 1e-13
+    assert np.abs((other.slopes[1] * other.slopes[2]).sum(axis=0)).max() < 1e-13
     xi = rng.uniform(-1, 1, (4, 9))
-    sizes = [(values(form, xi)[:2] ** 2).sum(axis=0) for form in (one, other)]
+    sizes = [(values(form, xi)[1:] ** 2).sum(axis=0) for form in (one, other)]
     assert np.abs(sizes[0] - sizes[1]).max() < 1e-12
 
 
