@@ -251,10 +251,12 @@ class CompiledDescent:
     ----------
     problem
         Of a vertex or a sheet.
+    measure
+        By which changes of variables are measured, [n]; None: that of the springs.
     """
 
-    def __init__(self, problem: PatternProblem) -> None:
-        self.problem = problem
+    def __init__(self, problem: PatternProblem, measure: np.ndarray | None = None) -> None:
+        self.problem, self._measure = problem, measure
         self._library: Any = (
             compiled("descend", _source) if problem.closure.compiled.usable else None
         )
@@ -308,7 +310,9 @@ class CompiledDescent:
         shared = many[*pairs.T]
         common = np.stack([first[*pairs.T], first[pairs[:, 1], pairs[:, 0]]], axis=1)
         common = np.where(shared[:, None] == 0, -1, np.where(shared[:, None] == 1, common, -2))
-        measure = np.sqrt(np.maximum(par.stiffness, SOFT * par.stiffness.mean()))
+        measure = self._measure
+        if measure is None:
+            measure = np.sqrt(np.maximum(par.stiffness, SOFT * par.stiffness.mean()))
         p, q = c.pieces.shape
         floats = {
             "stiffness": par.linear, "rest": par.rest, "load": par.load,

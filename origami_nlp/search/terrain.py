@@ -35,7 +35,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
 from origami_nlp.problem import Contact
-from origami_nlp.search.descend import CLOSES_NOT, STAYS, Slot, StartState
+from origami_nlp.search.descend import CLOSES_NOT, STAYS, CompiledDescent, Slot, StartState
 from origami_nlp.search.follow import Follower
 from origami_nlp.search.newton import descend_by_newton
 from origami_nlp.search.starts import at_limits
@@ -92,6 +92,8 @@ class DescentTerrain(Terrain):
     ) -> None:
         super().__init__(problem, minima, energy_scale(problem.pattern.stiffness))
         self.of, self._go, self._aside, self._most = problem, Follower(problem), aside, most
+        # states are drawn back onto closure whatever the springs
+        self._closing = CompiledDescent(problem, problem.root)
         self._leaving, self._around = leaving or {}, around or {}
         self._pops = PopSigns(problem.pattern)
         self._landed = dict[bytes, np.ndarray]()
@@ -152,7 +154,7 @@ class DescentTerrain(Terrain):
             StartState(y, s, tuple(Slot.of(p.touch(c), corners) for c in rows), True, most=0)
             for y, s, rows in zip(x, side, held, strict=True)
         ]
-        ends = self._go.descents(starts, np.zeros(x.shape)) if starts else []
+        ends = self._closing(starts, np.zeros(x.shape)) if starts else []
         self._go.work += sum(end.work for end in ends)
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)

@@ -89,7 +89,7 @@ def test_directions_open_contacts_and_close_none(yoshimura: MinimaResult) -> Non
     for way in ways:
         assert np.linalg.norm(way) == pytest.approx(1.0, abs=1e-3)
         assert problem.residual(phi + 1e-4 * way) < 1e-7
-    terrain_ways = _openings(problem, np.array(yoshimura.minima[0].phi), True)
+    terrain_ways = _openings(problem, np.array(yoshimura.minima[0].phi))
     assert terrain_ways == []  # nothing touches there
 
 
