@@ -43,8 +43,8 @@ LONG = re.compile(r"\d+\.\d{7,}(e[-+]\d+)?")
 BARRIER = re.compile(r"barrier (≤|<=|not) .*")
 HEAD = """# Gallery
 
-Each picture is made by a script of at most 15 lines; a click shows it with what it prints (numbers to six digits). The tests run
-all of them.
+Each picture is made by a script of at most 15 lines; a click shows it with what it prints (numbers to six digits).
+The tests run all of them.
 
 Examples by name, for `find_minima("NAME")` and `origami-nlp minima NAME`: `miura:4x4`, `waterbomb:2x2`,
 `yoshimura:3x3`, `resch:1x2`, `metasheet:4x4`, `squaretwist`, `birdbase`, `waterbombbase`; numbers are rows and columns.
