@@ -47,7 +47,7 @@ minima miura:2x2 --contact fold-limits --certificate proof.json
 check-proof proof.json
 minima scene.toml --prove 0 -o minima.json -o minima.png -o minima.fold -o minima.html
 minima scene.toml --prove 0 -o minima.glb
-pattern miura:2x2 -o motion.json
+inspect miura:2x2 --path -o motion.json
 design three-equal -o design.json
 contacts scene.toml
 load scene.toml --crease 1 --to 0.001 -o load.json
@@ -60,15 +60,14 @@ follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 -o follow.json
 boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 -o set.json
 barriers scene.toml -o barriers.json
 landscape degree6.toml --size 33 -o landscape.npz
-critical degree6.toml --no-compare
-space degree6.toml --rings 16
+landscape degree6.toml --critical
+landscape degree6.toml --space --rings 16
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper transitions degree6 --samples 3 --rings 8
-paper cone full --degree 6 --rest-elevation 0.3
-paper cone foldings --degree 6
+paper cone count --full --degree 6 --rest-elevation 0.3
 paper cone branch --flaps mvv --elevation 0.2
-paper cone draw --degree 6 -o cone.png
+paper cone foldings --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""
 EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh"}

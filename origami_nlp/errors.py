@@ -80,6 +80,10 @@ class OptionError(OrigamiError):
     """A command-line or keyword option has a value it cannot take."""
 
 
+class NothingInTime(OptionError):
+    """The time that was given was over before there was anything to return."""
+
+
 class SweepError(OrigamiError):
     """A sweep file or the store of a sweep is not what it should be."""
 

@@ -154,7 +154,7 @@ def read_result(path: str | PathLike[str]) -> Any:
     Returns
     -------
     Result
-        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the motion if it is there, else the
+        By the schema that the file names.  Of what ``origami-nlp inspect`` writes: the motion if it is there, else the
         counts.
 
     Raises
@@ -175,8 +175,17 @@ def read_result(path: str | PathLike[str]) -> Any:
     for wanted, key, room, name in _READ:
         if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
-            kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
-            return kind.from_dict(inside, repr(str(path)))
+            inside = {k: v for k, v in inside.items() if k != "frames"}  # of `inspect`
+            kind: Any = getattr(import_module(f"origami_nlp.{room}"), name)
+            found = kind.from_dict(inside, repr(str(path)))
+            try:
+                for _ in found.report_sections():  # lists that should be equally long are not
+                    pass
+            except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+                raise OptionError(
+                    f"{str(path)!r}: its entries do not fit together: {error}"
+                ) from None
+            return found
     known = ", ".join(dict.fromkeys(f"origami-nlp/{wanted}" for wanted, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 

@@ -1,6 +1,7 @@
-from . import options as options, progress as progress, search as search
+from . import options as options, progress as progress, states as states
 from .entry import app as app
-from .group import Group as Group
-from .output import Output as Output, writes as writes
-from .source import Source as Source, takes_scene as takes_scene
+from .exits import Ended as Ended
+from .group import Group as Group, writes as writes
+from .output import Output as Output
+from .source import Source as Source
 from .start import main as main

@@ -12,33 +12,31 @@ import traceback
 from collections.abc import Mapping, Sequence
 from copy import copy
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Any, NoReturn
 
 import typer
 from typer.main import get_command
 
-from origami_nlp.cli.checking import check, layers
-from origami_nlp.cli.converting import convert
-from origami_nlp.cli.finding import check_proof, landscape, minima
+from origami_nlp.cli.exits import Ended
+from origami_nlp.cli.files import check, convert, example, hinge, inspect
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.inspecting import hinge, inspect
-from origami_nlp.cli.making import design, example
-from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
-from origami_nlp.cli.understanding import (
+from origami_nlp.cli.states import (
     barriers,
+    boundary,
+    check_proof,
     contacts,
-    critical,
+    design,
+    follow,
+    landscape,
     load,
-    space,
+    minima,
+    sweep,
 )
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
 
-CLOSED_PIPE = 141
-"""Exit code where the reader of what is printed has gone: 128 + SIGPIPE, as shells say of other programs."""
-FIRST, ANALYSIS = "Start here", "Analysis"
 app = Group(
     "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
     "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
@@ -51,10 +49,8 @@ First steps:
   example switch > two.toml; edit it; design two.toml -o my.toml
   minima my.toml -o states.pdf""",
 )
-app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(inspect, example, hinge, check, convert, under=FIRST)
-app.add(landscape, barriers, contacts, critical, space, under=ANALYSIS)
-app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
+app.add(minima, inspect, load, follow, design, example, hinge, check, convert, under="Start here")
+app.add(landscape, barriers, contacts, boundary, sweep, check_proof, under="Analysis")
 app.add_typer(paper, name="paper", rich_help_panel="The source paper")
 
 
@@ -64,12 +60,13 @@ def _version(asked: bool) -> None:
         raise typer.Exit()
 
 
+_VERSION: Any = typer.Option(
+    False, "--version", callback=_version, is_eager=True, help="Show the version."
+)
+
+
 @app.callback()
-def origami_nlp(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
-    ] = False,
-) -> None:
+def origami_nlp(version: bool = _VERSION) -> None:
     """Take the options of the program itself."""
 
 
@@ -97,23 +94,6 @@ def run(commands: Group | None, interrupted: Sequence[int]) -> None:
     sys.exit(code)
 
 
-def _end(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
-    """End with one line, or without one where nobody reads."""
-    if isinstance(error, OrigamiError):
-        _stop(str(error))
-    if isinstance(error, OSError):
-        _close_stdout()
-        if isinstance(error, BrokenPipeError):  # the reader, head say, has had enough
-            sys.exit(CLOSED_PIPE)
-        where = repr(error.filename) if error.filename else "input or output"
-        _stop(f"{where}: {error.strerror or error}")
-    if hasattr(
-        error, "format_message"
-    ):  # a wrong call: of click, or of the parser that typer brings
-        _refuse(error)
-    report_fault(error, inputs)  # a fault of ours
-
-
 def _called(commands: Group) -> Group:
     """Return the group with the command that is called alone: parsers of all others take 0.05 s."""
     word = sys.argv[1:2]
@@ -124,62 +104,65 @@ def _called(commands: Group) -> Group:
     return commands
 
 
+def _end(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
+    """End with one line, or without one where nobody reads."""
+    if isinstance(error, OrigamiError):
+        _stop(str(error))
+    if isinstance(error, OSError):
+        try:  # let Python not try again at its end what cannot be written now
+            sys.stdout.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):  # the reader, head say, has had enough
+            sys.exit(Ended.CLOSED_PIPE)
+        where = repr(error.filename) if error.filename else "input or output"
+        _stop(f"{where}: {error.strerror or error}")
+    if isinstance(error, MemoryError):
+        _stop("the memory does not suffice: give a smaller origami")
+    if hasattr(error, "format_message"):  # a wrong call, of the parser that typer brings
+        _refuse(error)
+    report_fault(error, inputs)
+
+
 def _refuse(error: Any) -> NoReturn:
     """Say in one line what is wrong with a call; a group that is called without a command shows its help."""
     if "Help" in type(error).__name__:
         print(error.format_message(), file=sys.stderr)
-        sys.exit(2)
+        sys.exit(Ended.WRONG)
     said = " ".join(error.format_message().split()).rstrip(".")
     path = error.ctx.command_path if error.ctx else "origami-nlp"
     _stop(f"{said[:1].lower()}{said[1:]}; {path} --help lists what there is")
 
 
-def _stop(line: str) -> NoReturn:
+def _stop(line: str, code: int = Ended.WRONG) -> NoReturn:
     print(f"origami-nlp: {printable(line)}", file=sys.stderr)
-    sys.exit(2)
+    sys.exit(code)
 
 
-def _close_stdout() -> None:
-    """Let Python not try again at its end what cannot be written now."""
-    try:
-        sys.stdout.flush()
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-INTERNAL_ERROR = 70
-"""Exit code, that of EX_SOFTWARE in sysexits.h."""
 MOST_LETTERS = 200
-"""Of a message that is shown; the report has all of it."""
+"""Of a message of a fault that is shown; the report has all of it."""
 
 
 def report_fault(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
-    """Print one line, write the report, and end with `INTERNAL_ERROR`.
+    """Print one line, write a report, and end: a fault of ours.
 
     inputs: content of each file that was read, by its name; ``-`` is standard input.
     """
+    parts = [
+        f"origami-nlp {__version__}, Python {platform.python_version()}, {platform.platform()}",
+        f"command: {shlex.join(['origami-nlp', *sys.argv[1:]])}",
+        "".join(traceback.format_exception(error)),
+        *(f"---- {k}\n{v.decode(errors='backslashreplace')}" for k, v in inputs.items()),
+    ]
     try:
-        file: object = _write(_text(error, inputs))
+        file: object = _write("\n".join(parts))
         where = f"command, input and traceback are in {str(file)!r}"
     except OSError as problem:
         where = f"no report could be written ({problem.strerror or problem})"
     message = " ".join(f"{type(error).__name__}: {error}".split())
     if len(message) > MOST_LETTERS:
         message = message[: MOST_LETTERS - 3] + "..."
-    line = f"internal error, please report: {message}; {where}"
-    print(f"origami-nlp: {printable(line)}", file=sys.stderr)
-    sys.exit(INTERNAL_ERROR)
-
-
-def _text(error: Exception, inputs: Mapping[str, bytes]) -> str:
-    parts = [
-        f"origami-nlp {__version__}, Python {platform.python_version()}, {platform.platform()}",
-        f"command: {shlex.join(['origami-nlp', *sys.argv[1:]])}",
-        "".join(traceback.format_exception(error)),
-    ]
-    for name, content in inputs.items():
-        parts.append(f"---- {name}\n{content.decode(errors='backslashreplace')}")
-    return "\n".join(parts)
+    _stop(f"internal error, please report: {message}; {where}", Ended.FAULT)
 
 
 def _write(text: str) -> Path:
@@ -187,9 +170,7 @@ def _write(text: str) -> Path:
     import tempfile  # what it loads takes its time, and no command needs it
 
     for folder in (Path(), Path(tempfile.gettempdir())):
-        if not os.access(folder, os.W_OK):
-            continue
-        for number in range(1, 1000):
+        for number in range(1, 1000) if os.access(folder, os.W_OK) else ():
             file = folder / f"origami-nlp-error-{number}.txt"
             try:
                 with open(file, "x", encoding="utf-8", errors="backslashreplace") as out:

@@ -1,31 +1,90 @@
-"""Groups of commands as typer makes them, with headings in their plain help, and quick to start."""
+"""Groups of commands as typer makes them: functions as commands, with headings in their plain help, quick to start."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
-from functools import partial
+from functools import partial, wraps
 from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from origami_nlp.cli import options as o
+from origami_nlp.cli.exits import Ended
+from origami_nlp.cli.output import Output, endings
+from origami_nlp.cli.source import Source
+from origami_nlp.cli.timed import Clock
 from origami_nlp.io import is_number
 
-WITHOUT_VALUE = "asked"
-"""What an option whose value may be left out gets then."""
-MAY_LACK_VALUE = ("--prove",)
-"""Options whose value, a number, may be left out."""
-WRITES = "FILE"
-"""Metavar of every option that writes what a command found, and of no other option."""
-FOLD_FILES = "Options for FOLD files and examples"
-"""Heading of the options that say what a FOLD file leaves open; `rich_help_panel` of each."""
+
+def writes(*kinds: str, verbose: bool = False) -> Callable[..., Callable[..., None]]:
+    """Make a function a command that writes files of these kinds.
+
+    Its parameter of type `Source` becomes ORIGAMI with the options of files, `Output` becomes ``-o``, with ``-v`` where
+    the results have details, and a parameter ``clock`` is the time of ``--seconds``, which every command has.  What it
+    returns is printed and written; an exit code where it returns one.
+    """
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., None]:
+        stated = inspect.signature(command, eval_str=True).parameters
+        more: dict[str, tuple[Any, Any]] = {"seconds": (float | None, o.SECONDS)}
+        if kinds:
+            more["output"] = (list[str] | None, o.output(endings(kinds)))
+        if verbose:
+            more["verbose"] = (bool, o.VERBOSE)
+        of_file = inspect.signature(Source, eval_str=True).parameters
+        names = [name for name, p in stated.items() if p.annotation is Source]
+
+        @wraps(command)
+        def run(**given: Any) -> None:
+            clock = Clock(given.pop("seconds"))
+            out = Output(given.pop("output", None), kinds, given.pop("verbose", False))
+            own = {"out": out, "clock": clock}
+            given |= {name: value for name, value in own.items() if name in stated}
+            for name in names:
+                given[name] = Source(**{k: given.pop(k) for k in of_file})
+            _end(command, given, out, clock)
+
+        kept = [p for name, p in stated.items() if name not in ("out", "clock", *names)]
+        name, *files = of_file.values() if names else [None]
+        kept = [*filter(None, [name]), *kept, *(_parameter(*one) for one in more.items()), *files]
+        kept = [p.replace(kind=p.KEYWORD_ONLY) for p in kept]
+        run.__signature__ = inspect.Signature(kept)  # type: ignore[attr-defined]
+        return run
+
+    return decorate
+
+
+def _parameter(name: str, kind: tuple[Any, Any]) -> inspect.Parameter:
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, annotation=kind[0], default=kind[1]
+    )
+
+
+def _end(command: Callable[..., Any], given: dict[str, Any], out: Output, clock: Clock) -> None:
+    """Run a command, report what it found, and end with its exit code."""
+    found = clock.run(command, **given)
+    early = found is None and (clock.late or clock.interrupted)
+    code = found if isinstance(found, int) else Ended.DONE
+    found = clock.found if early else None if isinstance(found, int) else found
+    if found is not None:
+        out.report(found)
+    if clock.interrupted:
+        raise KeyboardInterrupt
+    if clock.late:
+        if early:
+            out.say(clock.said())
+        code = Ended.OUT_OF_TIME
+    if code:
+        raise typer.Exit(code)
 
 
 class _Plain:
     """A command, or a group of them, whose help has a section for each `rich_help_panel`."""
 
     def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters, which take plain values without pydantic."""
+        """Return the parameters, which take plain values without pydantic: to load it takes 0.15 s."""
         found = super().get_params(ctx)  # type: ignore[misc]
         for one in found:
             one.process_value = partial(_value, one, type(one).process_value)
@@ -37,10 +96,10 @@ class _Plain:
         for one in self.get_params(ctx):
             name, about = one.get_help_record(ctx)
             is_option = one.param_type_name == "option"
-            panel = getattr(one, "rich_help_panel", None)
-            heading = panel or ("Options" if is_option else "Arguments")
-            row = (name if is_option else one.metavar, about)
-            sections.setdefault(heading, []).append(row)
+            heading = getattr(one, "rich_help_panel", None) or (
+                "Options" if is_option else "Arguments"
+            )
+            sections.setdefault(heading, []).append((name if is_option else one.metavar, about))
         for name, one in getattr(self, "commands", {}).items():
             row = (name, one.help.split("\n\n")[0])
             sections.setdefault(one.rich_help_panel or "Commands", []).append(row)
@@ -50,15 +109,15 @@ class _Plain:
 
 
 class _Command(_Plain, TyperCommand):
-    """A command; an option that needs no value gets `WITHOUT_VALUE` where no number follows."""
+    """A command; an option that needs no value gets `options.ASKED` where no number follows."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """Fill in what is left out."""
         filled = []
         for arg, following in zip(args, [*args, ""][1:], strict=True):
             filled.append(arg)
-            if arg in MAY_LACK_VALUE and not is_number(following):
-                filled.append(WITHOUT_VALUE)
+            if arg in o.MAY_LACK_VALUE and not is_number(following):
+                filled.append(o.ASKED)
         return super().parse_args(ctx, filled)
 
 

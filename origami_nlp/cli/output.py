@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
-from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.cli import options as o
-from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from origami_nlp.display import Table, Viewable
+    from origami_nlp.display import Table
 
 Target = str | os.PathLike[str]
 KINDS = {
@@ -34,16 +32,6 @@ KINDS = {
 """What files may hold: endings of their names, and what help calls it."""
 TEXTS = ("json", "scene", "csv", "fold", "latex")
 """Kinds of files that may go to standard output."""
-SEARCH = {
-    "full": (o.FullOrNot, None),
-    "seed": (o.Seed, 0),
-    "effort": (o.Effort, "normal"),
-    "max_starts": (o.MaxStarts, None),
-    "starts": (o.Starts, None),
-    "workers": (o.Workers, None),
-    "seconds": (o.Seconds, None),
-}
-"""Options of searches, with what they are where nothing is said."""
 
 
 class Output:
@@ -59,6 +47,8 @@ class Output:
         output and a table; a device or a pipe without an ending gets the first of `kinds`.
     kinds
         Of `KINDS`: what the command can write.
+    verbose
+        Whether people want details.
 
     Raises
     ------
@@ -66,26 +56,28 @@ class Output:
         If a file cannot be written, has the wrong ending, or is given twice; if what writes it is not installed.
     """
 
-    def __init__(self, files: Sequence[str] | None = None, kinds: Sequence[str] = ()) -> None:
-        self._given = [(_kind(file, kinds), file) for file in files or ()]
+    def __init__(
+        self, files: Sequence[str] | None = None, kinds: Sequence[str] = (), verbose: bool = False
+    ) -> None:
+        self._given = [(_kind(file, kinds), _place(file)) for file in files or ()]
+        self.verbose = verbose
         self.check()
-        for kind, file in self._given:
-            if kind == "mesh":
-                from origami_nlp.minima import check_mesh
+        for file in self.files("mesh"):
+            from origami_nlp.minima import check_mesh
 
-                check_mesh(file)
+            check_mesh(file)
 
     def check(self, *more: tuple[str, Target | None]) -> None:
         """Check that all files can be written, and those of more options (pairs of option and file) too."""
         from origami_nlp.io import check_outputs, screen
 
-        named = [*(("-o", o.place(file)) for _, file in self._given), *more]
+        named = [*(("-o", file) for _, file in self._given), *more]
         check_outputs(*named, read=_read())
         self.console: Console = screen(*(file for _, file in named))
 
     def files(self, *kinds: str) -> list[str]:
         """Return the files of these kinds that were asked for."""
-        return [o.place(file) for kind, file in self._given if kind in kinds]
+        return [file for kind, file in self._given if kind in kinds]
 
     def refuse(self, why: str, *kinds: str) -> None:
         """Raise an error if a file of these kinds was asked for."""
@@ -98,6 +90,28 @@ class Output:
 
         self.console.print(printable(thing, lines=True) if isinstance(thing, str) else thing)
 
+    def report(self, found: Any) -> None:
+        """Print a result, and write it to all files."""
+        from origami_nlp.display import InteractivePage
+        from origami_nlp.minima import write_parts
+
+        gone: BaseException | None = None
+        try:
+            found.print_to(self.console, self.verbose)
+        except (
+            BrokenPipeError,
+            SystemExit,
+        ) as error:  # rich ends so; files are written all the same
+            gone, self.console.quiet = error, True
+        self.write("json", lambda: found.to_dict())
+        self.write("csv", lambda: found.to_csv())
+        self.write("figure", lambda: found.draw())
+        self.write("fold", lambda: found.to_fold())
+        self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
+        self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
+        if gone is not None:
+            raise BrokenPipeError
+
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.
 
@@ -106,7 +120,7 @@ class Output:
         if files := self.files(kind):
             content = make(*arguments)
             for file in files:
-                _write(content, file)
+                _write(content, file, 1 if kind == "fold" else 2)
                 self.written(file)
 
     def save(self, kind: str, save: Callable[..., Any], *arguments: Any) -> None:
@@ -114,15 +128,6 @@ class Output:
         for file in self.files(kind):
             save(*arguments, file)
             self.written(file)
-
-    def turn(self, *results: Viewable) -> None:
-        """Write a page on all `results` where asked for."""
-        if not self.files("html"):
-            return
-        from origami_nlp.display import InteractivePage
-
-        contents = [result.view_content() for result in results]
-        self.save("html", lambda file: InteractivePage(*contents).save(file))
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
@@ -133,58 +138,12 @@ class Output:
                 self.say(f"written: {printable(str(target))}")
 
 
-def writes(*kinds: str) -> Callable[..., Callable[..., None]]:
-    """Give a command with the parameter ``out: Output`` the option ``-o`` for files of these kinds."""
-    text = [kind for kind in kinds if kind in TEXTS]
+def endings(kinds: Sequence[str]) -> str:
+    """Say which files a command writes, for its help."""
+    text = [KINDS[kind][0][0] for kind in kinds if kind in TEXTS]
     said = "; ".join(f"{' '.join(KINDS[kind][0])}: {KINDS[kind][1]}" for kind in kinds)
-    places = [
-        f"-{KINDS[kind][0][0]}" if k else f"- ({KINDS[kind][0][0]})" for k, kind in enumerate(text)
-    ]
-    stdout = f"  Standard output: {', '.join(places)}." if text else ""
-    option = o.output_files(f"Write a file, by its ending; repeat for more.  {said}.{stdout}")
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., None]:
-        @wraps(command)
-        def run(out: list[str] | None = None, **given: Any) -> None:
-            command(out=Output(out, kinds), **given)
-
-        return o.extended(run, command, {"out": (option, None)})
-
-    return decorate
-
-
-def answers(
-    *kinds: str, search: Sequence[str] = (), details: bool = False
-) -> Callable[..., Callable[..., None]]:
-    """Give a command that returns a result the option ``-o`` for files of these kinds, and those of searches.
-
-    search: of `SEARCH`; the command gets those that are given by their names.  details: the result has some, which
-    are printed with ``--verbose``.
-    """
-    own = {name: SEARCH[name] for name in search}
-    own |= {"verbose": (o.Verbose, False)} if details else {}
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., None]:
-        @wraps(command)
-        def run(out: Output, **given: Any) -> None:
-            from origami_nlp.results import draw
-            from origami_nlp.verbs import write_mesh
-
-            verbose = given.pop("verbose", False)
-            said = {k: v for k, v in given.items() if k not in search or v is not None}
-            found = command(**said)
-            found.print_to(out.console, verbose)
-            out.write("json", lambda: found.to_dict())
-            out.write("csv", lambda: found.to_csv())
-            out.write("figure", draw, found)
-            out.save("fold", _save_frames, found)
-            out.save("mesh", write_mesh, found)
-            out.turn(found)
-            end_of(found)
-
-        return writes(*kinds)(o.extended(run, command, own))
-
-    return decorate
+    stdout = ", ".join([f"- ({text[0]})", *(f"-{e}" for e in text[1:])]) if text else "none"
+    return f"Write a file, by its ending; repeat for more.  {said}.  Standard output: {stdout}."
 
 
 def _read() -> list[str]:
@@ -194,11 +153,16 @@ def _read() -> list[str]:
     return [file for file, many in named.items() if many > 1]
 
 
+def _place(file: str) -> str:
+    """Return where a file goes: ``-`` for standard output, which ``-.fold`` is too, else the file."""
+    return "-" if Path(file).name == file and Path(file).stem == "-" else file
+
+
 def _kind(file: str, kinds: Sequence[str]) -> str:
     """Return what a file is to hold."""
     from origami_nlp.io import is_stdout
 
-    ending, place = Path(file).suffix.lower(), o.place(file)
+    ending, place = Path(file).suffix.lower(), _place(file)
     for kind in kinds:
         if ending in KINDS[kind][0]:
             if kind not in TEXTS and place == "-":
@@ -210,22 +174,16 @@ def _kind(file: str, kinds: Sequence[str]) -> str:
             return kinds[0]
     if os.path.isdir(place):
         raise OptionError(f"-o = {file!r} is a folder: give a file name")
-    endings = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
-    raise OptionError(f"-o = {file!r} must end in one of {endings}")
+    known = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
+    raise OptionError(f"-o = {file!r} must end in one of {known}")
 
 
-def _save_frames(found: Any, file: Any) -> None:
-    from origami_nlp.bifurcation import write_frames
+def _write(content: Any, target: Target, indent: int) -> None:
+    from origami_nlp.io import save_figure, write_whole
 
-    write_frames(found, file)
-
-
-def _write(content: Any, target: Target) -> None:
-    from origami_nlp.io import save_figure, write_json, write_whole
-
-    if isinstance(content, str | bytes):
-        write_whole(target, content if isinstance(content, bytes) else content.encode())
-    elif hasattr(content, "savefig"):
+    if hasattr(content, "savefig"):
         save_figure(content, target, 200)
-    else:
-        write_json(content, Path(target))
+        return
+    if not isinstance(content, str | bytes):
+        content = json.dumps(content, indent=indent, allow_nan=False) + "\n"
+    write_whole(target, content if isinstance(content, bytes) else content.encode())

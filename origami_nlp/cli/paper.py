@@ -1,25 +1,43 @@
-"""`origami-nlp paper`: the study of the source paper."""
+"""`origami-nlp paper`: the study of the source paper, and its cones (uniform vertices of any even degree)."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.cone import cone
-from origami_nlp.cli.group import Group
-from origami_nlp.cli.output import Output, answers, writes
+from origami_nlp.cli.exits import Ended
+from origami_nlp.cli.group import Group, writes
+from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
-from origami_nlp.cli.search import search_panels
-from origami_nlp.cli.timed import bounded
+from origami_nlp.cli.states import search
+from origami_nlp.cli.timed import Clock
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
 
+MOST_DIGITS = 28_000
+"""Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
 
-def demo(folder: Annotated[Path, o.OutFolder] = Path("origami_demo"), seed: o.Seed = 0) -> None:
+
+DRAWN_AT = 0.45
+"""Elevation [rad] at which all foldings are drawn."""
+
+
+def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
+    """Find the minima of all 18 panels of the paper's two landscape figures."""
+    from origami_nlp.pattern import examples
+
+    results, scenes = list[Any](), examples.panels()
+    with progress("panels", len(scenes)) as done:
+        for scene in scenes:
+            results.append(search(clock, scene, scene.label, seed=seed, full=full))
+            done(len(results))
+    return results
+
+
+@writes()
+def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
@@ -28,32 +46,31 @@ def demo(folder: Annotated[Path, o.OutFolder] = Path("origami_demo"), seed: o.Se
 
     folder = make_folder(folder, "--folder")
     files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
-    output = Output()
-    output.check(*(("--folder", file) for file in files))
-    results = search_panels(seed, full=True)
+    out.check(*(("--folder", file) for file in files))
+    results = _search_panels(clock, seed, full=True)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
     for result in shown:
-        result.print_to(output.console)
-        output.say("")
+        result.print_to(out.console)
+        out.say("")
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    output.say(rows_table(DEMO_HEADS, demo_rows(results), title))
+    out.say(rows_table(DEMO_HEADS, demo_rows(results), title))
     write_json([r.to_dict() for r in results], files[0])
     for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)
-    output.written(*files)
+    out.written(*files)
 
 
 @writes("json")
-def panels(out: Output, full: o.FullOrNot = None, seed: o.Seed = 0) -> None:
+def panels(out: Output, clock: Clock, full: bool | None = o.FULL, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.display import rows_table
     from origami_nlp.minima import table
 
-    results = search_panels(seed, bool(full))
+    results = _search_panels(clock, seed, bool(full))
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
     if full:
@@ -64,22 +81,8 @@ def panels(out: Output, full: o.FullOrNot = None, seed: o.Seed = 0) -> None:
     out.write("json", lambda: [r.to_dict() for r in results])
 
 
-def _claims() -> list[str]:
-    from origami_nlp.symbolic.catalogue import claims
-
-    return [claim.id for claim in claims()]
-
-
 @writes("json", "latex")
-def verify(
-    out: Output,
-    only: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="ID", autocompletion=_claims, help="Decide this claim only (repeatable)."
-        ),
-    ] = None,
-) -> None:
+def verify(out: Output, only: list[str] | None = o.CLAIM) -> int:
     """Prove or refute the equations and statements of the source paper that are in the catalogue.
 
     Prints one line per claim, and what the catalogue leaves out (figures, searches, remarks without a
@@ -100,26 +103,27 @@ def verify(
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("latex", as_latex, results)
-    if not all(r.verdict.decided for r in results):
-        raise typer.Exit(1)
+    return Ended.DONE if all(r.verdict.decided for r in results) else Ended.NO
 
 
 @writes("json")
-def audit(out: Output, file: o.Candidates, seed: o.Seed = 0) -> None:
+def audit(out: Output, file: str = o.CANDIDATES, seed: int = o.SEED) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
     from origami_nlp.paper import audit_candidates, audit_table, audit_to_dict, read_candidates
 
     candidates = read_candidates(file)
     with progress("audit", len(candidates)) as report:
-        panels = audit_candidates(candidates, seed=seed, progress=report)
-    out.say(audit_table(panels))
-    out.write("json", audit_to_dict, panels)
+        found = audit_candidates(candidates, seed=seed, progress=report)
+    out.say(audit_table(found))
+    out.write("json", audit_to_dict, found)
 
 
-@bounded
-@answers("json", search=("seed",))
+@writes("json")
 def transitions(
-    family: o.Family, samples: o.Samples = 25, rings: o.Rings = 16, **options: Any
+    family: str = o.FAMILY,
+    samples: int = o.SAMPLES,
+    rings: int = o.RINGS_OF_SAMPLES,
+    seed: int = o.SEED,
 ) -> Any:
     """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space.
 
@@ -132,9 +136,102 @@ def transitions(
         def report(what: str, done: float) -> None:
             show(done, text=what)
 
-        return find_transitions(family, samples=samples, rings=rings, report=report, **options)
+        return find_transitions(family, samples=samples, rings=rings, report=report, seed=seed)
+
+
+# ---------------------------------------------------------------- cones
+
+
+@writes("json")
+def count(
+    out: Output,
+    degree: int = o.DEGREE,
+    rest_elevation: str = o.REST_ELEVATION,
+    ratio: float = o.RATIO,
+    depth: float = o.DEPTH,
+    rest: str = o.REST_RULE,
+    end: str = o.END_RULE,
+    full: bool | None = o.FULL,
+) -> None:
+    """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut.
+
+    With --full each of them is judged in the full contact-admissible space (degrees up to 16).
+    """
+    from origami_nlp.paper import cone as cones
+
+    cone, nu = cones.Cone(degree, rest, end), _angle(rest_elevation, "--rest-elevation")
+    if full:
+        with progress("branch minima") as report:
+            judged = cones.full_space(cone, ratio, nu, progress=report)
+        cones.print_full_space(judged, out.console)
+        out.write("json", cones.full_space_to_dict, judged)
+        return
+    found = cones.count(cone, ratio, nu, depth=depth)
+    cones.print_count(found, out.console)
+    out.save("json", cones.write_lines, cones.count_to_dict(found))
+
+
+@writes("json", "figure")
+def foldings(out: Output, degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> None:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets); -o FILE.png draws them.
+
+    Drawn they are up to degree 16.
+    """
+    from origami_nlp.paper import cone as cones
+
+    cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
+    shown = degree <= 16 if listed is None else listed
+    cones.print_foldings(degree, out.console, shown)
+    out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
+    out.write("figure", lambda: cones.draw_foldings(cones.check_degree(degree), DRAWN_AT))
+
+
+@writes("json", "figure")
+def branch(
+    out: Output, flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE
+) -> None:
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees; -o FILE.png draws it."""
+    from origami_nlp.paper import cone as cones
+
+    nu = _angle(elevation, "--elevation")
+    state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
+    data = cones.branch_to_dict(state, nu)  # an error past the end, before anything is written
+    cones.print_branch(state, nu, out.console)
+    out.save("json", cones.write_lines, data)
+    out.write("figure", cones.draw_branch, state, [nu])
+
+
+@writes("json", "csv", "figure")
+def phase(
+    out: Output,
+    degree: int = o.DEGREE,
+    depth: float = o.DEPTH,
+    rest: str = o.REST_RULE,
+    end: str = o.END_RULE,
+    size: int = o.PHASE_SIZE,
+    without_contact: bool = o.WITHOUT_CONTACT,
+) -> None:
+    """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
+    from origami_nlp.paper import cone as cones
+
+    cones.check_size(size)
+    options: dict[str, Any] = {"size": size, "depth": depth, "contact": not without_contact}
+    with progress(f"cone of degree {degree}", size) as report:
+        diagram = cones.phase_diagram(cones.Cone(degree, rest, end), progress=report, **options)
+    cones.print_diagram(diagram, out.console)
+    out.write("csv", cones.map_as_csv, diagram)
+    out.write("json", cones.diagram_to_dict, diagram)
+    out.write("figure", cones.draw_phase, diagram)
+
+
+def _angle(text: str, option: str) -> float:
+    from origami_nlp.pattern import parse_angle
+
+    return parse_angle(text, option)
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")
 paper.add(demo, panels, verify, audit, transitions)
+cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
+cone.add(count, phase, foldings, branch)
 paper.add_typer(cone, name="cone")

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.io import printable
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 INTERVAL = 10.0
 """Seconds between two lines where there is no terminal."""
-PAUSE = 1.0
-"""Jobs that follow each other within so many seconds are one silence."""
 
 
 @dataclass
@@ -32,7 +30,7 @@ class ProgressReport:
     total: float | None = None
     done: float | None = None
     text: str = ""
-    listener: Callable[[ProgressReport], None] | None = None
+    listener: Callable[[ProgressReport], object] | None = None
 
     def __call__(
         self, done: float | None = None, total: float | None = None, text: str | None = None
@@ -45,33 +43,18 @@ class ProgressReport:
             self.listener(self)
 
     @property
-    def count(self) -> str:
-        """``3 of 18``, a share as ``40%``, or what is known of either."""
-        if self.total == 1.0:
-            return f"{self.done or 0.0:.0%}"
-        if self.total is not None:
-            return f"{self.done or 0:g} of {self.total:g}"
-        return "" if self.done is None else f"{self.done:g}"
-
-    @property
-    def state(self) -> str:
-        """Count and text."""
-        return ", ".join(filter(None, (self.count, self.text)))
-
-    @property
     def line(self) -> str:
-        """Title and state."""
-        return f"{self.title}: {self.state}" if self.state else self.title
+        """Title, count (``3 of 18``, a share as ``40%``) and text."""
+        count = "" if self.done is None else f"{self.done:g}"
+        if self.total is not None:
+            share, of = f"{self.done or 0.0:.0%}", f"{self.done or 0:g} of {self.total:g}"
+            count = share if self.total == 1.0 else of
+        return ": ".join(filter(None, (self.title, ", ".join(filter(None, (count, self.text))))))
 
 
 _running: list[ProgressReport] = []
-_heard = {"line": 0.0, "end": -PAUSE}
-"""When the last line came, and when the last job ended (`time.monotonic`)."""
-
-
-def wait(now: float) -> float:
-    """Return the seconds until the next line may come."""
-    return max(0.0, _heard["line"] + INTERVAL - now)
+_heard: list[float] = []
+"""When the last line came, or the first job began (`time.monotonic`)."""
 
 
 @contextmanager
@@ -83,23 +66,19 @@ def progress(title: str, total: float | None = None) -> Iterator[ProgressReport]
     """
     from origami_nlp.io import screen
 
-    report = ProgressReport(title, total)
-    console = screen("-")
-    show = _inside if _running else _bar if console.is_terminal else _lines
-    with show(report, console):
+    report, console = ProgressReport(title, total), screen("-")
+    if _running:
+        outer = _running[-1]
+        report.listener = lambda r: outer(text=r.line)
         report()
-        _running.append(report)
-        try:
+        yield report
+        return
+    _running.append(report)
+    try:
+        with (_bar if console.is_terminal else _lines)(report, console):
             yield report
-        finally:
-            _running.pop()
-
-
-@contextmanager
-def _inside(report: ProgressReport, _: Console) -> Iterator[None]:
-    outer = _running[-1]
-    report.listener = lambda r: outer(text=r.line)
-    yield
+    finally:
+        _running.pop()
 
 
 @contextmanager
@@ -107,16 +86,12 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
     from rich.table import Column
 
-    with Progress(
-        TimeElapsedColumn(),
-        BarColumn(16),
-        TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True)),
-        console=console,
-        transient=True,
-        redirect_stdout=False,  # rich would send it to standard error
-        redirect_stderr=False,
-    ) as bar:
-        task = bar.add_task("", total=report.total)
+    text = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True))
+    columns = TimeElapsedColumn(), BarColumn(16), text
+    # rich would send what is printed meanwhile to standard error
+    aside: Any = {"redirect_stdout": False, "redirect_stderr": False}
+    with Progress(*columns, console=console, transient=True, **aside) as bar:
+        task = bar.add_task(printable(report.line), total=report.total)
         report.listener = lambda r: bar.update(
             task, completed=r.done, total=r.total, description=printable(r.line)
         )
@@ -126,18 +101,14 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
 @contextmanager
 def _lines(report: ProgressReport, console: Console) -> Iterator[None]:
     start, over, stream = time.monotonic(), threading.Event(), console.file
-    if start - _heard["end"] >= PAUSE:
-        _heard["line"] = start
+    if not _heard:
+        _heard.append(start)
 
     def show() -> None:
-        while not over.wait(wait(time.monotonic())):
-            _heard["line"] = time.monotonic()
+        while not over.wait(max(0.0, _heard[0] + INTERVAL - time.monotonic())):
+            _heard[0] = now = time.monotonic()
             try:
-                print(
-                    printable(f"{report.line} ({time.monotonic() - start:.0f} s)"),
-                    file=stream,
-                    flush=True,
-                )
+                print(printable(f"{report.line} ({now - start:.0f} s)"), file=stream, flush=True)
             except (OSError, ValueError):  # nobody listens any more
                 return
 
@@ -149,4 +120,3 @@ def _lines(report: ProgressReport, console: Console) -> Iterator[None]:
     finally:
         over.set()
         thread.join()
-        _heard["end"] = time.monotonic()

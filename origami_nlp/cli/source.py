@@ -1,109 +1,82 @@
-"""What a command works on, wherever it comes from: scene file, FOLD file, example by name, standard input."""
+"""What a command works on, wherever it comes from: scene file, FOLD file, drawing, example by name, standard input."""
 
 from __future__ import annotations
 
 import json
 import math
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, wraps
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import check_whole, did_you_mean
+from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
-from origami_nlp.io import read_limited
+from origami_nlp.io import is_number, read_limited
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Frame, Pattern, Scene
 
-FOLD_OPTIONS = {
-    "vertex": o.VertexNumber,
-    "frame": o.FrameNumber,
-    "symmetry": o.FoldSymmetry,
-    "contact": o.FoldContact,
-}
-"""What of a FOLD file is meant; every command that takes a scene has them."""
-SPRINGS = {"stiffness": o.FoldStiffness, "rest_angle": o.FoldRestAngle, "rest_from": o.FoldRestFrom}
-"""Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
-CELLS = {"cell": o.Cell, "rolled": o.Rolled}
-PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "diagonal": o.Diagonal, **CELLS}
-"""What a command that takes springs and whole patterns has besides."""
-
 
 @dataclass(frozen=True)
 class Source:
-    """A scene or a pattern as the command line names it; nothing is read before it is asked for.
+    """A scene or a pattern as the command line names it; its fields are the options of all commands that take one.
+
+    Nothing is read before it is asked for.
 
     Attributes
     ----------
     name
         The file, ``-``, or an example such as ``miura:4x4``.
-    given
-        Those of `FOLD_OPTIONS`, `SPRINGS` and `PER_LENGTH` that were given.
+    vertex, frame, symmetry, contact
+        What of a file is meant.
+    stiffness, rest_angle, rest_from, per_length, bend, diagonal
+        Springs that a file leaves open.
+    snap
+        How far corners of a drawing may be moved.
+    cell, rolled
+        Of an example that repeats.
     """
 
-    name: str
-    given: dict[str, Any] = field(default_factory=dict)
+    name: str = o.ORIGAMI
+    vertex: int | None = o.VERTEX
+    frame: int | None = o.FRAME
+    symmetry: str | None = o.SYMMETRY
+    contact: str | None = o.CONTACT
+    stiffness: float | None = o.STIFFNESS
+    rest_angle: str | None = o.REST_ANGLE
+    rest_from: str | None = o.REST_FROM
+    per_length: bool | None = o.PER_LENGTH
+    bend: float | None = o.BEND
+    diagonal: str | None = o.DIAGONAL
+    snap: float | None = o.SNAP
+    cell: bool | None = o.CELL
+    rolled: str | None = o.ROLLED
+
+    @cached_property
+    def given(self) -> dict[str, Any]:
+        """The options that were given, by name."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)[1:]}
+        return {name: value for name, value in values.items() if value is not None}
 
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file, a drawing or an example, by its name or, without one, by its first letters."""
         from origami_nlp.pattern import is_drawing, is_json
 
-        if _named_scene(self.name):  # readers of drawings are not loaded then
+        if self._ending == ".toml":  # readers of drawings are not loaded then
             return is_json(self._content)
-        if _named_fold(self.name) or is_drawing(self.name):
+        if self._ending in (".fold", ".json") or is_drawing(self.name):
             return True
         return is_json(self._content) or is_drawing(self.name, self._content)
-
-    @property
-    def is_panels(self) -> bool:
-        """Whether it is the paper's panels, for the commands that take them all."""
-        return self.name == "panels" and not Path(self.name).exists()
 
     @cached_property
     def is_example(self) -> bool:
         """Whether it is an example by name."""
-        if Path(self.name).exists():
-            return False
         from origami_nlp.pattern import examples
 
-        return examples.is_example(self.name)
-
-    @cached_property
-    def _content(self) -> bytes:
-        from origami_nlp.pattern import LARGEST, is_drawing
-
-        if self.is_example:
-            from origami_nlp.pattern import examples
-
-            cells = cell_options(**{name: self.given.get(name) for name in CELLS})
-            return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
-        if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
-            from origami_nlp.pattern import examples
-
-            known = examples.names()
-            meant = did_you_mean(self.name.partition(":")[0], known)
-            raise OptionError(
-                f"{self.name!r} is no file, and no example: those are {', '.join(known)}{meant}"
-            )
-        if _named_fold(self.name):
-            return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
-        if not _named_scene(self.name) and is_drawing(self.name):
-            return read_limited(self.name, LARGEST, "drawing", FoldFileError)
-        return read_limited(self.name, LARGEST, "scene", SceneFileError)
-
-    @property
-    def _typed(self) -> str:
-        return "standard input" if self.name == "-" else self.name
-
-    @property
-    def vertex(self) -> int | None:
-        """The vertex asked for."""
-        return self.given.get("vertex")
+        return not Path(self.name).exists() and examples.is_example(self.name)
 
     @property
     def is_whole(self) -> bool:
@@ -113,47 +86,42 @@ class Source:
     @property
     def whole_contact(self) -> str | None:
         """The contact asked for of a whole pattern; a scene has its own."""
-        return self.given.get("contact") if self.is_whole else None
-
-    def frames(self) -> tuple[Frame, ...]:
-        """Return the frame asked for, or all."""
-        from origami_nlp.pattern import parse_fold
-
-        return parse_fold(self._content, self.given.get("frame"), source=self._typed)
+        return self.contact if self.is_whole else None
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
         from origami_nlp.pattern import decode_scene, vertex_scene
 
         if not self.is_fold:
-            self.refuse_options("a scene file states it itself", but=("symmetry",))
+            self._refuse(
+                "is for FOLD files (.fold); a scene file states it itself", but=("symmetry",)
+            )
             scene = decode_scene(self._content, self.name)
             note_normalized(scene.vertex.normalized)
-            if (symmetry := self.given.get("symmetry")) is None:
+            if self.symmetry is None:
                 return scene
-            return replace(scene, symmetry=symmetry, mirror=None, winding=None)
-        for option in PER_LENGTH.keys() & self.given.keys():
-            named = option.replace("_", "-")
-            raise OptionError(f"--{named} is for whole patterns, not for a vertex of one")
+            return replace(scene, symmetry=self.symmetry, mirror=None, winding=None)
+        whole = {"per_length", "bend", "diagonal", "snap", "cell", "rolled"} & self.given.keys()
+        self._refuse("is for whole patterns, not for a vertex of one", only=whole)
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
-        return vertex_scene(self._frame(), self.vertex, on_note=_note, **self._spring_options())
+        kept = {k: v for k, v in self.given.items() if k in ("symmetry", "contact")}
+        return vertex_scene(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
         if not self.is_whole:
             return self.read()
-        from origami_nlp.pattern import Pattern, fold_vertices
+        from origami_nlp.pattern import fold_vertices
 
         whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
-        if len(one) == 1 and not (isinstance(whole, Pattern) and whole.cell is not None):
-            number = one[0].number
-            _note(
-                f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
+        if len(one) == 1 and whole.cell is None:
+            note(
+                f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex, with its symmetry"
             )
-        for note in whole.notes:
-            _note(note)
+        for odd in whole.notes:
+            note(odd)
         return whole
 
     def read_pattern(self, contact: bool = False) -> Pattern:
@@ -164,41 +132,109 @@ class Source:
             raise OptionError(
                 f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
             )
-        for option in ("vertex", "symmetry", *["contact"] * (not contact)):
-            if option in self.given:
-                more = "leave it out" if option == "vertex" else "name it with --vertex"
-                raise OptionError(f"--{option} is for one vertex, not for a pattern: {more}")
+        one = "is for one vertex, not for a pattern: "
+        self._refuse(one + "leave it out", only=("vertex",))
+        self._refuse(one + "name it with --vertex", only=("symmetry", *["contact"] * (not contact)))
         for option, key in (("cell", "lattice"), ("rolled", "rolled")):
             if self.given.get(option) and not self.is_example:
                 raise OptionError(
                     f"--{option}: {self.name!r} is no example; what a FOLD file states is its origaminlp:{key}"
                 )
-        options = self._spring_options()
-        options.pop("contact", None)
-        whole = frame_pattern(self._frame(), **options)
-        whole = whole.with_springs(per_length=True) if self.given.get("per_length") else whole
-        bend, diagonal = self.given.get("bend"), self.given.get("diagonal")
-        if diagonal and bend is None:
-            raise OptionError("--diagonal is for facets that bend: give their stiffness, --bend K")
-        return whole if bend is None else with_bending(whole, bend, diagonal or "short")
+        frame = self._frame()
+        whole = frame_pattern(frame, snap=self.snap, **self._springs())
+        if self.snap is None and (off := _misses(frame, whole)):
+            note(
+                f"vertices miss folding flat by up to {math.degrees(off):.2g} degrees, as those of a drawing do: "
+                "--snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets facets "
+                "bend"
+            )
+        whole = whole.with_springs(per_length=True) if self.per_length else whole
+        if self.bend is None:
+            self._refuse(
+                "is for facets that bend: give their stiffness, --bend K", only=("diagonal",)
+            )
+            return whole
+        return with_bending(whole, self.bend, self.diagonal or "short")
 
-    def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
-        """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
-        if given := [name for name in self.given if name not in but]:
-            option = given[0].replace("_", "-")
-            raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
+    def frames(self) -> tuple[Frame, ...]:
+        """Return the frame asked for, or all."""
+        from origami_nlp.pattern import parse_fold
+
+        return parse_fold(self._content, self.frame, source=self._typed)
 
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold
 
-        number = self.given.get("frame", "first")
-        (frame,) = parse_fold(self._content, number, source=self._typed)
-        return frame
+        number = "first" if self.frame is None else self.frame
+        return parse_fold(self._content, number, source=self._typed)[0]  # type: ignore[arg-type]
 
-    def _spring_options(self) -> dict[str, Any]:
-        return spring_options(
-            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame", *PER_LENGTH)}
-        )
+    @property
+    def _ending(self) -> str:
+        return Path(self.name).suffix.lower()
+
+    @property
+    def _typed(self) -> str:
+        return "standard input" if self.name == "-" else self.name
+
+    @cached_property
+    def _content(self) -> bytes:
+        from origami_nlp.pattern import LARGEST, examples, is_drawing
+
+        if self.is_example:
+            cells = cell_options(self.cell, self.rolled)
+            return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
+        if self.name != "-" and not self._ending and not Path(self.name).exists():
+            known = examples.names()
+            meant = did_you_mean(self.name.partition(":")[0], known)
+            raise OptionError(
+                f"{self.name!r} is no file, and no example: those are {', '.join(known)}{meant}"
+            )
+        if self._ending in (".fold", ".json"):
+            return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
+        if self._ending != ".toml" and is_drawing(self.name):
+            return read_limited(self.name, LARGEST, "drawing", FoldFileError)
+        return read_limited(self.name, LARGEST, "scene", SceneFileError)
+
+    def _refuse(self, why: str, but: Any = (), only: Any = None) -> None:
+        """Raise an error for the first option that was given, of some, or of all but some."""
+        for name in self.given:
+            if name not in but and (only is None or name in only):
+                raise OptionError(f"--{name.replace('_', '-')} {why}")
+
+    def _springs(self) -> dict[str, Any]:
+        """Return the options about springs that were given, angles in radians."""
+        names = ("stiffness", "rest_angle", "rest_from")
+        found = {name: self.given[name] for name in names if name in self.given}
+        if self.stiffness is not None and not 0 < self.stiffness < math.inf:
+            raise OptionError(f"--stiffness = {self.stiffness:g} must be positive and finite")
+        if self.rest_angle is not None:
+            found["rest_angle"] = math.radians(_size(self.rest_angle))
+        return found
+
+
+DRAWN = 0.02
+"""What alternate angles round a vertex of a drawing that is meant to fold flat miss, at most [rad]."""
+
+
+def _misses(frame: Frame, whole: Pattern) -> float:
+    """Return by how much vertices miss folding flat [rad], of those that do by what a drawing does; else 0."""
+    from origami_nlp.numerics import CLOSURE_TOL
+    from origami_nlp.pattern import fold_vertices
+
+    off = [v.kawasaki for v in fold_vertices(frame)[0] if v.kawasaki is not None]
+    most = max((v for v in off if v <= DRAWN), default=0.0)
+    as_drawn = bool((whole.corners[: len(frame.coords)] == frame.coords).all())
+    return most if most > CLOSURE_TOL and as_drawn and not frame.folded else 0.0
+
+
+def _size(text: str) -> float:
+    """Return what --rest-angle says [deg]; what stands after --rest-from is a word."""
+    if is_number(text) and 0.0 <= float(text) <= 180.0:
+        return check_number("--rest-angle", float(text))
+    raise OptionError(
+        f"--rest-angle = {shown(text)} must be a number from 0 to 180 [deg], the size for creases without an angle; "
+        "whether a folded form rests as the file says or as measured is --rest-from file|measured"
+    )
 
 
 def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:
@@ -216,58 +252,16 @@ def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:
     return {"cell": True, "rolled": copies if len(copies) > 1 else copies[0]}
 
 
-def spring_options(**given: Any) -> dict[str, Any]:
-    """Return the options of FOLD files that were given, those about springs checked and in radians."""
-    options = {name: value for name, value in given.items() if value is not None}
-    stiffness = options.get("stiffness", 1.0)
-    if not isinstance(stiffness, str) and not 0 < stiffness < math.inf:
-        raise OptionError(f"--stiffness = {stiffness:g} must be positive and finite")
-    if "rest_angle" in options:
-        options["rest_angle"] = math.radians(float(options["rest_angle"]))
-    return options
-
-
-def takes_scene(
-    argument: Any, whole: bool = False, springs: bool = True
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command with the parameter ``scene: Source`` the argument for it, and the options of FOLD files.
-
-    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
-    springs for FOLD files that leave them open.
-    """
-    of_patterns: dict[str, Any] = PER_LENGTH if springs else CELLS
-    options = FOLD_OPTIONS | (SPRINGS if springs else {}) | (of_patterns if whole else {})
-
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
-        @wraps(command)
-        def run(scene: str, **others: Any) -> None:
-            values = {name: others.pop(name) for name in options}
-            source = Source(scene, {k: v for k, v in values.items() if v is not None})
-            if source.is_panels:
-                source.refuse_options("the panels are scenes")
-            command(scene=source, **others)
-
-        more = {name: (kind, None) for name, kind in options.items()}
-        return o.extended(run, command, more, last=True, scene=argument)
-
-    return decorate
-
-
 def note_normalized(change: float, most: str = "") -> None:
     """Say on standard error by how much ``normalize`` changed each sector angle [rad], where it did."""
     if change:
-        _note(
+        note(
             f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
         )
 
 
-def _named_fold(name: str) -> bool:
-    return Path(name).suffix.lower() in (".fold", ".json")
+def note(text: str) -> None:
+    """Say on standard error what is odd, or was assumed."""
+    from origami_nlp.io import printable
 
-
-def _named_scene(name: str) -> bool:
-    return Path(name).suffix.lower() == ".toml"
-
-
-def _note(note: str) -> None:
-    print(f"note: {note}", file=sys.stderr)
+    print(f"note: {printable(text)}", file=sys.stderr)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -32,6 +34,9 @@ def main(commands: Group | None = None) -> None:
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
         _one_thread()
+        if not sys.warnoptions:  # of libraries: people are told what to do, or nothing
+            logging.getLogger().addHandler(logging.NullHandler())
+            warnings.showwarning = _unsaid
         # most of what there is comes with imports and stays: looking through it again and again took 0.1 s
         gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
@@ -69,6 +74,10 @@ def _interruptible() -> Iterator[list[int]]:
     finally:
         if taken:
             signal.signal(signal.SIGINT, former)
+
+
+def _unsaid(*_: object, **__: object) -> None:
+    """Take a warning, and say nothing."""
 
 
 def _one_thread() -> None:

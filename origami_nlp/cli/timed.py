@@ -1,130 +1,131 @@
-"""A limit of wall time for a command: what was found until then is reported, and that the limit ended it, by name."""
+"""One clock for all commands: what was found in time is told and written, and the exit code is that of `timeout`."""
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import wraps
-from typing import Any, NoReturn
+from collections.abc import Callable
+from typing import Any
 
-import typer
+from origami_nlp.arguments import check_number
+from origami_nlp.errors import OUT_OF_TIME, Interrupted, NothingInTime
 
-from origami_nlp.cli import options as o
-from origami_nlp.errors import OUT_OF_TIME
-
-SHORTEST = 1e-6
-"""Seconds of a timer that is over at once: 0 would stop it."""
-
+GRACE = 1.0
+"""Seconds for which a verb that keeps to the limit itself may be late; then it is interrupted as by Ctrl-C, so that it
+keeps what it found, and after as long again it is ended."""
 AGAIN = 0.2
 """Seconds after which a command that goes on is ended once more: libraries that try one conversion of their arguments
 after another (CasADi) can take what ends it for an argument of another kind."""
-
-ENDED = 124
-"""Exit code, that of `timeout`."""
 
 
 class CommandOutOfTime(BaseException):
     """The time is over; no error, so that nothing takes it for an answer that failed."""
 
 
-_end: list[float] = []
-"""When the time is over (`time.monotonic`), for a command with a limit."""
-_rung: list[bool] = []
-"""Whether the command was asked to end."""
-_kept: list[Any] = []
-"""What the command has found, and not yet reported."""
+class Clock:
+    """The time of a command, and what the command has found in it.
 
+    Parameters
+    ----------
+    seconds
+        Of wall time; None: no limit.
 
-def keep(result: Any) -> None:
-    """Keep a result, to be reported if the time is over before the command reports more."""
-    _kept[:] = [result]
-
-
-@contextmanager
-def paused(again: bool = True) -> Iterator[float | None]:
-    """Let something keep to the limit itself; gives the seconds that are left, None without a limit.
-
-    again: whether the command is bound by it afterwards; one that only reports and writes what was found is not.
+    Attributes
+    ----------
+    found
+        The last result, to be reported where the command does not come to its end.
+    late, interrupted
+        Whether the time, or the user, ended the command.
     """
-    if not _end:
-        yield None
-        return
-    _arm(0.0)
-    yield max(_end[0] - time.monotonic(), 0.0)
-    if not again:
-        return
-    if time.monotonic() >= _end[0]:
-        raise CommandOutOfTime
-    _arm(_end[0] - time.monotonic())
 
+    def __init__(self, seconds: float | None) -> None:
+        if seconds is not None:
+            check_number("--seconds", seconds, 0.0)
+        self.seconds, self.end = seconds, time.monotonic() + (seconds or 0.0)
+        self.found: Any = None
+        self.late = self.interrupted = self._polite = False
 
-def end_of(found: Any) -> None:
-    """End a command whose result is written, with the exit code of one whose time was over where it was."""
-    if getattr(found, "interrupted", False):
-        raise typer.Exit(ENDED)
-
-
-def bounded(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the option ``--seconds``."""
-
-    @wraps(command)
-    def run(seconds: float | None = None, **given: Any) -> None:
+    def run(self, command: Callable[..., Any], **given: Any) -> Any:
+        """Return what a command returns, None where the time, or the user, ended it."""
+        main = threading.current_thread() is threading.main_thread()
+        self._able = self.seconds is not None and main and hasattr(signal, "setitimer")
+        former = signal.signal(signal.SIGALRM, self._ring) if self._able else None
         try:
-            with _limited(seconds):
-                command(**given)
-        except Exception as error:
-            if not _rung or isinstance(error, typer.Exit):
+            self._wait(self.end)
+            return command(**given)
+        except KeyboardInterrupt:
+            self.interrupted = not self.late
+        except (CommandOutOfTime, NothingInTime) as error:
+            if self.seconds is None:
+                raise error
+            self.late = True
+        except Exception:
+            # what comes of an end in the middle of a library is no answer of it
+            if not self.late:
                 raise
-            _out_of_time(seconds, given)
-        except CommandOutOfTime:
-            _out_of_time(seconds, given)
+        finally:
+            self._able = False
+            if former is not None:
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+                signal.signal(signal.SIGALRM, former)
+        return None
 
-    return o.extended(run, command, {"seconds": (o.Seconds, None)})
+    def within(
+        self, verb: Callable[..., Any], *given: Any, last: bool = True, **options: Any
+    ) -> Any:
+        """Return what a verb finds that keeps to the limit itself, as its ``seconds``; what is None is left to it.
 
+        last: whether the command has nothing more to find.
+        """
+        options = {k: v for k, v in options.items() if v is not None}
+        if self.seconds is not None:
+            options["seconds"] = max(self.end - time.monotonic(), 0.0)
+        try:
+            self._wait(self.end + GRACE, polite=True)
+            self.found = verb(*given, **options)
+        except Interrupted as early:  # of the user, or since the verb is late
+            self.found, self.interrupted = early.result, not self.late
+        self._wait(math.inf if last else self.end)
+        if self.interrupted or (self.late and not last):
+            raise KeyboardInterrupt if self.interrupted else CommandOutOfTime
+        self.late |= self.seconds is not None and is_cut(self.found)
+        return self.found
 
-def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
-    from origami_nlp.io import screen
+    @property
+    def over(self) -> bool:
+        """Whether the time is over."""
+        return self.seconds is not None and time.monotonic() >= self.end
 
-    console = screen(*map(o.place, given.get("out") or ()))
-    for result in _kept:
-        result.print_to(console)
-    console.print(
-        f"{OUT_OF_TIME} (--seconds {seconds:g}): "
-        + ("what stands above was found; the rest of the command" if _kept else "the command")
-        + " did not come to its end, and files that it had not written are not written"
-    )
-    raise typer.Exit(ENDED) from None
+    def rest(self) -> None:
+        """Let the command report and write what it found."""
+        self.late |= self.over
+        self._wait(math.inf)
 
+    def said(self) -> str:
+        """Say that the time ended the command."""
+        rest = "what stands above was found" if self.found else "nothing was found until then"
+        return f"{OUT_OF_TIME} (--seconds {self.seconds:g}): {rest}"
 
-@contextmanager
-def _limited(seconds: float | None) -> Iterator[None]:
-    _kept.clear()
-    _rung.clear()
-    if seconds is None:
-        yield
-        return
-    _end[:] = [time.monotonic() + seconds]
-    able = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
-    former = signal.signal(signal.SIGALRM, _over) if able else None
-    try:
-        _arm(max(seconds, SHORTEST))
-        yield
-    finally:
-        _end.clear()
-        _arm(0.0)
-        if able:
-            signal.signal(signal.SIGALRM, former)
+    def _wait(self, until: float, polite: bool = False) -> None:
+        self._polite = polite
+        if self._able:
+            left = 0.0 if until == math.inf else max(until - time.monotonic(), 1e-6)
+            signal.setitimer(signal.ITIMER_REAL, left, AGAIN)
 
-
-def _over(*_: object) -> None:
-    if _end:
-        _rung[:] = [True]
+    def _ring(self, *_: object) -> None:
+        if not self._able:
+            return
+        self.late = True
+        if self._polite:
+            self._wait(time.monotonic() + GRACE)
+            raise KeyboardInterrupt
         raise CommandOutOfTime
 
 
-def _arm(seconds: float) -> None:
-    if hasattr(signal, "setitimer"):
-        signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN if seconds else 0.0)
+def is_cut(found: Any) -> bool:
+    """Return whether a time limit ended what was to be found."""
+    search = getattr(found, "search", None)
+    stopped = getattr(search, "stopped_by", "") == "time" or getattr(search, "left_out", ())
+    return bool(stopped or getattr(found, "interrupted", False))

@@ -25,6 +25,8 @@ LAYERS = (
     (r"unassigned|^u$", "U"),
 )
 """What a layer is, by a part of its name; the first that fits."""
+DEEPEST = 50
+"""Blocks within each other."""
 INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}
 
 
@@ -68,9 +70,8 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
         ) from None
     found = LineList(name, options)
-    for count, entity in enumerate(disassemble.recursive_decompose(document.modelspace())):
-        if count > MOST_LINES:
-            raise DrawingError(f"{name} has more than {MOST_LINES} entities: no crease pattern")
+    _check_blocks(document, name)
+    for entity in disassemble.recursive_decompose(document.modelspace()):
         kind = entity.dxftype()
         if kind not in ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
             found.left_out[kind] += 1
@@ -87,6 +88,31 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             found.add(points, letter, math.nan, f"in a {kind} of layer {entity.dxf.layer!r}")
     found.length_unit = INSUNITS.get(document.header.get("$INSUNITS", 0), "")
     return found.lines("layers and colours", y_down=False)
+
+
+def _check_blocks(document: Any, name: str) -> None:
+    """Refuse a drawing whose blocks hold themselves, or each other so often that few lines become millions."""
+    sizes: dict[str, int] = {}
+
+    def size(block: str, around: tuple[str, ...] = ()) -> int:
+        if block in around or len(around) > DEEPEST:
+            raise DrawingError(
+                f"{name}: its block {block!r} holds itself, or blocks within blocks without end"
+            )
+        if block not in sizes:
+            inside = document.modelspace() if not block else document.blocks.get(block) or ()
+            sizes[block] = sum(
+                max(one.mcount, 1) * (1 + size(one.dxf.name.lower(), (*around, block)))
+                if one.dxftype() == "INSERT"
+                else 1
+                for one in inside
+            )
+        return sizes[block]
+
+    if (many := size("")) > MOST_LINES:
+        raise DrawingError(
+            f"{name} has {many:,} entities, more than {MOST_LINES:,}: no crease pattern"
+        )
 
 
 def _letter(found: LineList, entity: Any, document: Any) -> str | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from origami_nlp.numerics import EPS, groups
 
 RANK = "BCMVUF"
 """Which letter stays where two lie on each other: the first; M and V contradict each other."""
+MOST_MEETINGS, A_TIME = 4_000_000, 1000
+"""Ends on lines and crossings of a drawing, and shapes that are looked at together."""
 ROUNDS = 30
 """Of joining and splitting; drawings take two to four."""
 
@@ -92,14 +95,12 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
     >>> made.points[-1].tolist(), made.edges.tolist(), made.letters
     ([1.0, 1.0], [[0, 4], [1, 4], [2, 4], [3, 4]], ('M', 'M', 'V', 'V'))
     """
-    n = len(ends)
     points = ends.reshape(-1, 2)
-    pieces = np.arange(2 * n).reshape(-1, 2)
-    line = np.arange(n)
     points, at = _join(points, len(points), tolerance)
     moved = float(np.linalg.norm(points[at] - ends.reshape(-1, 2), axis=1).max(initial=0.0))
     joined = int((np.abs(points[at] - ends.reshape(-1, 2)).max(axis=1) > 0).sum())
-    pieces, line, vanished = _remap(at, pieces, line)
+    pieces, line, vanished = _remap(at, np.arange(len(at)).reshape(-1, 2), np.arange(len(ends)))
+    pieces, line = _twice_at_most(pieces, line, letters, angles)
     drawn, split, crossed = len(points), 0, 0
     for _ in range(ROUNDS):
         pieces, line, cuts = _split_at_points(points, pieces, line, tolerance)
@@ -120,9 +121,7 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
 
 def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """Return one point for each group within the tolerance, and which each belongs to; drawn: the first ones are."""
-    from scipy.spatial import cKDTree
-
-    group = groups(len(points), cKDTree(points).query_pairs(tolerance, output_type="ndarray"))
+    group = groups(len(points), _near(points, tolerance))
     count = int(group.max()) + 1
     many = np.bincount(group, minlength=count)
     mean = (
@@ -133,6 +132,31 @@ def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray,
     order = np.lexsort((off, np.arange(len(points)) >= drawn, group))
     first = order[np.concatenate([[True], np.diff(group[order]) > 0])]
     return points[first], group
+
+
+def _near(points: np.ndarray, tolerance: float) -> np.ndarray:
+    """Return pairs of points by which all hang together that are as near, [P, 2]: not all pairs, of many in a place.
+
+    Points in one square of half the tolerance are one, and of two such squares the nearest points count.
+    """
+    from scipy.spatial import cKDTree
+
+    places = np.floor(points / (0.5 * tolerance))
+    squares, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    of = of.ravel()
+    order, many = np.argsort(of, kind="stable"), np.bincount(of)
+    members = np.split(order, np.cumsum(many)[:-1])
+    # of squares at most two apart in x and in y points may be near
+    a, b = cKDTree(squares).query_pairs(2.0, p=np.inf, output_type="ndarray").T
+    alone = (many[a] == 1) & (many[b] == 1)
+    near = np.linalg.norm(points[first[a]] - points[first[b]], axis=1) <= tolerance
+    pairs = [np.column_stack([np.arange(len(points)), first[of]])]
+    pairs.append(np.column_stack([first[a], first[b]])[alone & near])
+    for k in np.flatnonzero(~alone).tolist():
+        one, other = members[a[k]], members[b[k]]
+        least = cKDTree(points[one]).query(points[other])[0].min()
+        pairs.append(np.array([[one[0], other[0]]] if least <= tolerance else []).reshape(-1, 2))
+    return np.concatenate(pairs).astype(int)
 
 
 def _remap(
@@ -150,6 +174,32 @@ def _once_a_line(pieces: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.n
     return pieces[first], line[first]
 
 
+def _twice_at_most(
+    pieces: np.ndarray, line: np.ndarray, letters: Sequence[str], angles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return two of the pieces, in order, that are drawn alike with the same ends."""
+    known = np.unique(np.array(list(letters)), return_inverse=True)[1].ravel()[line]
+    key = np.column_stack([np.sort(pieces, axis=1), known, np.nan_to_num(angles[line], nan=1e3)])
+    alike = np.unique(key, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(alike, kind="stable")
+    begin = np.searchsorted(alike[order], alike[order])
+    kept = np.sort(order[np.arange(len(order)) - begin < 2])
+    return pieces[kept], line[kept]
+
+
+def _pairs(tree: Any, shapes: np.ndarray, **how: Any) -> np.ndarray:
+    """Return which shapes meet which of a tree, [2, P]; many at a time, so that too many are refused in time."""
+    found, total = [np.zeros((2, 0), int)], 0
+    for begin in range(0, len(shapes), A_TIME):
+        found.append(tree.query(shapes[begin : begin + A_TIME], **how) + np.array([[begin], [0]]))
+        total += found[-1].shape[1]
+        if total > MOST_MEETINGS:
+            raise DrawingError(
+                f"the drawing: its lines meet more than {MOST_MEETINGS:,} times: no crease pattern"
+            )
+    return np.concatenate(found, axis=1)
+
+
 def _split_at_points(
     points: np.ndarray, pieces: np.ndarray, line: np.ndarray, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray, int]:
@@ -160,7 +210,7 @@ def _split_at_points(
         return pieces, line, 0
     used = np.unique(pieces)
     tree = STRtree(linestrings(points[pieces]))
-    which, piece = tree.query(as_points(points[used]), predicate="dwithin", distance=tolerance)
+    which, piece = _pairs(tree, as_points(points[used]), predicate="dwithin", distance=tolerance)
     vertex = used[which]
     a, b = points[pieces[piece, 0]], points[pieces[piece, 1]]
     along = ((points[vertex] - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1)
@@ -193,7 +243,7 @@ def _split_at_crossings(
     from shapely import STRtree, linestrings
 
     shapes = linestrings(points[pieces])
-    one, other = STRtree(shapes).query(shapes, predicate="intersects")
+    one, other = _pairs(STRtree(shapes), shapes, predicate="intersects")
     # those that share an end meet nowhere else: where one lies on the other, points on lines have split it
     apart = (one < other) & (pieces[one][:, :, None] != pieces[other][:, None, :]).all(axis=(1, 2))
     one, other = one[apart], other[apart]

@@ -131,7 +131,12 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         )
     letters = np.array(noded.letters)
     border = found.outer & keep
-    if not stated:
+    open_ = np.isin(noded.edges[border], loose).any()
+    if not stated and open_:
+        notes.append(
+            "no border is drawn, and creases end in the open, so that the outline is none: add the outline of the paper"
+        )
+    elif not stated:
         taken = border & (letters != "C")
         letters[taken] = "B"
         notes.append(f"no border is drawn: the outline, {int(taken.sum())} edges, is taken for it")

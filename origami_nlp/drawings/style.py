@@ -34,7 +34,6 @@ _NAMES = {
 LOOKS = ("stroke", "stroke-opacity", "opacity", "display", "visibility")
 INHERITED = ("stroke", "stroke-opacity", "visibility")
 """Properties that are read, and those of them that groups hand down; opacity is the element's own."""
-_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 _COMPOUND = re.compile(r"^(?:[\w-]+|\*)?(?:[.#][\w-]+)*$")
 _PART = re.compile(r"([.#]?)([\w-]+|\*)")
 
@@ -68,11 +67,17 @@ def canonical_colour(text: str) -> str:
 def declarations(text: str) -> Declarations:
     """Return what a style attribute, or the body of a rule, says of the properties that are read."""
     found = {}
-    for one in re.sub(r"/\*.*?\*/", "", text, flags=re.S).split(";"):
+    for one in _bare(text).split(";"):
         key, _, value = one.partition(":")
         if (key := key.strip().lower()) in LOOKS:
             found[key] = re.sub(r"!\s*important", "", value).strip()
     return found
+
+
+def _bare(text: str) -> str:
+    """Return CSS without comments; in time that grows with its length."""
+    first, *rest = text.split("/*")
+    return first + "".join(part.partition("*/")[2] for part in rest)
 
 
 @dataclass(frozen=True)
@@ -102,9 +107,12 @@ class Sheet:
         self.rules: list[_Rule] = []
         self.left_out: list[str] = []
         for style in root.iter("style"):
-            text = re.sub(r"/\*.*?\*/|<!--|-->|@import[^;]*;", "", style.text or "", flags=re.S)
-            for selectors, body in _RULE.findall(text):
+            text = _bare(style.text or "").replace("<!--", "").replace("-->", "")
+            for rule in text.split("}")[:-1]:
+                head, _, body = rule.rpartition("{")
                 said = declarations(body)
+                # after what imports, or stands around it
+                selectors = head.rpartition("{")[2].rpartition(";")[2]
                 for selector in selectors.split(",") if said else ():
                     self._add(" ".join(selector.split()), said)
         self.rules.sort(key=lambda rule: rule.weight)

@@ -28,7 +28,6 @@ _NOT_DRAWN = frozenset(
 )
 _SHAPES = frozenset("line polyline polygon rect path".split())
 _OTHERS = frozenset("circle ellipse use text image foreignObject".split())
-_TRANSFORM = re.compile(r"(\w+)\s*\(([^)]*)\)")
 
 
 def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
@@ -182,7 +181,9 @@ def _affine(a: float, b: float, c: float, d: float, e: float, f: float) -> np.nd
 def _matrix(element: Element, name: str) -> np.ndarray:
     """Return the transform of an element: its functions apply from the right to the left."""
     matrix, text = np.eye(3), element.get("transform", "")
-    for kind, words in _TRANSFORM.findall(text):
+    for part in text.split(")")[:-1]:
+        kind, _, words = part.strip(" ,\t\r\n").partition("(")
+        kind = kind.strip()
         n = [float(w) for w in re.findall(NUMBER, words)]
         try:
             matrix = matrix @ _function(kind, n)

@@ -6,12 +6,12 @@ import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any
-from xml.sax.saxutils import escape, quoteattr
+from xml.sax.saxutils import escape
 
 import numpy as np
 
 from origami_nlp.drawings.dxf import dxf_text
-from origami_nlp.drawings.oripa_files import CP_CODES, OPX_CODES
+from origami_nlp.drawings.oripa_files import CP_CODES
 from origami_nlp.drawings.sheet import Drawing
 from origami_nlp.drawings.style import SIMULATOR_COLOURS
 from origami_nlp.errors import DrawingError, OptionError
@@ -180,33 +180,6 @@ def cp(drawing: Drawing, notes: list[str]) -> str:
     )
 
 
-def opx(drawing: Drawing, notes: list[str]) -> str:
-    """Return the Java beans of an ``.opx`` file; as in Java, what is 0 is left out."""
-    _lost(drawing, notes, ".opx")
-    code = {letter: number for number, letter in OPX_CODES.items()}
-    beans = []
-    for k, (letter, row) in enumerate(zip(drawing.letters, _down(drawing).tolist(), strict=True)):
-        own = [("type", "int", str(code[letter]))] if code[letter] else []
-        own += [
-            (n, "double", repr(v)) for n, v in zip(("x0", "y0", "x1", "y1"), row, strict=True) if v
-        ]
-        lines = "".join(f'<void property="{n}"><{t}>{v}</{t}></void>' for n, t, v in own)
-        beans.append(
-            f'<void index="{k}"><object class="oripa.OriLineProxy">{lines}</object></void>'
-        )
-    title = f'<void property="title"><string>{escape(drawing.title)}</string></void>'
-    return "\n".join(
-        [
-            '<?xml version="1.0" encoding="UTF-8"?>',
-            '<java version="1.6.0" class="java.beans.XMLDecoder"><object class="oripa.DataSet">',
-            f'<void property="lines"><array class="oripa.OriLineProxy" length={quoteattr(str(len(beans)))}>',
-            *beans,
-            f"</array></void>{title if drawing.title else ''}</object></java>",
-            "",
-        ]
-    )
-
-
 def oripa_dxf(drawing: Drawing, notes: list[str]) -> str:
     """Return DXF with the layers of ORIPA and Oriedita."""
     _lost(drawing, notes, "DXF")
@@ -221,5 +194,5 @@ def oripa_dxf(drawing: Drawing, notes: list[str]) -> str:
     return dxf_text(dict(layers.values()), drawing.length_unit, draw)
 
 
-WRITTEN = {".svg": simulator_svg, ".dxf": oripa_dxf, ".cp": cp, ".opx": opx}
+WRITTEN = {".svg": simulator_svg, ".dxf": oripa_dxf, ".cp": cp}
 """What writes each format."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import OptionError, OutOfTime
+from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
@@ -220,7 +220,7 @@ class Driver:
             try:
                 found = search(self.at(0.0))
             except OutOfTime:
-                raise OptionError(CUT) from None
+                raise NothingInTime(CUT) from None
             if not found:
                 raise OptionError("no stable state was found at load 0")
             state = found[check_whole("state", state, 1, len(found)) - 1]

@@ -62,7 +62,8 @@ class Completeness(ShortRepr):
     Attributes
     ----------
     status
-        ``"proved"``; ``"proved-except-singular"``: except within the regions `singular`; ``"not-proved"``.
+        ``"proved"``; ``"proved-except-singular"``: but for the flat foldings and other states of `singular`, judged by
+        their cones; ``"not-proved"``.
     reason
         Why it is not proved; "" where it is.
     boxes
@@ -80,8 +81,8 @@ class Completeness(ShortRepr):
     undecided
         Where minima may be that are not listed.
     singular
-        States at which the creases lose rank, each judged by its cone of directions; `Open.isolated` where they are
-        shown to stand alone.
+        States at which the creases lose rank, flat foldings above all, each judged by its cone of directions;
+        `Open.isolated` where one is shown to stand alone (the flat state).
     added
         Minima that the search had not found.
     over
@@ -92,8 +93,8 @@ class Completeness(ShortRepr):
     --------
     >>> import origami_nlp as o
     >>> scene = o.examples.degree6("pi/4", ratio=1, contact="fold-limits")
-    >>> o.find_minima(scene, prove=True).completeness.proved
-    True
+    >>> o.find_minima(scene, prove=True).completeness.status
+    'proved-except-singular'
     """
 
     status: str
@@ -135,7 +136,7 @@ class Completeness(ShortRepr):
             but = (
                 ""
                 if self.proved
-                else f" except at {_states(len(self.singular) - len(alone))} (below)"
+                else f" but for {_states(len(self.singular) - len(alone))}, judged by their cones (below)"
             )
             listed = "the one minimum is" if self.minima == 1 else f"all {self.minima} minima are"
             yield f"complete: proved{but}: {listed} listed ({work})"

@@ -27,14 +27,13 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp import kkt, numerics, problem, starts as starting
+from origami_nlp import numerics, problem, starts as starting
 from origami_nlp.minima import descent_rules
 from origami_nlp.minima.descent_rules import (
     FIRST_REACH,
     LONG_CHAIN,
     MOST_ONE_BY_ONE,
     MOST_STEPS,
-    REACH,
 )
 from origami_nlp.problem import OPEN, Model
 from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, put
@@ -43,9 +42,8 @@ AT_ONCE = 512
 """Creases of the descents between two looks at the time, and at Ctrl-C."""
 INTS = (
     "n m rays creases period first entries pairs walls stacks plane shifted laws limits many chain steps"
-    " projects"
 ).split()
-FLOATS = ["level", "longest"]
+FLOATS = ["level"]
 FLOAT_ARRAYS = (
     "flat factor onward mirror lever over stiffness rest load root metric low high across"
     " law_weight law_shift law_piece law_grid".split()
@@ -53,16 +51,15 @@ FLOAT_ARRAYS = (
 INT_ARRAYS = (
     "crease variable entry three before pair real gap wall stack law law_at law_cell".split()
 )
-OF_FLOATS = ["x", "kept_x", "reach", "path"]
+OF_FLOATS = ["x", "kept_x", "reach"]
 HELD = ("at_limit", "slots", "sides")
 FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
-OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "went", *FLAGGED]
+OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", *FLAGGED]
 NAMES = {
     numerics: "CHOSEN CLOSURE_TOL CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED"
     " SAME_ENERGY SINGULAR TINY",
     descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH LEAST_PIVOT NEAR NEXT NO_SLOPE REACH SADDLE"
     " SHORTEST STALLED STIFF",
-    kkt: "LONGEST_MOVE",
     starting: "CLOSED NAMELESS POOR QUADRATIC SETTLING SLOTS STEPS",
 }
 """Numbers that C takes from here."""
@@ -133,10 +130,6 @@ class Descents:
         Time of `time.monotonic` after which none is begun.
     threads
         That share the samples; each has its own end, whoever makes it.
-    steps
-        Of a descent, at most.
-    longest
-        Step of a fold angle [rad].
 
     Attributes
     ----------
@@ -149,8 +142,6 @@ class Descents:
         model: Model,
         until: float = math.inf,
         threads: int = 1,
-        steps: int = MOST_STEPS,
-        longest: float = REACH,
     ) -> None:
         self.until, self._threads = until, threads
         self.model, self.closing, self.crossings = model, Closing(model), VertexCrossings(model)
@@ -162,9 +153,7 @@ class Descents:
             "limits": model.has_limits,
             "many": plain and model.size > MOST_ONE_BY_ONE,
             "chain": plain and model.size >= LONG_CHAIN,
-            "steps": steps,
-            "longest": longest,
-            "projects": False,
+            "steps": MOST_STEPS,
             "across": model.root,
             "low": model.fold_limits.low,
             "high": model.fold_limits.high,
@@ -185,54 +174,23 @@ class Descents:
         """Whether there is a compiler, and there are no forces in space."""
         return self._descend is not None
 
-    def run(self, starts: Samples, paths: list[np.ndarray] | None = None) -> Ends:
+    def run(self, starts: Samples) -> Ends:
         """Descend from closed samples.
 
         The hold of a sample ends once its stratum is reached: contacts that pull are let go then.  A sample at which
-        linear algebra breaks down ends where it started.  paths: filled with the states after each step, closed,
-        [S, n] of each sample.
+        linear algebra breaks down ends where it started.
         """
-        arrays = self._in_c(starts, self._vertex, paths is not None)
-        if paths is not None:
-            paths += (
-                path[:went] for path, went in zip(arrays["path"], arrays["went"], strict=True)
-            )
+        arrays = self._in_c(starts, self._vertex)
         at_limit, slots, sides, hold = (arrays[name] for name in (*HELD, "hold"))
         s = Samples(arrays["x"], at_limit, slots, sides, hold != 0, starts.source)
         converged, settled, broken = (arrays[name] != 0 for name in FLAGGED[2:])
         put(s, np.flatnonzero(broken), starts[broken])
         return Ends(s, converged & ~broken, settled & ~broken, broken)
 
-    def project(
-        self, starts: Samples, steps: int
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Project samples onto closure as `kkt.project` does, what they hold staying so, then clip to fold limits.
-
-        Parameters
-        ----------
-        starts
-            States; creases at which `at_limit` is not 0 stay where they are.
-        steps
-            Most steps.
-
-        Returns
-        -------
-        x, residual
-            As `kkt.project`; x within the fold limits.
-        good, known : numpy.ndarray
-            Shape [K]: which x is closed and `Model.admissible`; where closure is well enough conditioned for all that
-            to be the same.
-        """
-        vertex = VertexInC.from_buffer_copy(self._vertex)
-        vertex.projects, vertex.steps = 1, steps
-        arrays = self._in_c(starts, vertex)
-        return arrays["x"], arrays["reach"], arrays["converged"] != 0, arrays["broken"] == 0
-
     def _in_c(
         self,
         starts: Samples,
         vertex: VertexInC,
-        keeps: bool = False,
     ) -> dict[str, np.ndarray]:
         """Run C on copies of samples, which are returned."""
         k, x = len(starts), np.array(starts.x, order="C")
@@ -240,21 +198,17 @@ class Descents:
             name: np.array(getattr(starts, name), dtype=np.int64, order="C")
             for name in (*HELD, "hold")
         }
-        reach = np.full(k, min(FIRST_REACH, vertex.longest))
+        reach = np.full(k, FIRST_REACH)
         arrays = {"x": x, "reach": reach, **held}
-        if keeps:
-            arrays["path"] = np.empty((k, vertex.steps, x.shape[1]))
-        if not vertex.projects:  # which asks for nothing of these
-            arrays["kept_x"] = np.empty_like(x)
-            arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
-        flags = FLAGGED[2:] if vertex.projects else (*FLAGGED, "went")
-        arrays |= {name: np.zeros(k, dtype=np.int64) for name in flags}
+        arrays["kept_x"] = np.empty_like(x)
+        arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
+        arrays |= {name: np.zeros(k, dtype=np.int64) for name in FLAGGED}
         state = SamplesInC(**{name: numerics.address(a) for name, a in arrays.items()})
         part, call = max(1, AT_ONCE // x.shape[1]), self._descend
         assert call is not None
 
         def descend(first: int) -> bool:
-            late = not vertex.projects and time.monotonic() > self.until
+            late = time.monotonic() > self.until
             return late or call(
                 ctypes.byref(vertex), ctypes.byref(state), first, min(first + part, k)
             )

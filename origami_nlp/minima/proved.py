@@ -7,7 +7,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,11 +20,9 @@ from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
-    Isolation,
     Proof,
     ProofOptions,
     ProvedCriticalPoint,
-    isolated,
     prove,
     why_not as touches_not_proved,
 )
@@ -159,21 +156,16 @@ def hold_against(
         if new and answer is not None and answer.is_minimum:
             added.append(answer)
         undecided += _disagreement(model, point, answer, against)
-    # what stands alone within fold limits does so among the states that contact admits
-    limits = model
-    if model.scene.contact != "fold-limits":
-        limits = Model(replace(model.scene, contact="fold-limits"))
 
     def open_region(cluster: Cluster) -> Open:
         return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
 
-    lemmas: dict[tuple[int, ...], list[Isolation]] = {}
     least = _worth_judging(model, proof)
     singular = _merged(
         [
             open_region(cluster)
             if time.monotonic() > until
-            else _stands_alone(model, limits, record, cluster, added, lemmas)
+            else _judged(model, record, cluster, added)
             if k in least
             else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
             for k, cluster in enumerate(proof.singular)
@@ -328,30 +320,6 @@ def _disagreement(
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
 
 
-def _stands_alone(
-    model: Model,
-    limits: Model,
-    record: Record,
-    cluster: Cluster,
-    added: list[FoundState],
-    lemmas: dict[tuple[int, ...], list[Isolation]],
-) -> Open:
-    """Judge a singular state, isolated by its lemma where that works; one lemma may hold for several clusters."""
-    if cluster.touches:
-        return _judged(model, record, cluster, added)
-    shown = lemmas.setdefault(tuple(cluster.stratum), [])
-    lemma = next((one for one in shown if one.holds(cluster.lower, cluster.upper)), None)
-    if lemma is None:
-        middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
-        lemma = isolated(limits, middle, cluster.stratum)  # type: ignore[arg-type]
-        if not lemma.holds(cluster.lower, cluster.upper):
-            return _judged(model, record, cluster, added)
-        shown.append(lemma)
-    x, core = np.array(lemma.point), lemma.core
-    verdict = _verdict_at(model, record, x, added)
-    return _region(model, x - core, x + core, cluster.reason, verdict, lemma.reason)
-
-
 def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[FoundState]) -> str:
     """Return what an exact singular state is; one that is not on record is judged and filed."""
     answer = record.known(x)
@@ -370,15 +338,16 @@ def _judged(model: Model, record: Record, cluster: Cluster, added: list[FoundSta
         return _region(model, lower, upper, cluster.reason)
     middle = 0.5 * (lower + upper)
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
-    if not inside:
+    verdicts: set[str] = {a.what.verdict for a in inside if a.what is not None}
+    exact = _singular(model, middle)
+    if exact is not None and _within(exact, lower, upper):
+        verdicts.add(_verdict_at(model, record, exact, added))
+    elif not inside:
         answer, new = _file(model, record, middle)
         if answer is not None:
             added += [answer] * (new and answer.is_minimum)
-            inside = [answer] if _within(answer.polished.x, lower, upper) else []
-    verdicts: set[str] = {a.what.verdict for a in inside if a.what is not None}
-    exact = None if inside else _singular(model, middle)
-    if exact is not None and _within(exact, lower, upper):
-        verdicts = {_verdict_at(model, record, exact, added)}
+            if answer.what is not None and _within(answer.polished.x, lower, upper):
+                verdicts = {answer.what.verdict}
     return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
 
 

@@ -26,6 +26,8 @@ ROUNDS = 8
 """Of Newton."""
 COARSE = 1e-3
 """Angles [rad] below which a file must state its sectors, or nothing can be said of what was drawn."""
+SNAPPED = 0.1
+"""As much where a person says how far corners may be off."""
 SOFT = 1e-10
 """Rows that depend on others are weighed with this, so that they need not be known beforehand."""
 LIGHT = 1e-6
@@ -64,6 +66,7 @@ def made_exact(
     polygons: Sequence[Sequence[int]],
     joins: Sequence[Side] = (),
     unit: float = 0.0,
+    coarse: float = COARSE,
 ) -> Exact:
     """Move corners as little as makes faces plane and relations between sectors hold.
 
@@ -77,6 +80,8 @@ def made_exact(
         Sides that are no creases.
     unit
         Last decimal place of the corners; 0 for whole doubles.
+    coarse
+        Angles [rad] up to which that may leave sectors open, or nothing is said of what was drawn.
 
     Returns
     -------
@@ -96,7 +101,7 @@ def made_exact(
     x = (corners - origin) / size
     at = _Sectors(polygons, joins)
     shortest = size * float(at.lengths(x).min())
-    rows = at.relations(x, unit / size)
+    rows = at.relations(x, unit / size, coarse)
     most = 2 * unit if rows is not None and rows.by_digits else RESOLVED * size
     for relations in (rows, None) if rows is not None else (None,):
         wanted = relations.missing(at.measures(x)) if relations is not None else np.zeros(0)
@@ -195,7 +200,7 @@ class _Sectors:
             [of_angles, spread([self.start, self.end], [-along, along])]
         ).tocsr()
 
-    def relations(self, x: np.ndarray, unit: float) -> _Relations | None:
+    def relations(self, x: np.ndarray, unit: float, coarse: float) -> _Relations | None:
         """Find what holds within the digits; None where there is nothing to hold."""
         if not self.rings or self.many > MOST_POLYGONS:
             return None
@@ -203,7 +208,7 @@ class _Sectors:
         # both ends of a side off by a last place turn it by twice that over its length
         with np.errstate(divide="ignore"):  # two corners in one place: nothing is stated there
             blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
-        by_digits = RESOLVED < float(blur[self.inside].max()) <= COARSE
+        by_digits = RESOLVED < float(blur[self.inside].max()) <= coarse
         angles, sides = len(u), len(self.start)
         if not by_digits:
             blur[:] = RESOLVED

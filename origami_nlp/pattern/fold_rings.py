@@ -284,7 +284,10 @@ def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> N
         hint = "" if frame.folded else _hint(frame.coords[:, :2], own, part)
         raise FoldFileError(
             f"the facets fall into {count} parts that no crease joins: "
-            + (hint or "give each part a file of its own")
+            + (
+                hint
+                or "give each part a file of its own; of a drawing origami-nlp convert --part K takes one"
+            )
         )
 
 

@@ -19,10 +19,9 @@ from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.fold_rings import Rings
 from origami_nlp.pattern.fold_springs import (
     LETTERS_ONLY,
-    are_silent,
     check_fold_springs,
     fold_springs,
-    unused_words,
+    spring_notes,
 )
 from origami_nlp.pattern.scene import Contact, Scene
 
@@ -232,9 +231,7 @@ def vertex_scene(
     scene = scene_at(frame, here, **options)
     for note in (*frame.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
         on_note(note)
-    if _by_letters(frame, here, **options):
-        on_note(LETTERS_ONLY)
-    for note in _unused(frame, here, **options):
+    for note in _spring_notes(frame, here, **options):
         on_note(note)
     return scene
 
@@ -276,7 +273,8 @@ def vertex_scenes(
             f"frame {frame.number} has no interior vertex that can be analysed: "
             + ("; ".join(notes) or "origami-nlp inspect says why of each")
         )
-    if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
+    said = (_spring_notes(frame, v, **options) for v in found if v.number in scenes)
+    if any(LETTERS_ONLY in notes for notes in said):
         on_note(LETTERS_ONLY)
     return scenes
 
@@ -307,23 +305,7 @@ def _what_it_is(frame: Frame, number: int) -> str:
     return f"has no crease in {here}" if number in ring.interior else f"is on the border of {here}"
 
 
-def _unused(
-    frame: Frame,
-    one: FoldVertex,
-    *,
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
-    **others: Any,
-) -> list[str]:
-    at = np.searchsorted(frame.numbers, one.edges)
-    return unused_words(frame, at, np.array(one.fold_angles), stiffness, rest_angle, rest_from)
-
-
-def _by_letters(
-    frame: Frame, v: FoldVertex, rest_angle: float = math.pi, rest_from: str | None = None, **_: Any
-) -> bool:
-    """Return whether M and V alone say that every crease of a vertex rests fully folded."""
-    silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))
-    letters = not frame.folded or rest_from == "file"
-    return silent and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi
+def _spring_notes(frame: Frame, v: FoldVertex, **options: Any) -> list[str]:
+    own = {k: o for k, o in options.items() if k in ("stiffness", "rest_angle", "rest_from")}
+    at = np.searchsorted(frame.numbers, v.edges)
+    return spring_notes(frame, at, np.array(v.fold_angles), **own)

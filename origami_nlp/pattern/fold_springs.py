@@ -58,20 +58,21 @@ def fold_springs(
     return k, np.clip(rest, -math.pi, math.pi)
 
 
-def unused_words(
+def spring_notes(
     frame: Frame,
     edges: ArrayLike,
     measured: np.ndarray,
-    stiffness: ArrayLike,
-    rest_angle: float,
-    rest_from: str | None,
+    stiffness: ArrayLike = 1.0,
+    rest_angle: float = math.pi,
+    rest_from: str | None = None,
 ) -> list[str]:
-    """Say in a line each which of the springs that were asked for no crease got; parameters as for `fold_springs`."""
+    """Say in a line each what was asked for that no crease got, and what letters alone mean; as for `fold_springs`."""
     at = np.asarray(edges, dtype=np.intp)
     said = []
     if rest_angle != math.pi:
-        _, one = fold_springs(frame, at, measured, 1.0, math.pi, rest_from)
-        _, other = fold_springs(frame, at, measured, 1.0, 0.0, rest_from)
+        one, other = (
+            fold_springs(frame, at, measured, 1.0, angle, rest_from)[1] for angle in (math.pi, 0.0)
+        )
         if np.array_equal(one, other):
             said.append(
                 f"--rest-angle {math.degrees(rest_angle):g} is not used: each mountain and valley has an angle, stated "
@@ -82,13 +83,12 @@ def unused_words(
         and not np.isnan(frame.stiffness[at]).any()
     ):
         said.append("--stiffness is not used: the file states the stiffness of each crease")
+    silent = (np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all()
+    drawn = {frame.assignment[e] for e in at} & set("MV")
+    letters = drawn and (not frame.folded or rest_from == "file")
+    if silent and letters and rest_angle == math.pi:
+        said.append(LETTERS_ONLY)
     return said
-
-
-def are_silent(frame: Frame, edges: ArrayLike) -> bool:
-    """Return whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
-    at = np.asarray(edges, dtype=np.intp)
-    return bool((np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all())
 
 
 def stated_sign(frame: Frame, edge: int) -> float:

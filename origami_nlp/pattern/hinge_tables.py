@@ -164,6 +164,11 @@ def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> Hinge
     file, fit = given["data"], given.get("fit", FITS[0])
     if not isinstance(file, str) or not file or file == "-":
         raise SceneError(f"laws.{name}: data = {shown(file)} must be the name of a file")
+    # a scene of somebody else shows no file of ours
+    if Path(file).is_absolute() or ".." in Path(file).parts:
+        raise SceneError(
+            f"laws.{name}: data = {shown(file)} must be a file beside the scene, or in a folder there"
+        )
     if fit not in FITS:
         raise SceneError(f"laws.{name}: fit = {shown(fit)} must be one of {', '.join(FITS)}")
     return fit_data(read_hinge_data((folder or Path()) / file), fit, name).law

@@ -12,11 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
+from origami_nlp.arguments import check_number, check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_cell
-from origami_nlp.pattern.coordinate_repair import made_exact
+from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
 from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
@@ -30,16 +30,16 @@ from origami_nlp.pattern.fold_rings import (
     oriented,
 )
 from origami_nlp.pattern.fold_springs import (
-    LETTERS_ONLY,
-    are_silent,
     check_fold_springs,
     fold_springs,
+    spring_notes,
     stated_sign,
-    unused_words,
 )
 from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
+LARGEST_SNAP = 0.02
+"""Share of the sheet by which corners may be moved."""
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 
@@ -50,6 +50,7 @@ def read_pattern(
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
     rest_from: Literal["file", "measured"] | None = None,
+    snap: float | None = None,
 ) -> Pattern:
     """Read a FOLD file as a pattern of rigid facets.
 
@@ -61,6 +62,8 @@ def read_pattern(
         Which, from 0; by default the first with geometry.
     stiffness, rest_angle, rest_from
         Of creases for which the file states none, as for `frame_pattern`.
+    snap
+        As for `frame_pattern`.
 
     Returns
     -------
@@ -82,7 +85,9 @@ def read_pattern(
     Pattern('Miura, alpha = pi/3': 16 facets, 24 creases, 9 interior vertices)
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return frame_pattern(chosen, stiffness=stiffness, rest_angle=rest_angle, rest_from=rest_from)
+    return frame_pattern(
+        chosen, stiffness=stiffness, rest_angle=rest_angle, rest_from=rest_from, snap=snap
+    )
 
 
 def frame_pattern(
@@ -91,6 +96,7 @@ def frame_pattern(
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
     rest_from: Literal["file", "measured"] | None = None,
+    snap: float | None = None,
 ) -> Pattern:
     """Make a pattern of a frame.
 
@@ -110,6 +116,9 @@ def frame_pattern(
     rest_from
         What a folded form rests at: ``"file"``, ``"measured"``, or of each crease the file's angle and the measured
         one where the file has none.
+    snap
+        Share of the sheet by which corners of a drawing may be off: they are moved by at most that, and by as little
+        as it takes, so that what holds within it holds exactly (equal sectors, creases in a line, Kawasaki).
 
     Returns
     -------
@@ -137,7 +146,9 @@ def frame_pattern(
             f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and "
             "give the angle to which the spring is wound as rest angle"
         )
-    sheet = _Sheet(frame)
+    if snap is not None:
+        check_number("snap", snap, 0.0, LARGEST_SNAP)
+    sheet = _Sheet(frame, snap)
     edges = [(s, e) for s, e in sheet.edge.items() if frame.assignment[e] not in "BC"]
     measured, votes = sheet.measured()
     if votes < 0:  # which side valleys open to is a matter of how faces run: the letters decide
@@ -149,10 +160,7 @@ def frame_pattern(
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
     k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
-    sheet.notes += unused_words(frame, at, found, stiffness, rest_angle, rest_from) if at else []
-    drawn = {frame.assignment[e] for e in at} & set("MV")
-    if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
-        sheet.notes.append(LETTERS_ONLY)
+    sheet.notes += spring_notes(frame, at, found, stiffness, rest_angle, rest_from) if at else []
     make = make_pattern
     if frame.lattice is not None:
         make = partial(make_cell, lattice=frame.lattice, rolled=frame.rolled)
@@ -169,7 +177,7 @@ def frame_pattern(
         limits=None
         if frame.limits is None
         else dict(zip(creases, map(tuple, frame.limits[at].tolist()), strict=True)),
-        name=frame.title or f"frame {frame.number}",
+        name=frame.title or Path(frame.source).stem or f"frame {frame.number}",
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
@@ -186,13 +194,15 @@ class _Sheet:
     orders: the frame's faceOrders, for the polygons as they are turned here.
     """
 
-    def __init__(self, frame: Frame) -> None:
-        self.frame = frame
+    def __init__(self, frame: Frame, snap: float | None) -> None:
+        self.frame, self.snap = frame, snap
         self.notes: list[str] = []
         if frame.conflicts:
-            e = int(frame.numbers[min(frame.conflicts)])
+            k = min(frame.conflicts)
+            a, b = map(frame.place, frame.edges[k].tolist())
             raise FoldFileError(
-                f"edges_vertices[{e}] is stated twice with different assignments or fold angles: keep one"
+                f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
+                "fold angles: keep one"
             )
         self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
         self.orders: list[tuple[int, int, int]] = []
@@ -334,9 +344,17 @@ class _Sheet:
         check_parts(self.frame, self.polygons, self.origin)
 
     def _make_exact(self) -> None:
-        made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit)
+        unit, coarse = self.frame.unit, COARSE
+        if self.snap is not None:
+            size = float(np.ptp(self.corners, axis=0).max())
+            unit, coarse = max(unit, 0.5 * self.snap * size), SNAPPED
+        made = made_exact(self.corners, self.polygons, self.joins, unit, coarse)
         self.corners = made.corners
         if not made.moved:
+            if self.snap is not None:
+                self.notes.append(
+                    f"--snap {self.snap:g}: nothing is to be moved, or more than that: corners stay where they are"
+                )
             return
         what = "faces are plane"
         if made.relations:

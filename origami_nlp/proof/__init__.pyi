@@ -1,12 +1,3 @@
-from .affine import (
-    Affine as Affine,
-    Turn as Turn,
-    constant as constant,
-    dot as dot,
-    mixed as mixed,
-    turned as turned,
-    variables as variables,
-)
 from .boxes import Boxes as Boxes, Remainder as Remainder, prune as prune
 from .certificate import (
     Certificate as Certificate,
@@ -15,7 +6,6 @@ from .certificate import (
     read_certificate as read_certificate,
     write_certificate as write_certificate,
 )
-from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
 from .curve_contact import why_no_contact as why_no_contact
@@ -37,8 +27,8 @@ from .meshes import (
     prove_mesh as prove_mesh,
 )
 from .options import ProofOptions as ProofOptions
+from .pieces import VanishingRows as VanishingRows
 from .quad_meshes import QuadProof as QuadProof, prove_quad_mesh as prove_quad_mesh
 from .quad_sheets import why_no_quad_mesh as why_no_quad_mesh
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
-from .singular import Isolation as Isolation, isolated as isolated
 from .touches import prove as prove, why_not as why_not

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from origami_nlp.proof.affine import SLIGHTLY, TINY, TRIGONOMETRIC, UNIT
+from origami_nlp.proof.rows import SLIGHTLY, TINY, TRIGONOMETRIC, UNIT
 
 
 @dataclass(frozen=True, eq=False)

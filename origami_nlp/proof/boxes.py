@@ -26,9 +26,9 @@ import numpy as np
 
 from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.problem import FoldLimits
-from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
-from origami_nlp.proof.chains import VanishingRows
 from origami_nlp.proof.options import DEFAULT, ProofOptions
+from origami_nlp.proof.pieces import VanishingRows
+from origami_nlp.proof.rows import TINY, UNIT, Affine, variables
 
 BEYOND = math.nextafter(math.pi, 4.0)
 """The double above pi: free angles range to it."""

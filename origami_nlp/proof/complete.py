@@ -14,12 +14,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
-from origami_nlp.proof.chains import VertexForms
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.law_torques import energy_bounds, torques_of
-from origami_nlp.proof.mirror_domains import WedgeForms
+from origami_nlp.proof.law_torques import energy_bounds
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.periods import PeriodForms
+from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
@@ -120,7 +118,7 @@ def prove(
     )
 
 
-def pose(model: Model) -> tuple[BoxProblem, Flat]:
+def pose(model: Model) -> tuple[Piece, Flat]:
     """Return the rows of a model over boxes, and what is shown of its flat state.
 
     Parameters
@@ -130,7 +128,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
 
     Returns
     -------
-    posed : Posed
+    piece : Piece
     flat : Flat
 
     Raises
@@ -144,28 +142,12 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
         raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
-    p = model.parameters
     if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
-    group, turn = scene.group, model.structure.turn
-    if group.is_trivial:
-        laws = torques_of(model, 1.0, p.stiffness.max())
-        vertex = VertexForms(p.sectors, p.stiffness, p.rest, laws=laws)
-        return vertex, _within_stops(flat_lemma(vertex), model)
-    # torques per crease: variables stand for several, the model sums their springs
-    # the piece's closure is moved by one crease of each orbit
-    k = p.stiffness / model.multiplicity
-    laws = torques_of(model, 1.0, k.max())
-    flat = Flat(0.0, 0, None)
-    if group.kind == "C" and turn == 1:  # every period closes by itself
-        return VertexForms(p.sectors, k, p.rest, 2 * math.pi / group.order, laws), flat
-    if group.kind == "C":
-        winding = model.structure.winding
-        return PeriodForms(group.order, p.sectors, k, p.rest, winding, laws), flat
-    crease: list[int | None] = []
-    for ray in group.rays:
-        crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
-    return WedgeForms(turn, p.sectors, crease, k, p.rest, laws), flat
+    piece = piece_of(model)
+    if scene.group.is_trivial and isinstance(piece, VertexPiece):
+        return piece, _within_stops(flat_lemma(piece), model)
+    return piece, Flat(0.0, 0, None)
 
 
 def _within_stops(flat: Flat, model: Model) -> Flat:
@@ -261,7 +243,7 @@ def _point(model: Model, roots: Roots, i: int) -> ProvedCriticalPoint:
     elif index == 0 and (signs[pins != 0] < 0).all():
         decided = True
     # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
-    half = 0.5 if model.equation_count == 3 else 1.0
+    half = 0.5 if piece_of(model).pivots == 3 else 1.0
     return ProvedCriticalPoint(
         tuple(x.tolist()),
         tuple(pins.tolist()),

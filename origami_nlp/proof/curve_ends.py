@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.curve_contact import (
     APART,
@@ -31,6 +30,7 @@ from origami_nlp.proof.curve_energy import (
     kinds_of_boxes,
 )
 from origami_nlp.proof.flat_sheets import SheetMinimum
+from origami_nlp.proof.rows import UNIT, variables
 
 AT_LIMIT = "whether facets cross where a crease is at +-pi is not decided"
 BALL = ("centre", "radius")

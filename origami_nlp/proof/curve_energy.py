@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.affine import SLIGHTLY, UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
 from origami_nlp.proof.curve_contact import (
     APART,
@@ -24,6 +23,7 @@ from origami_nlp.proof.curve_contact import (
 )
 from origami_nlp.proof.law_torques import LawPieces
 from origami_nlp.proof.quad_states import QuadCurve, QuadStates
+from origami_nlp.proof.rows import SLIGHTLY, UNIT, variables
 
 HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""

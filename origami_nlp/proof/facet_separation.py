@@ -21,13 +21,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 
 from origami_nlp.numerics import CONTACT_TOL, EPS
 from origami_nlp.problem import Model
-from origami_nlp.proof.domains import FoldedDomain, FundamentalDomain, Product, cross, times
+from origami_nlp.proof.pieces import piece_of
+from origami_nlp.proof.rows import Triples, variables
 from origami_nlp.proof.touching_rows import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
@@ -66,31 +67,35 @@ class Signs:
         # a root is known to its radius; pinned angles are +-pi exactly
         wide = np.where(pins == 0, radius[:, None], 0.0)
         low, high = np.nextafter(x - wide, -9.0), np.nextafter(x + wide, 9.0)
-        folded = FundamentalDomain(model).fold(low.T, high.T, pins.T)
-        n = len(folded.rays)
+        piece = piece_of(model)
+        self.chain = chain = piece.chain
+        self.folded = chain.fold(*variables(low.T, high.T))
+        n = chain.around
         facets = n if self.cyclic else n - 1
         # ray k off facet j, [R, k, j]
         self.off = np.zeros((len(x), n, facets), dtype=int)
-        for j in range(facets):
-            for k in range(n):
-                if k not in (j, (j + 1) % n):
-                    self.off[:, k, j] = folded.on_facet(k, j).value().signs()
+        apart = [(k, j) for j in range(facets) for k in range(n) if k not in (j, (j + 1) % n)]
+        signs = self._signs([chain.gap(*chain.shortest(k, j)) for k, j in apart])
+        for (k, j), sign in zip(apart, signs, strict=True):
+            self.off[:, k, j] = sign
         self.bent = _sign_of_sine(low, high, pins)
         self.open = np.abs(x) + wide < 0.5 * math.pi
-        self._wedge(folded, n)
+        walls = [] if self.cyclic else list(model.walls)
+        wanted = [chain.behind(*model.structure.gaps[i].rays) for i in walls]  # type: ignore[misc]
+        self.walls = dict(zip(walls, self._signs(wanted), strict=True))
+        # of D_1 wedges whose touches are proved: the turn of the first three rays
+        self.turn = self._signs([(0, 1, 2)])[0] if n > 2 else np.zeros(len(x), dtype=int)
         # ray k inside the arc of facet j, given that it is in its plane: few are asked for
-        self.inside = cache(partial(_inside, folded))
+        self.inside = cache(self._inside)
 
-    def _wedge(self, folded: FoldedDomain, n: int) -> None:
-        if self.cyclic:
-            return
-        gaps = self.model.structure.gaps
-        self.walls = {
-            i: folded.behind(*gaps[i].rays).value().signs()  # type: ignore[misc]
-            for i in self.model.walls
-        }
-        three = Product(folded.rays[:3])  # rays of the D_1 wedges whose touches are proved
-        self.turn = three.value().signs() if n > 2 else np.zeros(len(self.off), dtype=int)
+    def _signs(self, wanted: list[tuple[int, int, int]]) -> np.ndarray:
+        """Return the signs of triple products, [T, R]."""
+        return Triples(self.chain, wanted).at(self.folded).affine().signs()
+
+    def _inside(self, k: int, j: int) -> np.ndarray:
+        """Whether ray k is between rays j and j + 1, +1 or -1; 0 where it is unclear, [R]."""
+        signs = self._signs(self.chain.inside(*self.chain.shortest(k, j)))
+        return np.where((signs < 0).all(axis=0), 1, np.where((signs > 0).any(axis=0), -1, 0))
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
         """Describe what the facets do at state number r, where `touches` are held."""
@@ -230,15 +235,6 @@ class Signs:
         if last and not first and self.inside(0, 2)[r]:
             return APART if self.inside(0, 2)[r] < 0 else CROSSED
         return UNCLEAR
-
-
-def _inside(folded: FoldedDomain, k: int, j: int) -> np.ndarray:
-    """Whether ray k is between rays j and j + 1, +1 or -1: n.(c_j x c_k) and n.(c_k x c_{j+1}) are positive, [R]."""
-    a, b, c = (folded.rays[i % len(folded.rays)].vector for i in (j, j + 1, k))
-    normal = cross(a, b)
-    one, two = (times([normal, *v]).signs() for v in ((a, c), (c, b)))
-    both = (one > 0) & (two > 0)
-    return np.where(both, 1, np.where((one < 0) | (two < 0), -1, 0))
 
 
 def _sign_of_sine(low: np.ndarray, high: np.ndarray, pins: np.ndarray) -> np.ndarray:

@@ -29,10 +29,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
-from origami_nlp.proof.chains import VanishingRows, VertexForms
 from origami_nlp.proof.options import ProofOptions
+from origami_nlp.proof.pieces import VanishingRows, VertexPiece
+from origami_nlp.proof.rows import SECTORS, TRIGONOMETRIC, UNIT, Affine, padded, variables
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
@@ -89,12 +89,13 @@ class ClosedDirections:
     linear = slice(0, 2)
     pivots = 2
 
-    def __init__(self, vertex: VertexForms, radius: float) -> None:
+    def __init__(self, vertex: VertexPiece, radius: float) -> None:
         n = vertex.size
         self.size = n + 1
         self.radius = radius
-        b = self.b = vertex.creases
-        doubt = self.doubt = vertex.doubt_crease
+        b = self.b = creases_of(vertex)
+        # azimuths are off by what the sectors before them are; a cosine and a sine
+        doubt = self.doubt = (n * SECTORS * 4 + 8) * UNIT + 2 * TRIGONOMETRIC
         cross = b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0]
         self.before = np.triu(cross, 1)  # [j, i]: (b_j x b_i)_z, j before i
         self.square = self.before + self.before.T
@@ -102,11 +103,11 @@ class ClosedDirections:
         self.miss = radius**2 * n**4 / 96 + n * n * 3 * doubt
         self._pose_minors(vertex)
 
-    def _pose_minors(self, vertex: VertexForms) -> None:
+    def _pose_minors(self, vertex: VertexPiece) -> None:
         """Minors as coefficients of u [M, n] and of r u_i u_j [M, n, n], and how far they are off [M]."""
         n, radius = len(self.b), self.radius
-        k = vertex.stiffness / vertex.stiffness.max()
-        fours = vertex.fours
+        k = vertex.stiffness
+        fours = vertex.subsets
         # levers[S, i, j]: of G_i h_j in the determinant, the minor of x and y of the other two rows
         levers = np.zeros((len(fours), n, n))
         rows = np.arange(len(fours))
@@ -177,6 +178,12 @@ class ClosedDirections:
         return VanishingRows(closure, critical, none.astype(bool))
 
 
+def creases_of(vertex: VertexPiece) -> np.ndarray:
+    """Return the directions of the creases on the sheet, [N, 2]."""
+    azimuth = np.array([math.fsum(vertex.sectors[:i]) for i in range(vertex.size)])
+    return np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+
+
 def _form(
     w: np.ndarray, u: np.ndarray, du: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -199,7 +206,7 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
     return total
 
 
-def flat_lemma(vertex: VertexForms) -> Flat:
+def flat_lemma(vertex: VertexPiece) -> Flat:
     """Look for the largest radius within which the flat state is the only critical point.
 
     Parameters
@@ -221,10 +228,10 @@ def flat_lemma(vertex: VertexForms) -> Flat:
     return Flat(0.0, boxes, no_minimum(vertex))
 
 
-def no_minimum(vertex: VertexForms) -> bool | None:
+def no_minimum(vertex: VertexPiece) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
-    b = vertex.creases
-    k = vertex.stiffness / vertex.stiffness.max()
+    b = creases_of(vertex)
+    k = vertex.stiffness
     slope = -k * vertex.rest if vertex.laws is None else vertex.laws.at(0.0 * k[None])[0][0]
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]  # [n - 2, n]

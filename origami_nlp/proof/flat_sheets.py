@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern, laid_flat
-from origami_nlp.proof.affine import UNIT
+from origami_nlp.proof.rows import UNIT
 
 Vector = tuple[Fraction, Fraction]
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from origami_nlp.pattern import HingeLaw
 from origami_nlp.problem import Model
-from origami_nlp.proof.affine import UNIT
+from origami_nlp.proof.rows import UNIT
 
 ROUND = 128 * UNIT
 """Share of the absolute values of all terms that rounding may be."""

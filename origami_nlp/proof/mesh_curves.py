@@ -12,9 +12,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from origami_nlp.proof.affine import variables
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 from origami_nlp.proof.mesh_states import Curve, FoldingMesh, Key
+from origami_nlp.proof.rows import variables
 
 NARROWEST = 2.0**-44
 """Width of theta below which a box is left open [rad]."""

@@ -30,9 +30,9 @@ from typing import NamedTuple
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact
 from origami_nlp.proof.flat_sheets import cross, dot, flat_sheet, off_line, sector_sum
+from origami_nlp.proof.rows import UNIT
 
 MOST_MODES = 5_000
 """Choices of a sign and a branch at each vertex, at most."""

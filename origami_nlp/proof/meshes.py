@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern, laid_flat
-from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.flat_sheets import SheetProof
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.mesh_minima import MeshMinima
@@ -22,6 +21,7 @@ from origami_nlp.proof.mesh_states import (
     as_folding_mesh,
     why_no_mesh,
 )
+from origami_nlp.proof.rows import UNIT
 from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval, stated_sheet
 
 

@@ -55,7 +55,7 @@ class ProofOptions:
     batch: int = 2_000
     fewest: int = 256
     smallest: float = 1e-5
-    smaller: tuple[float, ...] = (1e-7, 1e-9)
+    smaller: tuple[float, ...] = (1e-7, 1e-9, 1e-11)
     smaller_boxes: int = 20_000
 
     def __post_init__(self) -> None:

@@ -20,7 +20,6 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern, laid_flat
-from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
 from origami_nlp.proof.curve_contact import APART, CROSSING, CurveContact, why_no_contact
 from origami_nlp.proof.curve_energy import HALF_TURN, ThetaEnergy
@@ -28,6 +27,7 @@ from origami_nlp.proof.curves import BEYOND, NARROWEST, along_curve
 from origami_nlp.proof.flat_sheets import SheetMinimum, SheetProof
 from origami_nlp.proof.quad_sheets import QuadMesh, as_quad_mesh, why_no_quad_mesh
 from origami_nlp.proof.quad_states import QuadCurve, QuadStates
+from origami_nlp.proof.rows import UNIT, variables
 
 FULL_TURN = math.nextafter(2 * math.pi, 0.0)
 """Not above 2 pi, which is between two doubles."""

@@ -28,7 +28,6 @@ import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact, rational
 from origami_nlp.proof.flat_sheets import (
     Vector,
@@ -41,6 +40,7 @@ from origami_nlp.proof.flat_sheets import (
     sector_sum,
 )
 from origami_nlp.proof.fold_states import Corner, Side, corner_of, why_no_stop
+from origami_nlp.proof.rows import UNIT
 
 MOST_VERTICES = 12
 """Of a mesh: 4,096 choices of modes."""

@@ -18,8 +18,8 @@ class ProvedCriticalPoint:
     moment
         As many numbers as there are closure equations, stiffness times rad in the scene's units.  Without symmetry
         m with k_i (x_i - rest_i) = m . c_i on free creases, in the frame of the facet between crease N and crease 1
-        (its crease 1 is e1, e3 up).  With symmetry the multipliers of the model's closure equations g:
-        k_v (x_v - rest_v) = sum_a m_a dg_a/dx_v, k_v summed over the creases of the variable.
+        (its crease 1 is e1, e3 up).  With symmetry the multipliers of the piece's equations (`pieces`): k_v (x_v -
+        rest_v) = sum_a m_a dg_a/dx_v, k_v summed over the creases of the variable.
     radius
         The largest |x_i - true x_i| is no larger [rad].
     unique_radius

@@ -1,7 +1,7 @@
 """Critical points in small boxes: existence, uniqueness, signs and index, many at once.
 
 On a stratum with free variables f a critical point solves F = [k (x - rest) - A' lam ; g] = 0 in (x_f, lam), g the
-closure of the package's closed forms, A its Jacobian: square, with Jacobian J = [[K - lam . g'', -A'], [A, 0]].
+closure of `system`, A its Jacobian: square, with Jacobian J = [[K - lam . g'', -A'], [A, 0]].
 Krawczyk: for any Y, if |Y F(z0)| + sup |I - Y J(Z)| rho < rho on Z = z0 +- rho, Z holds exactly one zero.  Derivatives
 of g of order p are at most beta_i beta_j ... (entries of a unit quaternion: beta = 1/2 a fold angle; of a rotated unit
 vector: 1; half of that on a mirror), so that on Z, with s = sum_j beta_j rho_j,
@@ -15,8 +15,7 @@ Index.  The number of negative eigenvalues of [[H, A'], [A, 0]] less the number 
 With X the computed eigenvectors, X' J X = D + R is known with error bounds; where all Gershgorin discs miss zero, the
 signs of D count (Sylvester, X being regular as X' X is near 1).
 
-Rounding: N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may
-be off; `BoxKkt.fold` bounds what both do to g, A and g''.
+Rounding: `BoxKkt.noise` bounds what it leaves in g, A and g''.
 """
 
 from __future__ import annotations
@@ -27,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
-from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import WIDER, Boxes
+from origami_nlp.proof.rows import TINY, UNIT
 from origami_nlp.proof.system import BoxDerivatives, BoxKkt
 
 STEPS = 10
@@ -114,8 +113,7 @@ def newton(
         last = size
         if (settled | ~alive).all():
             break
-    lift = system.kinematics.fold(x).lift
-    return x, lam, alive & (last < DUPLICATE_TOL) & (lift > 0)
+    return x, lam, alive & (last < DUPLICATE_TOL) & system.closes(x)
 
 
 def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:

@@ -4,30 +4,33 @@ F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its J
 0]].  Hinge laws have their torque in place of k (x - rest), and its slope in K: between states it is one of the slopes
 between, so that a torque with kinks is treated like one without.
 
-Derivatives.  With q the product of all folds, half the axes c_i / 2 (a quarter on a mirror) stand for derivatives: d q
-/ dx_i dx_j dx_k = (c_i / 2) (c_j / 2) (c_k / 2) q, i <= j <= k; where closure is that a rotated normal N keeps an
-angle, c_i x (c_j x (c_k x N)).  So the p-th derivative in the directions i, j, ... is at most beta_i beta_j ... in
-size, and the second and third ones are known at the state.
+Closure g are the rows of the piece (`pieces`) that are of first order, each about the state that it is asked at: B_0
+and the frame of the first mirror stay those of that state.  A zero of these beside it closes.  A B_0 and B_0 / B are
+unit quaternions with one vector part, so that their scalars are equal but for their sign, and both are positive within
+the boxes of roots, where half chains turn by less than pi / 2; n_1 and N have two entries in common, and the third is
+positive of both; one equation is all there is for D_n and C_n.  And at a closed state the slopes of g are those of
+closure times a matrix that is regular as long as these scalars, or entries, are not zero: multipliers exist for both or
+for neither.
 
-Rounding.  N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may
-be off.  The vector part of q, and the z of axes, are sums of products that each hold the sine of a fold or of half of
-one, and every error in them is relative to such a term: near the flat state they are known to that share of the bound.
+Derivatives of order p in the directions i, j, ... are at most beta_i beta_j ... in size (`rows`): beta = 1/2 a fold
+where g is of quaternions, 1 where of vectors, half of that on a mirror.  The second ones are known at the state.
+
+Rounding.  Axes and products are known to what `rows` says of chains of so many steps; near the flat state the vector
+part of the product of folds is known to that share of it.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import INDEPENDENT, cross
-from origami_nlp.problem import FoldedRays, Kinematics, Model
-from origami_nlp.proof.affine import UNIT
-from origami_nlp.proof.chains import SECTORS
+from origami_nlp.numerics import INDEPENDENT
+from origami_nlp.problem import Model
 from origami_nlp.proof.law_torques import LawTorques, torques_of
-
-FOLD = 40
-"""Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
+from origami_nlp.proof.pieces import piece_of
+from origami_nlp.proof.rows import CREASE, Triples, pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,25 +142,38 @@ class BoxKkt:
     Parameters
     ----------
     model
-        Within fold limits.
+        Of a flat sheet.
+    gaps
+        Positions in `Structure.gaps` that are closed.
     """
 
-    def __init__(self, model: Model) -> None:
-        self.kinematics = Kinematics(model)
-        self.n, self.m = model.size, model.equation_count
-        self.flat = model.structure.flat_piece
+    def __init__(self, model: Model, gaps: tuple[int, ...] = ()) -> None:
+        self.piece = piece = piece_of(model)
+        chain = piece.chain
+        self.n, self.equations = model.size, piece.pivots
+        self.m = piece.pivots + len(gaps)
         self.k, self.rest = model.parameters.stiffness, model.parameters.rest
         self.laws = torques_of(model, model.multiplicity, 1.0)
-        rays = [r for r, has in enumerate(model.structure.has_crease) if has]
-        dihedral = model.structure.kind == "D"
-        last = len(model.structure.has_crease) - 1
-        on_mirror = np.isin(rays, (0, last)) & dihedral
-        self.factor = np.where(on_mirror, 0.5, 1.0)
-        self.entries = {3: (1, 2, 3), 2: (1, 3)}.get(self.m, None if dihedral else (0,))
-        self.beta = self.factor * (1.0 if self.entries is None else 0.5)
-        # creases are off by their azimuths: a sector's doubt for each sector before them
-        n = len(rays)
-        self.noise = UNIT * (FOLD * (n + 4) + 2 * SECTORS * n**2)
+        known = [model.structure.gaps[i] for i in gaps]
+        self.gaps = Triples(
+            chain,
+            [
+                chain.behind(*g.rays)  # type: ignore[misc]
+                if g.pair is None
+                else chain.gap(*chain.shortest(*g.rays))  # type: ignore[misc]
+                for g in known
+            ],
+        )
+        self.sines = np.array(
+            [1.0 if g.pair is None else math.sin(piece.sectors[g.rays[1]]) for g in known]
+        )
+        weight = np.ones(self.n)
+        weight[chain.variable[chain.folds > 0]] = chain.folds[chain.folds > 0]
+        self.beta = weight * (1.0 if gaps or piece.by_vectors else 0.5)
+        # three axes or rays of a chain, and the product of its folds
+        self.noise = 3 * CREASE * chain.around + chain.loop_rounding
+        if gaps:
+            self.noise *= 4 / float(self.sines.min())
         # what torques are sums of, and what is not known of a law, as a share of `noise`
         self.most = 7.0 * self.k
         if self.laws is not None:
@@ -171,26 +187,30 @@ class BoxKkt:
         """Return how torques change with fold angles at states [R, n], [R, n] or [n]."""
         return self.k if self.laws is None else self.laws.at(x)[1]
 
-    def closure(self, x: np.ndarray) -> np.ndarray:
-        """Return the Jacobian of closure, [R, m, n]."""
-        return self.vanishing(self.kinematics.fold(x))[1]
+    def vanishing(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return g [R, m] at states [R, n], its Jacobian [R, m, n] and g'' [R, m, n, n]."""
+        folded = self.piece.chain.fold(x.T, np.ones(x.T.shape))
+        rows = [self.piece.equations(folded)]
+        if len(self.sines):
+            rows.append(self.gaps.at(folded))
+        g, a, bends = (np.concatenate([r.parts[i] for r in rows]) for i in range(3))
+        first, second, number = pairs(self.n)
+        bends = bends * np.where(first == second, 2.0, 1.0)[:, None]
+        g, a, bends = (np.moveaxis(v, -1, 0) for v in (g, a, bends))
+        scale = np.concatenate([np.ones(self.equations), 1 / self.sines])
+        return g * scale, a * scale[:, None], bends[:, :, number] * scale[:, None, None]
 
-    def vanishing(self, at: FoldedRays) -> tuple[np.ndarray, np.ndarray]:
-        """Return g [R, m] and its Jacobian [R, m, n]."""
-        return self.kinematics.closure(at)
-
-    def curvature(self, at: FoldedRays, lam: np.ndarray) -> np.ndarray:
-        """Return lam . g'', [R, n, n]."""
-        return self.kinematics.closure_hessian(at, lam)
+    def closes(self, x: np.ndarray) -> np.ndarray:
+        """Return whether zeros of g at states [R, n] are closed, and not of the other lift, [R]."""
+        return self.piece.closes(self.piece.chain.fold(x.T, np.ones(x.T.shape)))
 
     def at(
         self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the lift [R]."""
+        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and g'' [R, m, n, n]."""
         n, m = self.n, self.m
-        folded = self.kinematics.fold(x)
-        g, a = self.vanishing(folded)
-        h = -self.curvature(folded, lam)
+        g, a, second = self.vanishing(x)
+        h = -np.einsum("rm,rmij->rij", lam, second)
         i = np.arange(n)
         h[:, i, i] += self.stiffness(x)
         force = self.torque(x) - np.einsum("rm,rmn->rn", lam, a)
@@ -205,24 +225,20 @@ class BoxKkt:
         jacobian.transpose(0, 2, 1)[pinned] = 0.0
         diagonal = np.arange(n + m)
         jacobian[:, diagonal, diagonal] += pinned
-        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.lift
+        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, second
 
     def local(self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> BoxDerivatives:
-        """Return the system at states, with its second and third derivatives."""
-        f, jacobian, _ = self.at(x, lam, pins)
+        """Return the system at states, with its second derivatives and a bound of the third."""
+        f, jacobian, second = self.at(x, lam, pins)
         free = pins == 0
         beta = np.where(free, self.beta, 0.0)
         bb = beta[:, :, None] * beta[:, None, :]
         size = np.abs(lam).sum(axis=1)
-        second, third = self._derivatives(x, lam)
         both = free[:, :, None] & free[:, None, :]
         second = np.where(both[:, None], second, 0.0)
         bent = np.abs(np.einsum("rm,rmij->rij", lam, second))
-        third = np.where(both[:, :, :, None] & free[:, None, None, :], np.abs(third), 0.0).sum(
-            axis=3
-        )
         bent = bent + bb * (4 * self.noise * size)[:, None, None]
-        third = third + bb * (4 * self.noise * size * beta.sum(axis=1))[:, None, None]
+        third = bb * (size * beta.sum(axis=1))[:, None, None]
         second = np.abs(second) + 4 * self.noise * bb[:, None]
         a = jacobian[:, self.n :, : self.n] * free[:, None]
         fuzz = self._fuzz(x, lam)
@@ -233,63 +249,28 @@ class BoxKkt:
 
     def force(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return k (x - rest) - A' lam of all variables, and what rounding and doubt leave in it, [R, n]."""
-        value = self.torque(x) - np.einsum("rm,rmn->rn", lam, self.closure(x))
+        value = self.torque(x) - np.einsum("rm,rmn->rn", lam, self.vanishing(x)[1])
         return value, self._fuzz(x, lam)[:, : self.n]
 
     def _fuzz(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
-        """What rounding and doubt leave in F at most, [R, n + m]; less near the flat state (see above)."""
-        size = np.abs(lam)
+        """What rounding and doubt leave in F at most, [R, n + m]; less of closure near the flat state."""
         near = np.ones(len(x))
-        if self.m > 1 and self.flat:
+        if self.piece.near_flat and self.m == self.equations:
             near = np.minimum(1.0, np.abs(x).sum(axis=1))
-            # the rows of closure are x, y, z or x, z of q; A's row z is of the size of the folds
-            size = np.concatenate([size[:, :-1], near[:, None] * size[:, -1:]], axis=1)
-        torque = self.most + 4.0 * self.beta * size.sum(axis=1)[:, None]
+        torque = self.most + 4.0 * self.beta * np.abs(lam).sum(axis=1)[:, None]
         return self.noise * np.concatenate([torque, near[:, None] + np.zeros((1, self.m))], axis=1)
 
     def start(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
         """Return the multipliers [R, m] that balance the free variables best."""
-        a = self.closure(x) * (pins == 0)[:, None]
+        a = self.vanishing(x)[1] * (pins == 0)[:, None]
         torque = np.where(pins == 0, self.torque(x), 0.0)
         return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=INDEPENDENT) @ torque[:, :, None])[
             :, :, 0
         ]
 
-    def _derivatives(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """g'' [R, m, n, n] and lam . g''' [R, n, n, n]."""
-        n = self.n
-        folded = self.kinematics.fold(x)
-        c = folded.axes[:, :n] * self.beta[:, None]
-        # derivatives commute, products do not: the earlier crease stands on the left
-        i, j, k = np.sort(np.indices((n, n, n)), axis=0)
-        if self.entries is None:
-            normal = cross(folded.rays[:, -1], folded.rays[:, -2])
-            first = cross(c, normal[:, None])
-            two = cross(c[:, :, None], first[:, None, :])
-            second = two[..., 1][:, None]
-            # lam e2 . (c_i x v) = -(c_i x e2) . v lam
-            lever = -cross(c, np.array([0.0, 1.0, 0.0])) * lam[:, :1, None]
-        else:
-            first = _left(c, folded.end[:, None])
-            two = _left(c[:, :, None], first[:, None, :])
-            second = np.moveaxis(two[..., list(self.entries)], -1, 1)
-            weight = np.zeros((len(x), 4))
-            weight[:, list(self.entries)] = lam
-            lever = -_left(c, weight[:, None])
-        three = np.einsum("ria,rjka->rijk", lever, two)
-        p, q = np.sort(np.indices((n, n)), axis=0)
-        return second[:, :, p, q], three[:, i, j, k]
-
     def least_slope(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
         """Return the smallest singular value of closure on the free variables, [R]; 0 where these are too few."""
         if not len(x):
             return np.zeros(0)
-        a = self.closure(x) * (pins == 0)[:, None]
+        a = self.vanishing(x)[1] * (pins == 0)[:, None]
         return np.linalg.svd(a, compute_uv=False)[:, -1]
-
-
-def _left(c: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Multiply quaternions [..., 4] by vectors [..., 3] from the left."""
-    w, v = q[..., :1], q[..., 1:]
-    scalar = -(c * v).sum(axis=-1, keepdims=True)
-    return np.concatenate([scalar + 0 * w, w * c + cross(c, v)], axis=-1)

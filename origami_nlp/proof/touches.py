@@ -56,14 +56,13 @@ from origami_nlp.proof.complete import (
     prove as prove_within_limits,
     reason_of,
 )
-from origami_nlp.proof.domains import FundamentalDomain
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
-from origami_nlp.proof.law_torques import torques_of
 from origami_nlp.proof.options import DEFAULT, ProofOptions
+from origami_nlp.proof.pieces import piece_of
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import Roots
-from origami_nlp.proof.touch_roots import ContactSystem
-from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
+from origami_nlp.proof.system import BoxKkt
+from origami_nlp.proof.touching_rows import Row, TouchedPiece
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,20 +189,14 @@ def why_not(model: Model) -> str:
 
 def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
-    dof = model.dof
+    dof, piece = model.dof, piece_of(model)
     patterns = strata(model.size, model.fold_limits)
     flat = model.fold_limits.folded_flat(patterns.pins.T).T
     at_limit = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
         # |P| + |T| <= f
         allowed = at_limit <= dof - len(touches)
-        if model.structure.kind == "C":
-            p = model.parameters
-            where = tuple((t.rays[0], t.rays[1]) for t in touches)
-            laws = torques_of(model, 1.0, p.stiffness.max())
-            posed: BoxProblem = TouchedVertex(p.sectors, p.stiffness, p.rest, where, laws)
-        else:
-            posed = TouchedWedge(FundamentalDomain(model), touches)
+        posed = TouchedPiece(piece, touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
             allowed &= on == (touches[0].rays == (0, 3))
@@ -293,9 +286,15 @@ def with_touches(
     end = math.inf if seconds is None else started + seconds
     treated, finished = 0, limits.finished
     singular, undecided = list(limits.singular), list(limits.undecided)
-    points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
-    if why := why_not(model):
+    why = why_not(model)
+    points: list[ProvedCriticalPoint | None] = []
+    if why:  # some of these cross: none is called a minimum
+        points += [
+            replace(p, is_minimum=False if p.is_minimum is False else None) for p in limits.points
+        ]
         undecided.append(cluster_of(model, strata(model.size, model.fold_limits)[:1], why))
+    else:
+        points += _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     # gaps closed as equations, creases pinned: boxes are pruned until small, and the roots of the KKT system certified
     for stratum in () if why else contact_strata(model):
         touches, names = stratum.touches, _names(model, stratum.touches)
@@ -317,7 +316,7 @@ def with_touches(
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
-        system = ContactSystem(model, tuple(t.gap for t in touches))
+        system = BoxKkt(model, tuple(t.gap for t in touches))
         roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, options)
         treated += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
@@ -402,7 +401,7 @@ def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
 
 def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> ProvedCriticalPoint:
     """State a root with touches in the scene's units; whether it is a minimum is decided by `_judged`."""
-    equations = model.equation_count
+    equations = piece_of(model).pivots
     half = 0.5 if equations == 3 else 1.0
     lam = model.scale * roots.lam[i]
     # as many contacts as degrees of freedom leave nothing to bend

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,15 +19,6 @@ if TYPE_CHECKING:
     import xarray
 
 KINDS = ("interior", "contact-pinned", "contact-touching", "degenerate")
-
-
-def _need(module: str) -> Any:
-    return require(module, "reading a sweep", "sweep", SweepError)
-
-
-def _rows(folder: str | Path, table: str) -> Iterator[dict[str, Any]]:
-    names, rows = read_table(folder, table)
-    return (dict(zip(names, row, strict=True)) for row in rows)
 
 
 def load_states(folder: str | Path) -> pandas.DataFrame:
@@ -47,17 +39,17 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
     SweepError
         If pandas is not installed, or the folder holds no sweep.
     """
-    pandas = _need("pandas")
-    names, rows = read_table(folder, "scenes")
-    scenes = pandas.DataFrame(rows, columns=names)
-    names, rows = read_table(folder, "states")
-    states = pandas.DataFrame(rows, columns=names).rename(columns={"energy": "energy_J"})
-    angles = [json.loads(a) for a in states.pop("fold_angles")]
-    degree = max(map(len, angles), default=0)
-    for i in range(degree):
-        states[f"phi_{i + 1}_rad"] = [a[i] if i < len(a) else np.nan for a in angles]
-    own = ["status", "reason", "seconds", "starts", "expected_undiscovered"]
-    return scenes.drop(columns=own).merge(states, on="scene")
+    pandas = require("pandas", "reading a sweep", "sweep", SweepError)
+    with _readable(folder):
+        scenes, states = (
+            pandas.DataFrame(rows, columns=names)
+            for names, rows in (read_table(folder, table) for table in ("scenes", "states"))
+        )
+        states = states.rename(columns={"energy": "energy_J"})
+        angles = pandas.DataFrame([json.loads(a) for a in states.pop("fold_angles")], dtype=float)
+        angles.columns = [f"phi_{i + 1}_rad" for i in angles.columns]
+        own = ["status", "reason", "seconds", "starts", "expected_undiscovered"]
+        return scenes.drop(columns=own).merge(states.join(angles), on="scene")
 
 
 def load_sweep(folder: str | Path) -> xarray.Dataset:
@@ -79,7 +71,7 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     SweepError
         If xarray is not installed, or the folder holds no sweep.
     """
-    xarray = _need("xarray")
+    xarray = require("xarray", "reading a sweep", "sweep", SweepError)
     grid = sweep_grid(folder)
     dims = tuple(grid["axes"])
     coords = {name: (dims[k], v) for k, (name, v) in enumerate(grid["axes"].items())}
@@ -90,34 +82,51 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
 
 
+@contextmanager
+def _readable(folder: str | Path) -> Iterator[None]:
+    """Say of a store that holds what no sweep writes that it is none."""
+    try:
+        yield
+    except (LookupError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, SweepError):
+            raise
+        raise SweepError(f"{str(folder)!r} is no store of a sweep: {error}") from None
+
+
 def sweep_grid(folder: str | Path) -> dict[str, Any]:
     """The same as plain NumPy arrays over the sweep's shape (what figures use)."""
+    with _readable(folder):
+        return _grid(folder)
+
+
+def _grid(folder: str | Path) -> dict[str, Any]:
     keys = dict(read_table(folder, "sweep")[1])
     sweep, shape = json.loads(keys["sweep"]), tuple(json.loads(keys["shape"]))
-    axes = {name: np.array(values) for name, _, values, _ in sweep["axes"]}
     total = int(np.prod(shape))
-    status = np.full(total, "waiting", dtype="<U8")
-    count = np.full(total, -1)
+    status, count = np.full(total, "waiting", dtype="<U8"), np.full(total, -1)
     by_kind = {kind: np.full(total, -1) for kind in KINDS}
     energy = np.full(total, np.nan)
-    for scene in _rows(folder, "scenes"):
-        status[scene["scene"]] = scene["status"]
-        if scene["status"] == "done":
+    for k, said in _columns(folder, "scenes", "scene", "status"):
+        status[k] = said
+        if said == "done":
             for array in (count, *by_kind.values()):
-                array[scene["scene"]] = 0
-    for state in _rows(folder, "states"):
-        k = state["scene"]
+                array[k] = 0
+    for k, value, kind in _columns(folder, "states", "scene", "energy", "kind"):
         count[k] += 1
-        by_kind[state["kind"]][k] += 1
-        energy[k] = np.fmin(energy[k], state["energy"])
-    arrays = {f"count_{kind.replace('-', '_')}": v.reshape(shape) for kind, v in by_kind.items()}
+        by_kind[kind][k] += 1
+        energy[k] = np.fmin(energy[k], value)
+    flat = {f"count_{kind.replace('-', '_')}": v for kind, v in by_kind.items()}
+    flat |= {"count": count, "lowest_energy": energy, "status": status}
     return {
-        "axes": axes,
+        "axes": {name: np.array(values, float) for name, _, values, _ in sweep["axes"]},
         "places": {name: list(places) for name, places, _, _ in sweep["axes"]},
         "log": {name: scale == "log" for name, _, _, scale in sweep["axes"]},
         "mode": sweep["search"]["mode"],
-        "count": count.reshape(shape),
-        **arrays,
-        "lowest_energy": energy.reshape(shape),
-        "status": status.reshape(shape),
+        **{name: array.reshape(shape) for name, array in flat.items()},
     }
+
+
+def _columns(folder: str | Path, table: str, *names: str) -> Iterator[tuple[Any, ...]]:
+    known, rows = read_table(folder, table)
+    which = [known.index(name) for name in names]
+    return (tuple(row[k] for k in which) for row in rows)

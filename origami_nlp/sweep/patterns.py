@@ -38,7 +38,7 @@ from typing import Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError, SweepError
-from origami_nlp.io import read_toml
+from origami_nlp.io import check_tables, read_toml
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -141,9 +141,8 @@ def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> Pattern
     """
     base = _base(data["pattern"], folder)
     axes = read_axes(data.get("axes"))
-    least = {"starts": 0, "seed": 0}
-    search = checked_search(data.get("search", {}), _SEARCH, least, ["contact"], " of a pattern")
-    sweep = PatternSweep(base, axes, {**search, "follow": False})
+    search = checked_search(data.get("search", {}), _SEARCH, 0, " of a pattern")
+    sweep = PatternSweep(base, axes, search)
     for number, axis in enumerate(axes, start=1):
         for place in axis.places:
             if not is_place(place) and "sheet" in base:
@@ -233,9 +232,6 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
         check_path("folder", folder)
         folder = Path(folder)
     of = "pattern" if "pattern" in data else "scene"
-    for key in data:
-        if key not in (of, "axes", "search"):
-            raise SweepError(
-                f"unknown table [{key}]: a sweep has [scene] or [pattern], [[axes]], [search]"
-            )
+    known: dict[str, tuple[str, ...]] = {of: (), "axes": (), "search": ()}
+    check_tables(data, known, "a sweep has", SweepError, ("axes",))
     return parse_pattern_sweep(data, folder) if of == "pattern" else parse_scenes(data, folder)

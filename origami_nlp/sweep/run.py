@@ -1,30 +1,24 @@
 """Run a sweep on any executor of `concurrent.futures`: processes, a Dask cluster, MPI.
 
-Every scene is searched by itself, or a row of them followed (`Sweep.chains`); so the answers depend on neither workers,
-nor interruptions, nor the order of completion.
+Every scene is searched by itself; so the answers depend on neither workers, nor interruptions, nor the order of
+completion.
 """
 
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
-from origami_nlp.bifurcation import Atlas, Family, ParameterRange, follow_family
-from origami_nlp.errors import OptionError, OrigamiError, SweepError
-from origami_nlp.minima import judge_in_full_space
+from origami_nlp.errors import SweepError
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.sweep.patterns import PatternSweep
-from origami_nlp.sweep.spec import Axis, Sweep
+from origami_nlp.sweep.spec import Sweep
 from origami_nlp.sweep.store import Outcome, Rows, Store, attempted, row_of
 from origami_nlp.workers import stop_workers, worker_pool
 
@@ -79,14 +73,6 @@ def run_scene(sweep: Sweep, index: int) -> Outcome:
     if isinstance(sweep, PatternSweep):
         return attempted(index, sweep.pattern, states_of_pattern)
     return attempted(index, sweep.scene, states)
-
-
-def run_chain(sweep: Sweep, chain: range) -> list[Outcome]:
-    """Find the states of the scenes of a chain by searches; by following them where asked for and they are smooth."""
-    with suppress(OrigamiError):
-        if sweep.search["follow"]:
-            return follow_chain(sweep, chain)
-    return [run_scene(sweep, index) for index in chain]
 
 
 def run_sweep(
@@ -173,18 +159,18 @@ def _walk(
     progress: Progress | None,
     until: float = math.inf,
 ) -> tuple[int, bool]:
-    done = store.done()
-    waiting = iter([chain for chain in sweep.chains() if not done.issuperset(chain)])
+    done = frozenset(store.done())
+    waiting = (index for index in range(sweep.count) if index not in done)
     running: set[Future[Any]] = set()
     finished, ran, states = len(done), 0, 0
 
     try:
         while True:
             while len(running) < 2 * workers:  # one in work, one at hand
-                chain = next(waiting, None)
-                if chain is None:
+                index = next(waiting, None)
+                if index is None:
                     break
-                running.add(pool.submit(run_chain, sweep, chain))
+                running.add(pool.submit(run_scene, sweep, index))
             if not running:
                 return ran, False
             left = None if until == math.inf else max(until - time.monotonic(), 0.0)
@@ -195,14 +181,11 @@ def _walk(
                 return ran, True
             for future in ended:
                 running.remove(future)
-                for outcome in future.result():
-                    if outcome.scene in done:
-                        continue
-                    store.add(outcome, sweep.parameters(outcome.scene))
-                    done.add(outcome.scene)
-                    finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
-                    if progress:
-                        progress(finished, sweep.count, states)
+                outcome = future.result()
+                store.add(outcome, sweep.parameters(outcome.scene))
+                finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
+                if progress:
+                    progress(finished, sweep.count, states)
     except BrokenExecutor:
         raise SweepError(
             f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "
@@ -212,60 +195,3 @@ def _walk(
         for future in running:
             future.cancel()
         return ran, True
-
-
-def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
-    """Return the outcomes of the scenes of a chain.
-
-    Raises
-    ------
-    OrigamiError
-        If the scenes are no smooth family over the last axis, or are fewer than three.
-    """
-    axis = sweep.axes[-1]
-    others = sweep.parameters(chain[0])
-    values = [sweep.parameters(index)[axis.name] for index in chain]
-
-    def scene_of(t: float) -> Scene:
-        return sweep.scene_with({**others, axis.name: t})
-
-    s = sweep.search
-    begin = time.perf_counter()
-    atlas = follow_family(
-        Family(_over(axis, min(values), max(values)), scene_of),
-        full=False,
-        effort=s["effort"],
-        seed=s["seed"],
-        max_starts=s["max_starts"],
-    )
-    seconds = (time.perf_counter() - begin) / len(chain)
-    return [
-        _outcome(sweep, index, atlas, value, seconds)
-        for index, value in zip(chain, values, strict=True)
-    ]
-
-
-def _over(axis: Axis, low: float, high: float) -> ParameterRange:
-    log = all(
-        place == "ratio" or ".stiffness" in place or re.fullmatch(r"laws\..*\.scale", place)
-        for place in axis.places
-    )
-    if not low < high:
-        raise OptionError(f"{axis.name} takes one value: there is nothing to follow")
-    return ParameterRange(axis.name, low, high, "", log)
-
-
-def _outcome(sweep: Sweep, index: int, atlas: Atlas, value: float, seconds: float) -> Outcome:
-    """Return what a scene has: its minima on branches, and the searches of a check made there."""
-    begin = time.perf_counter()
-    scene = sweep.scene(index)
-    found = [m for m in atlas.at(value) if m.verdict == "minimum"]
-    states = []
-    for m in found:
-        full = sweep.search["full"] and judge_in_full_space(scene, np.array(m.fold_angles)).verdict
-        states.append(row_of(m, m.local_dimension, full or None))
-    check = next((c for c in atlas.checks if c.t == value), None)
-    seconds += time.perf_counter() - begin
-    starts, missing = (check.starts, check.expected_undiscovered) if check else (0, np.nan)
-    known = missing if np.isfinite(missing) else None
-    return Outcome(index, "done", "", seconds, starts, known, tuple(states))

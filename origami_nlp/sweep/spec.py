@@ -29,7 +29,6 @@ starts = 1                     # fewest starts a scene
 max_starts = 100000
 seed = 0
 full = false                   # also decide each state in the full space
-follow = false                 # follow states along the last axis; search at both ends and in the middle only
 ```
 """
 
@@ -39,7 +38,7 @@ import contextlib
 import copy
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -48,7 +47,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OrigamiError, SweepError
-from origami_nlp.io import read_toml
+from origami_nlp.io import check_tables, read_toml
 from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict, with_symmetry_of
 from origami_nlp.sweep.places import check_place, give_way, put
 
@@ -58,7 +57,8 @@ MOST_COMPARED = 64
 LARGEST = 10_000_000
 """Bytes of a file."""
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
-_EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
+_EXAMPLE_KEYS = ("example", "alpha", "ratio", "symmetry", "contact")
+_AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _SEARCH = {
     "mode": "grid",
     "effort": "normal",
@@ -66,7 +66,6 @@ _SEARCH = {
     "max_starts": 100_000,
     "seed": 0,
     "full": False,
-    "follow": False,
 }
 
 
@@ -210,17 +209,11 @@ class Sweep:
                 changes.append(self._scene(self.parameters(index)).vertex.normalized)
         return max(changes, key=abs)
 
-    def chains(self) -> Iterator[range]:
-        """Cut the scenes into what one process works on at a time: one, or a row along the last axis to be followed."""
-        length = self.shape[-1] if self.search["follow"] else 1
-        yield from (range(a, a + length) for a in range(0, self.count, length))
-
     def fingerprint(self) -> str:
         """The whole sweep as text: two sweeps are the same when these agree."""
         axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
-        # sweeps that do not follow are what they were before one could
-        search = {k: v for k, v in self.search.items() if k != "follow" or v}
-        return json.dumps({self.ONE: self.base, "axes": axes, "search": search}, sort_keys=True)
+        whole = {self.ONE: self.base, "axes": axes, "search": self.search}
+        return json.dumps(whole, sort_keys=True)
 
 
 def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
@@ -248,7 +241,7 @@ def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
     for number, axis in enumerate(axes, start=1):
         for place in axis.places:
             check_place(place, f"axes[{number}]", base)
-    sweep = Sweep(base, axes, _search(data.get("search", {})))
+    sweep = Sweep(base, axes, checked_search(data.get("search", {}), _SEARCH, 1))
     sweep.scene(0)  # a mistake in the scene is found now, not in every worker
     return sweep
 
@@ -260,22 +253,16 @@ def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
         )
     data = copy.deepcopy(dict(scene))
     if "example" in data:
+        check_tables({"scene": data}, {"scene": _EXAMPLE_KEYS}, "a sweep has", SweepError)
         if data["example"] not in _EXAMPLES:
             raise SweepError(
                 f"example = {data['example']!r} is unknown: use {', '.join(_EXAMPLES)}"
             )
-        for key in data:
-            if key not in ("example", *_EXAMPLE_KEYS):
-                raise SweepError(
-                    f"unknown key {key!r} in [scene]: an example takes {', '.join(_EXAMPLE_KEYS)}"
-                )
-        return data
     if "file" not in data:
         return data
     if len(data) > 1 or not isinstance(data["file"], str):
         raise SweepError('[scene] with file = "..." takes nothing else')
-    path = (folder or Path()) / data["file"]
-    return read_toml(path, LARGEST, "scene", SweepError)
+    return read_toml((folder or Path()) / data["file"], LARGEST, "scene", SweepError)
 
 
 def read_axes(stated: Any) -> tuple[Axis, ...]:
@@ -286,43 +273,33 @@ def read_axes(stated: Any) -> tuple[Axis, ...]:
     SweepError
         If there is none, or a key is unknown, missing or wrong.
     """
-    if (
-        not isinstance(stated, list)
-        or not stated
-        or not all(isinstance(a, Mapping) for a in stated)
-    ):
+    if not stated or not isinstance(stated, list):
         raise SweepError(
             "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
         )
-    return tuple(_axis(one, number) for number, one in enumerate(stated, start=1))
+    check_tables({"axes": stated}, {"axes": _AXIS_KEYS}, "a sweep has", SweepError, ("axes",))
+    return tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(stated, start=1))
 
 
-def _axis(stated: Mapping[str, Any], number: int) -> Axis:
+def _axis(stated: Mapping[str, Any], where: str) -> Axis:
     """Read one of the [[axes]]."""
-    where = f"axes[{number}]"
-    for key in stated:
-        if key not in ("name", "set", "values", "from", "to", "count", "scale"):
-            raise SweepError(
-                f"unknown key {key!r} in {where}: name, set, values, from, to, count, scale"
-            )
     places = stated.get("set")
     places = [places] if isinstance(places, str) else places
     if not isinstance(places, list) or not places or not all(isinstance(p, str) for p in places):
         raise SweepError(f'{where}.set must name what it changes, such as "creases.stiffness[1]"')
-    scale = stated.get("scale", "linear")
+    scale, name = stated.get("scale", "linear"), stated.get("name", places[0])
     if scale not in ("linear", "log"):
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
-    if "values" in stated:
-        if not isinstance(stated["values"], list) or not stated["values"]:
-            raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
-        if {"from", "to", "count"} & set(stated):
-            raise SweepError(f"{where} has both values and from, to, count: give one")
-        values = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(stated["values"], 1)]
-    else:
-        values = _spaced(stated, where, scale)
-    name = stated.get("name", places[0])
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
+    spaced = [key for key in ("from", "to", "count") if key in stated]
+    if "values" not in stated:
+        return Axis(name, tuple(places), tuple(_spaced(stated, where, scale)), scale)
+    if spaced:
+        raise SweepError(f"{where} has both values and {', '.join(spaced)}: give one")
+    if not isinstance(stated["values"], list) or not stated["values"]:
+        raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
+    values = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(stated["values"], 1)]
     return Axis(name, tuple(places), tuple(values), scale)
 
 
@@ -343,37 +320,22 @@ def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
     return np.geomspace(low, high, count).tolist()
 
 
-def _search(stated: Any) -> dict[str, Any]:
-    least = {"starts": 1, "max_starts": 1, "seed": 0}
-    search = checked_search(stated, _SEARCH, least, ("full", "follow"))
-    if search["effort"] not in ("quick", "normal", "thorough"):
-        raise SweepError(f"search.effort = {search['effort']!r} must be quick, normal or thorough")
-    if search["follow"] and search["mode"] != "grid":
-        raise SweepError("search.follow needs mode = 'grid': it follows states along the last axis")
-    return search
-
-
 def checked_search(
-    stated: Any,
-    known: Mapping[str, Any],
-    least: Mapping[str, int],
-    flags: Iterable[str],
-    of: str = "",
+    stated: Any, known: Mapping[str, Any], starts: int, of: str = ""
 ) -> dict[str, Any]:
-    """Return a [search] table with what it leaves out from `known`: whole numbers, their least values, and flags."""
-    if not isinstance(stated, Mapping):
-        raise SweepError("search must be a table: write [search]")
-    for key in stated:
-        if key not in known:
-            raise SweepError(f"unknown key {key!r} in [search]{of}: it takes {', '.join(known)}")
+    """Return a [search] table with what it leaves out from `known`, which says its kinds; starts: the fewest."""
+    least = {"starts": starts, "max_starts": 1, "seed": 0}
+    check_tables({"search": stated}, {"search": known}, f"a sweep{of} has", SweepError)
     search = {**known, **stated}
-    if search["mode"] not in ("grid", "list"):
-        raise SweepError(f"search.mode = {search['mode']!r} must be grid or list")
-    for key, lowest in least.items():
-        value = search[key]
-        if isinstance(value, bool) or not isinstance(value, int) or value < lowest:
-            raise SweepError(f"search.{key} = {value!r} must be a whole number, at least {lowest}")
-    for key in flags:
-        if not isinstance(search[key], bool):
-            raise SweepError(f"search.{key} = {search[key]!r} must be true or false")
+    words = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
+    for key, value in search.items():
+        what = f"search.{key} = {value!r} must be "
+        if key in words:
+            if value not in words[key]:
+                raise SweepError(what + " or ".join(words[key]))
+        elif isinstance(known[key], bool):
+            if not isinstance(value, bool):
+                raise SweepError(what + "true or false")
+        elif isinstance(value, bool) or not isinstance(value, int) or value < least[key]:
+            raise SweepError(f"{what}a whole number, at least {least[key]}")
     return search

@@ -25,21 +25,19 @@ def check_closure(
     values = problem.closure.values(phi)
     digits = math.radians(MILLI) if _is_coarse(phi) else PLACES
     most = [0.5 * digits * len(loop.creases) + NOISE * 0.1 for loop in (*p.vertices, *p.holes)]
-    faults = []
     for k, loop in enumerate(p.vertices):
         miss = float(np.linalg.norm(values[3 * k : 3 * k + 3]))
         if miss > most[k]:
-            faults.append(
-                f.fault(
-                    name,
-                    f"round vertex {loop.vertex} fold angles do not close: {_angle(miss)} are left",
-                    vertices=[loop.vertex],
-                    edges=p.numbers[list(loop.creases)].tolist(),
-                    size=2 * math.asin(min(miss, 1.0)),
-                    unit="rad",
-                )
+            f.fault(
+                name,
+                f"round vertex {loop.vertex} fold angles do not close: {_angle(miss)} are left",
+                vertices=[loop.vertex],
+                edges=p.numbers[list(loop.creases)].tolist(),
+                size=2 * math.asin(min(miss, 1.0)),
+                unit="rad",
             )
-    if faults and len(faults) == len(p.vertices):
+    if p.vertices and len(f.of(name)) == len(p.vertices):
+        f.faults = [one for one in f.faults if one.test != name]
         why = "fold angles close round no vertex: targets of springs"
         f.skip(name, why if beside_folded else f"{why}, or no state", undecided=not beside_folded)
         return None
@@ -49,29 +47,25 @@ def check_closure(
         miss = float(np.linalg.norm(six))
         if miss > most[len(p.vertices) + k]:
             turn = float(np.linalg.norm(six[:3]))
-            faults.append(
-                f.fault(
-                    name,
-                    f"round a hole fold angles do not close: {_angle(turn)} are left, and ends are "
-                    f"{np.linalg.norm(six[3:]):.1e} of the sheet apart",
-                    edges=p.numbers[list(loop.creases)].tolist(),
-                    size=2 * math.asin(min(turn, 1.0)),
-                    unit="rad",
-                )
-            )
-    if not faults and not problem.closure.lifts_to_one(phi):
-        faults = [
             f.fault(
                 name,
-                f"round vertex {loop.vertex} folds turn the sheet over once more than paper allows (q = -1): a "
-                "mountain and a valley are exchanged",
-                vertices=[loop.vertex],
+                f"round a hole fold angles do not close: {_angle(turn)} are left, and ends are "
+                f"{np.linalg.norm(six[3:]):.1e} of the sheet apart",
                 edges=p.numbers[list(loop.creases)].tolist(),
+                size=2 * math.asin(min(turn, 1.0)),
+                unit="rad",
             )
-            for loop in p.vertices
-            if _turn(p, loop, phi) < 0
-        ]
-    return f.settle(name, faults, f"{len(p.vertices)} vertices, {len(p.holes)} holes")
+    if not f.of(name) and not problem.closure.lifts_to_one(phi):
+        for loop in p.vertices:
+            if _turn(p, loop, phi) < 0:
+                f.fault(
+                    name,
+                    f"round vertex {loop.vertex} folds turn the sheet over once more than paper allows (q = -1): a "
+                    "mountain and a valley are exchanged",
+                    vertices=[loop.vertex],
+                    edges=p.numbers[list(loop.creases)].tolist(),
+                )
+    return f.settle(name, f"{len(p.vertices)} vertices, {len(p.holes)} holes")
 
 
 def _turn(p: Pattern, loop: Loop, phi: np.ndarray) -> float:
@@ -88,22 +82,19 @@ def _turn(p: Pattern, loop: Loop, phi: np.ndarray) -> float:
 def check_crossings(f: Findings, problem: PatternProblem, phi: np.ndarray) -> bool:
     """Check that no faces pass through each other; whether that is so."""
     name, size = CROSSINGS, problem.crossings.size
-    faults = []
     for a, b, deep, at in problem.crossings.measure(phi):
         if deep > f.lengths():
-            faults.append(
-                f.fault(
-                    name,
-                    f"{face_words(f, problem.pattern, a, b)} pass through each other, {deep / size:.2g} of the sheet "
-                    "deep",
-                    vertices=[],
-                    faces=[a, b] if f.frame.faces else [],
-                    place=at,
-                    size=deep,
-                    unit="length",
-                )
+            f.fault(
+                name,
+                f"{face_words(f, problem.pattern, a, b)} pass through each other, {deep / size:.2g} of the sheet "
+                "deep",
+                vertices=[],
+                faces=[a, b] if f.frame.faces else [],
+                place=at,
+                size=deep,
+                unit="length",
             )
-    return f.settle(name, faults, f"{len(problem.pattern.polygons)} faces")
+    return f.settle(name, f"{len(problem.pattern.polygons)} faces")
 
 
 def face_words(f: Findings, p: Pattern, *which: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -116,10 +116,18 @@ class Findings:
         joined = unit if unit and (np.round(x / unit) * unit != x).any() else 0.0
         return max(NOISE * self.size, joined)
 
-    def settle(self, name: str, faults: Iterable[Fault], text: str = "", doubt: str = "") -> bool:
-        """Record a test with its faults; doubt: why it is not decided, where it has none.  Whether it is ok."""
-        found = list(faults)
-        self.faults += found
+    def of(self, test: str) -> list[Fault]:
+        """Return the faults of a test."""
+        return [one for one in self.faults if one.test == test]
+
+    def in_order(self) -> list[Fault]:
+        """Return all faults, in the order of their tests."""
+        place = {test.name: k for k, test in reversed([*enumerate(self.tests)])}
+        return sorted(self.faults, key=lambda one: place.get(one.test, len(place)))
+
+    def settle(self, name: str, text: str = "", doubt: str = "") -> bool:
+        """Record a test whose faults are known; doubt: why it is not decided, where it has none.  Whether it is ok."""
+        found = self.of(name)
         status: Status = "fault" if found else "not decided" if doubt else "ok"
         many = f"{len(found)} found" if len(found) > 1 else ""
         said = "; ".join(filter(None, (many, text))) if found or not doubt else doubt
@@ -143,21 +151,14 @@ class Findings:
         place: Sequence[float] | np.ndarray | None = None,
         size: float | None = None,
         unit: str = "",
-    ) -> Fault:
-        """Return a fault of this frame; its place is the middle of the vertices unless given."""
+    ) -> None:
+        """Record a fault of this frame; its place is the middle of the vertices unless given."""
         if place is None or self.posed:
             place = self.middle(vertices, edges, faces)
-        return Fault(
-            test,
-            text,
-            self.frame.number,
-            tuple(map(int, vertices)),
-            tuple(map(int, edges)),
-            tuple(map(int, faces)),
-            tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place),
-            None if size is None else float(size),
-            unit,
-        )
+        v, e, fs = (tuple(map(int, numbers)) for numbers in (vertices, edges, faces))
+        at = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)
+        much = None if size is None else float(size)
+        self.faults.append(Fault(test, text, self.frame.number, v, e, fs, at, much, unit))
 
     def middle(
         self, vertices: Sequence[int], edges: Sequence[int], faces: Sequence[int]

@@ -134,7 +134,7 @@ def check(
         name,
         kinds,
         tuple(t for f in seen for t in f.tests),
-        tuple(fault for f in seen for fault in f.faults),
+        tuple(fault for f in seen for fault in f.in_order()),
         tuple(notes),
         (*chosen, *others),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from origami_nlp.numerics import INPUT_TOL, NONZERO
 from origami_nlp.pattern import FoldVertex, fold_vertices
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
-from origami_nlp.validity.faults import Fault, Findings
+from origami_nlp.validity.faults import Findings
 
 KAWASAKI, MAEKAWA, LITTLE = "Kawasaki", "Maekawa", "big-little-big"
 VERTEX = "layers round each vertex"
@@ -27,7 +26,6 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     vertices = [w for v in fold_vertices(f.frame)[0] if (w := _folded(v)) is not None]
     number = {int(n): k for k, n in enumerate(f.frame.numbers)}
     x, ends = f.frame.coords, f.frame.edges
-    odd, wrong, letters, little, layers = [], [], [], [], []
     undecided, unassigned, largest = [], 0, 0.0
     for v in vertices:
         at = ends[[number[e] for e in v.edges]]
@@ -36,9 +34,7 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
         where = [v.number]
         if v.kawasaki is None:
             if v.degree % 2:
-                odd.append(
-                    f.fault(KAWASAKI, f"vertex {v.number} has {v.degree} creases", vertices=where)
-                )
+                f.fault(KAWASAKI, f"vertex {v.number} has {v.degree} creases", vertices=where)
             else:
                 undecided.append(v.number)
             continue
@@ -46,15 +42,13 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
         good = v.kawasaki <= most
         if not good:
             needs = v.kawasaki * shortest / AMPLIFIED / f.size
-            wrong.append(
-                f.fault(
-                    KAWASAKI,
-                    f"alternate angles round vertex {v.number} differ by {math.degrees(v.kawasaki):.3g} degrees; a "
-                    f"drawing that is off by {needs:.1e} of its size would explain it",
-                    size=v.kawasaki,
-                    unit="rad",
-                    vertices=where,
-                )
+            f.fault(
+                KAWASAKI,
+                f"alternate angles round vertex {v.number} differ by {math.degrees(v.kawasaki):.3g} degrees; a "
+                f"drawing that is off by {needs:.1e} of its size would explain it",
+                size=v.kawasaki,
+                unit="rad",
+                vertices=where,
             )
         if v.maekawa is None:
             unassigned += 1
@@ -62,25 +56,24 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
         if v.maekawa:
             mountains, valleys = v.assignment.count("M"), v.assignment.count("V")
             text = f"vertex {v.number} has {mountains} mountains and {valleys} valleys: they must differ by 2"
-            letters.append(f.fault(MAEKAWA, text, size=abs(v.maekawa), vertices=where))
-        colliding = [*_little(f, v, max(most, INPUT_TOL))]
-        little += colliding
+            f.fault(MAEKAWA, text, size=abs(v.maekawa), vertices=where)
+        colliding = _little(f, v, max(most, INPUT_TOL))
         if good and not v.maekawa and not colliding:
             folds = _folds(v)
             if folds is None:
                 undecided.append(v.number)
             elif not folds:
                 text = f"layers round vertex {v.number} ({v.assignment}) have no order"
-                layers.append(f.fault(VERTEX, text, vertices=where))
+                f.fault(VERTEX, text, vertices=where)
     many = f"{len(vertices)} interior vert{'ex' if len(vertices) == 1 else 'ices'}"
-    ok = f.settle(KAWASAKI, [*odd, *wrong], f"{many}, {_off(largest)}")
+    ok = f.settle(KAWASAKI, f"{many}, {_off(largest)}")
     some = f"; {unassigned} not assigned in whole" if unassigned else ""
-    ok &= f.settle(MAEKAWA, letters, many + some)
-    ok &= f.settle(LITTLE, little, many + some)
+    ok &= f.settle(MAEKAWA, many + some)
+    ok &= f.settle(LITTLE, many + some)
     doubt = ""
     if undecided and problem is None:
         doubt = f"vertices {', '.join(map(str, undecided[:8]))} are not decided"
-    ok &= f.settle(VERTEX, layers, many + some, doubt)
+    ok &= f.settle(VERTEX, many + some, doubt)
     if not ok or problem is None:
         f.skip(
             EXISTS,
@@ -91,10 +84,11 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     phi, free = flat_folded(problem.pattern)
     found = count_orders(problem, phi, free, 0)
     if found.reason and found.decided:
-        f.settle(EXISTS, [f.fault(EXISTS, found.reason, place=())])
+        f.fault(EXISTS, found.reason, place=())
+        f.settle(EXISTS)
     else:
         orders = f"{found.count_words} order{'' if found.count == 1 and found.whole else 's'}"
-        f.settle(EXISTS, [], f"{orders} of {found.pairs:,} pairs of layers", found.reason)
+        f.settle(EXISTS, f"{orders} of {found.pairs:,} pairs of layers", found.reason)
 
 
 def _off(largest: float) -> str:
@@ -125,14 +119,14 @@ def _folded(v: FoldVertex) -> FoldVertex | None:
     )
 
 
-def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
-    """Go through runs of equal sectors between larger ones whose creases cannot have their letters.
+def _little(f: Findings, v: FoldVertex, most: float) -> bool:
+    """Record runs of equal sectors between larger ones whose creases cannot have their letters; whether there are any.
 
     Of k equal sectors between two larger ones, mountains and valleys among the k + 1 creases are as many where k is
     odd, and differ by one where it is even (Hull, Origametry, on equal consecutive angles); for k = 1 that is
     big-little-big.
     """
-    a, n = np.array(v.sector_angles), v.degree
+    a, n, before = np.array(v.sector_angles), v.degree, len(f.faults)
     for i in range(n):
         if a[i - 1] <= a[i] + most:
             continue
@@ -148,7 +142,7 @@ def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
             continue
         edges = [v.edges[m] for m in run]
         what = "a smaller angle" if k == 1 else f"{k} equal smaller angles"
-        yield f.fault(
+        f.fault(
             LITTLE,
             f"round vertex {v.number} edges {', '.join(map(str, edges))} ({letters}) enclose {what} of "
             f"{math.degrees(a[i]):.5g} degrees between larger ones",
@@ -157,6 +151,7 @@ def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
             size=float(min(a[i - 1], a[(i + k) % n]) - a[i]),
             unit="rad",
         )
+    return len(f.faults) > before
 
 
 def _folds(v: FoldVertex) -> bool | None:

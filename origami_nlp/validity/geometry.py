@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,52 +34,42 @@ def check_sheet(f: Findings) -> Pattern | None:
     """Check that a frame is a sheet of plane faces; the pattern where it is one."""
     frame = f.frame
     if not frame.folded:
-        f.settle(
-            "drawing",
-            (
-                f.fault("drawing", o.text, vertices=o.vertices, edges=o.edges)
-                for o in drawing_oddities(frame)
-            ),
-            f"{len(frame.edges)} edges",
-        )
-    twice = [
-        f.fault(
-            "drawing",
-            f"edge {e} is stated twice with different assignments or fold angles",
-            edges=[e],
-        )
-        for e in sorted(int(frame.numbers[k]) for k in frame.conflicts)
-    ]
-    if twice:
-        f.settle("edges stated once", twice)
+        for o in drawing_oddities(frame):
+            f.fault("drawing", o.text, vertices=o.vertices, edges=o.edges)
+        f.settle("drawing", f"{len(frame.edges)} edges")
+    name = "edges stated once"
+    for e in sorted(int(frame.numbers[k]) for k in frame.conflicts):
+        text = f"edge {e} is stated twice with different assignments or fold angles"
+        f.fault(name, text, edges=[e])
+    if frame.conflicts:
+        f.settle(name)
     if frame.faces:
         off = f.lengths() / f.size
-        bad = [
+        for o in face_oddities(frame, frame.faces):
             f.fault(PLANES, o.text, vertices=o.vertices, faces=o.faces, size=o.size)
-            for o in face_oddities(frame, frame.faces)
-        ]
-        known = {face for one in bad for face in one.faces}
-        bad += _bent(f, known, off * f.size)
-        f.settle(PLANES, bad, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
+        known = {face for one in f.of(PLANES) for face in one.faces}
+        _bent(f, known, off * f.size)
+        f.settle(PLANES, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
     try:
         pattern = frame_pattern(frame)
         f.notes += [n for n in pattern.notes if any(word in n for word in ODD)]
         return pattern
     except OrigamiError as error:
         if not f.faults:
-            f.settle("sheet", [f.fault("sheet", str(error))])
+            f.fault("sheet", str(error))
+            f.settle("sheet")
     return None
 
 
-def _bent(f: Findings, known: set[int], most: float) -> Iterator[Fault]:
-    """Go through faces that are off a plane by more than the digits of the file, but less than the reader refuses."""
+def _bent(f: Findings, known: set[int], most: float) -> None:
+    """Record faces that are off a plane by more than the digits of the file, but less than the reader refuses."""
     for k, face in enumerate(f.frame.faces):
         x = f.frame.coords[list(face)]
         x = x - x.mean(axis=0)
         normal = np.linalg.svd(x, full_matrices=False)[2][-1] if len(face) > 3 else np.zeros(3)
         off = float(np.abs(x @ normal).max())
         if off > most and k not in known:
-            yield f.fault(
+            f.fault(
                 PLANES,
                 f"face {k} is off a plane by {off / f.size:.1e} of the sheet",
                 faces=[k],
@@ -118,41 +108,37 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
         np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1) for x in (flat.coords, f.frame.coords)
     )
     wrong = np.flatnonzero(np.abs(now - was) > most)
-    faults = []
     ratio = now / np.maximum(was, NONZERO)
     scale = float(np.median(ratio))
     even = len(wrong) == len(ends) and np.abs(ratio / scale - 1).max() <= most / f.size * 10
     if even and len(ends):
-        faults.append(
-            f.fault(
-                name,
-                f"all lengths are {scale:.6g} times those of the crease pattern: the state is scaled",
-                place=f.frame.coords.mean(axis=0),
-                size=abs(scale - 1),
-            )
+        f.fault(
+            name,
+            f"all lengths are {scale:.6g} times those of the crease pattern: the state is scaled",
+            place=f.frame.coords.mean(axis=0),
+            size=abs(scale - 1),
         )
     else:
         for k in wrong.tolist():
             e, by = int(f.frame.numbers[k]), now[k] - was[k]
             more = "longer" if by > 0 else "shorter"
             share = _percent(abs(by) / max(was[k], NONZERO))
-            faults.append(
-                f.fault(
-                    name,
-                    f"edge {e} is {share} {more} than in the crease pattern",
-                    vertices=ends[k].tolist(),
-                    edges=[e],
-                    size=abs(by),
-                    unit="length",
-                )
+            f.fault(
+                name,
+                f"edge {e} is {share} {more} than in the crease pattern",
+                vertices=ends[k].tolist(),
+                edges=[e],
+                size=abs(by),
+                unit="length",
             )
         stretched = {frozenset(ends[k].tolist()) for k in wrong.tolist()}
-        faults += _sheared(f, flat, most, name, stretched)
+        _sheared(f, flat, most, name, stretched)
+    faults = f.of(name)
     moved = moved_vertices(faults)
     at = ""
     if 2 * len(moved) <= len(faults) and not even:
         at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
-    f.settle(name, faults, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
+    f.settle(name, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
     return even or not faults
 
 
@@ -170,19 +156,13 @@ def _check_cuts(f: Findings, flat: Frame) -> None:
 
     name, one, other = "cuts as in the crease pattern", cuts(f.frame), cuts(flat)
     number = dict(zip(map(tuple, np.sort(f.frame.edges).tolist()), f.frame.numbers, strict=True))
-    faults = [
-        f.fault(
-            name,
-            f"edge {number[s]} is {'a cut' if s in one else 'no cut'}, in the crease pattern it is "
-            f"{'one' if s in other else 'none'}",
-            vertices=s,
-            edges=[number[s]],
-        )
-        for s in sorted(one ^ other)
-        if sides[s] > 1
-    ]
-    if faults:
-        f.settle(name, faults)
+    for s in sorted(one ^ other):
+        if sides[s] > 1:
+            here, there = ("a cut" if s in one else "no cut"), ("one" if s in other else "none")
+            text = f"edge {number[s]} is {here}, in the crease pattern it is {there}"
+            f.fault(name, text, vertices=s, edges=[number[s]])
+    if f.of(name):
+        f.settle(name)
 
 
 def moved_vertices(faults: Sequence[Fault]) -> list[int]:
@@ -198,8 +178,8 @@ def moved_vertices(faults: Sequence[Fault]) -> list[int]:
 
 def _sheared(
     f: Findings, flat: Frame, most: float, name: str, stretched: set[frozenset[int]]
-) -> Iterator[Fault]:
-    """Go through faces whose sides are right and whose diagonals are not."""
+) -> None:
+    """Record faces whose sides are right and whose diagonals are not."""
     for k, face in enumerate(f.frame.faces):
         sides = {frozenset((face[i - 1], v)) for i, v in enumerate(face)}
         if sides & stretched:
@@ -213,7 +193,7 @@ def _sheared(
         # a face that is bent is not sheared: its diagonals are then off by the square of that
         if off > 2 * most:
             apart = "further apart" if now[worst] > was[worst] else "closer"
-            yield f.fault(
+            f.fault(
                 name,
                 f"face {k} has another shape: its vertices {a[worst]} and {b[worst]} are "
                 f"{_percent(off / max(was[worst], NONZERO))} {apart}",
@@ -228,23 +208,18 @@ def _check_developable(f: Findings) -> None:
     """Check that angles round every vertex sum to a full turn, where there is no crease pattern to compare with."""
     name = "flat round every vertex"
     found = [v for v in fold_vertices(f.frame)[0] if not math.isnan(sum(v.sector_angles))]
-    faults = []
     for v in found:
         off = math.fsum(v.sector_angles) - 2 * math.pi
         if abs(off) > _angle_noise(f, v.number, v.edges):
-            faults.append(
-                f.fault(
-                    name,
-                    f"angles round vertex {v.number} sum to {math.degrees(off) + 360:.6g} degrees: it is folded of no "
-                    "flat sheet",
-                    vertices=[v.number],
-                    size=abs(off),
-                    unit="rad",
-                )
+            f.fault(
+                name,
+                f"angles round vertex {v.number} sum to {math.degrees(off) + 360:.6g} degrees: it is folded of no "
+                "flat sheet",
+                vertices=[v.number],
+                size=abs(off),
+                unit="rad",
             )
-    f.settle(
-        name, faults, f"{len(found)} interior vertices; no crease pattern to compare lengths with"
-    )
+    f.settle(name, f"{len(found)} interior vertices; no crease pattern to compare lengths with")
 
 
 def _angle_noise(f: Findings, vertex: int, edges: tuple[int, ...]) -> float:
@@ -276,7 +251,7 @@ def check_fold_angles(f: Findings, pattern: Pattern) -> None:
         f.skip(name, "the file states no fold angles")
     else:
         wrong = np.flatnonzero((np.nan_to_num(off) > noise) & ~out)
-        faults = [
+        for c in wrong.tolist():
             f.fault(
                 name,
                 f"edge {p.numbers[c]}: edges_foldAngle is {math.degrees(p.file_angles[c]):.6g}, its coordinates are "
@@ -287,14 +262,12 @@ def check_fold_angles(f: Findings, pattern: Pattern) -> None:
                 size=off[c],
                 unit="rad",
             )
-            for c in wrong.tolist()
-        ]
         stated = int((~np.isnan(p.file_angles)).sum())
         apart = f", {out.sum()} of them beside faces that are out of shape" if out.any() else ""
-        f.settle(name, faults, f"{stated} of {p.creases} creases{apart}")
+        f.settle(name, f"{stated} of {p.creases} creases{apart}")
     check_letters(f, p, np.where(np.abs(p.reference) > noise, p.reference, 0.0))
-    flat = _flat_edges(f, p)
-    f.settle("flat edges are flat", flat, "edges F and J, and sides that are no edges")
+    _flat_edges(f, p)
+    f.settle("flat edges are flat", "edges F and J, and sides that are no edges")
 
 
 def measured_on(sheet: Pattern, folded: Frame) -> Pattern:
@@ -324,29 +297,26 @@ def measured_on(sheet: Pattern, folded: Frame) -> Pattern:
 def check_letters(f: Findings, p: Pattern, measured: np.ndarray) -> None:
     """Check letters against the signs of fold angles, measured ones [n] and those of the file."""
     name = "mountains and valleys as folded"
-    faults = []
     for c in range(p.creases):
         stated = p.file_angles[c]
         for phi, what in ((measured[c], "is folded by"), (stated, "has edges_foldAngle")):
             # fully folded, coordinates have no sign
             if p.signs[c] * phi < -PLACES and (what != "is folded by" or abs(phi) < math.pi):
                 letter = "a mountain" if p.signs[c] < 0 else "a valley"
-                faults.append(
-                    f.fault(
-                        name,
-                        f"edge {p.numbers[c]} is {letter} and {what} {math.degrees(phi):+.6g} degrees",
-                        edges=[p.numbers[c]],
-                        place=p.corners[p.ends[c]].mean(axis=0),
-                        size=abs(phi),
-                        unit="rad",
-                    )
+                f.fault(
+                    name,
+                    f"edge {p.numbers[c]} is {letter} and {what} {math.degrees(phi):+.6g} degrees",
+                    edges=[p.numbers[c]],
+                    place=p.corners[p.ends[c]].mean(axis=0),
+                    size=abs(phi),
+                    unit="rad",
                 )
                 break
     given = int((p.signs != 0).sum())
     if not given:
         f.skip(name, "no edge is a mountain or a valley")
     else:
-        f.settle(name, faults, f"{given} of {p.creases} creases")
+        f.settle(name, f"{given} of {p.creases} creases")
 
 
 def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
@@ -369,8 +339,8 @@ def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
     )
 
 
-def _flat_edges(f: Findings, p: Pattern) -> Iterator[Fault]:
-    """Go through sides within a facet at which its pieces of paper are at an angle."""
+def _flat_edges(f: Findings, p: Pattern) -> None:
+    """Record sides within a facet at which its pieces of paper are at an angle."""
     normals = []
     for q in p.polygons:
         x = p.corners[list(q)]
@@ -393,7 +363,7 @@ def _flat_edges(f: Findings, p: Pattern) -> Iterator[Fault]:
         if angle > NOISE + 4 * f.lengths() / f.size:
             edge = number.get(s)
             what = f"edge {edge}" if edge is not None else f"the side {s[0]}-{s[1]} of two faces"
-            yield f.fault(
+            f.fault(
                 "flat edges are flat",
                 f"{what} is no crease (F, J or none) and is folded by {math.degrees(angle):.6g} degrees: facets are "
                 "rigid",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from origami_nlp.validity.counting import UNCLEAR
 from origami_nlp.validity.faults import MILLI, Findings
 
 STATED = "faceOrders agree with each other"
+FOLLOWS = f"{STATED}, with what follows"
 CREASES = "faceOrders agree with creases"
 WHOLE = "faceOrders are whole"
 RULES = "faceOrders are those of paper"
@@ -37,7 +39,7 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
     near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, MILLI))
     stack = Stack(problem.crossings, phi, near=near)
     if not len(stack.pairs):
-        f.settle(EXISTS, [], "no faces lie on each other")
+        f.settle(EXISTS, "no faces lie on each other")
         return
     try:
         rules = list(stack.rules())
@@ -61,22 +63,19 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
 def _stated(f: Findings, stack: Stack, stated: Sequence[Order]) -> _Said:
     """Read what the file states of each pair, against itself and against the creases."""
     shown = f.frame.face_orders
-    given, faults = _Said({}, {}, set()), []
+    given = _Said({}, {}, set())
     for k, order in enumerate(stated):
         for unknown, value in stack.states(order):
             if given.value.setdefault(unknown, value) != value and unknown not in given.disputed:
                 given.disputed.add(unknown)
-                faults.append(
-                    f.fault(
-                        STATED,
-                        f"{_written(shown, given.by[unknown])} and {_written(shown, k)} say the opposite of each other",
-                        faces=shown[k][:2],
-                        place=_place(stack, unknown),
-                    )
+                f.fault(
+                    STATED,
+                    f"{_written(shown, given.by[unknown])} and {_written(shown, k)} say the opposite of each other",
+                    faces=shown[k][:2],
+                    place=_place(stack, unknown),
                 )
             given.by.setdefault(unknown, k)
-    f.settle(STATED, faults, f"{len(stated)} stated")
-    faults = []
+    f.settle(STATED, f"{len(stated)} stated")
     for unknown, value, crease in stack.known():
         if given.value.get(unknown, value) == value or unknown in given.disputed:
             given.value[unknown] = value
@@ -85,16 +84,14 @@ def _stated(f: Findings, stack: Stack, stated: Sequence[Order]) -> _Said:
         edge = int(stack.crossings.pattern.numbers[crease])
         kind = "valley" if stack.phi[crease] > 0 else "mountain"
         says = "mountain" if kind == "valley" else "valley"
-        faults.append(
-            f.fault(
-                CREASES,
-                f"edge {edge} is folded as a {kind}, but {_written(shown, given.by[unknown])} says {says}",
-                edges=[edge],
-                faces=shown[given.by[unknown]][:2],
-                place=_place(stack, unknown),
-            )
+        f.fault(
+            CREASES,
+            f"edge {edge} is folded as a {kind}, but {_written(shown, given.by[unknown])} says {says}",
+            edges=[edge],
+            faces=shown[given.by[unknown]][:2],
+            place=_place(stack, unknown),
         )
-    f.settle(CREASES, faults, f"{sum(1 for _ in stack.known())} creases folded flat")
+    f.settle(CREASES, f"{sum(1 for _ in stack.known())} creases folded flat")
     return given
 
 
@@ -102,7 +99,7 @@ def _check_rules(
     f: Findings, stack: Stack, rules: list[tuple[Rule, tuple[int, ...]]], given: _Said
 ) -> bool:
     """Check every rule with what is said of its pairs; whether all are obeyed."""
-    faults, seen, common = [], set(), None
+    seen, common = set(), None
     for (unknowns, allowed), pieces in rules:
         known = [None if u in given.disputed else given.value.get(u) for u in unknowns]
         if any(all(k in (None, v) for k, v in zip(known, fit, strict=True)) for fit in allowed):
@@ -116,12 +113,14 @@ def _check_rules(
             seen.add(key)
             place = _place(stack, unknowns[0]) if unknowns else stack.x[pieces[0]].mean(axis=0)
             faces = sorted({int(p) for p in which}) if f.frame.faces else []
-            faults.append(f.fault(RULES, text, faces=faces, place=place))
+            f.fault(RULES, text, faces=faces, place=place)
     culprits = sorted({given.by[u] for u in common or () if u in given.by})
     blamed = [_written(f.frame.face_orders, k) for k in culprits]
-    all_name = f", all of them with {' or '.join(blamed)}" if blamed and len(faults) > 1 else ""
-    f.settle(RULES, faults, f"{len(rules):,} rules{all_name}")
-    return not (faults or given.disputed)
+    all_name = (
+        f", all of them with {' or '.join(blamed)}" if blamed and len(f.of(RULES)) > 1 else ""
+    )
+    f.settle(RULES, f"{len(rules):,} rules{all_name}")
+    return not (f.of(RULES) or given.disputed)
 
 
 def _broken(
@@ -169,7 +168,8 @@ def _check_whole(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
     """Check that of all faces that overlap an order is stated, or follows from what is."""
     posed = pose_stack(stack)
     if isinstance(posed, Layers):
-        f.settle(WHOLE, [f.fault(WHOLE, posed.reason)])
+        f.fault(WHOLE, posed.reason)
+        f.settle(WHOLE)
         return
     orders, _ = posed
     core, _ = conflict(stack, orders, stated)
@@ -177,27 +177,26 @@ def _check_whole(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
         shown = {
             o: s for o, s in zip(stack.crossings.pattern.orders, f.frame.face_orders, strict=True)
         }
-        words = ", ".join(_bracket(shown[o]) for o in core)
+        words = ", ".join(str([*shown[o]]) for o in core)
         faces = sorted({face for o in core for face in shown[o][:2]})
         text = f"{words} contradict each other, by what follows from them"
-        f.settle(STATED + ", with what follows", [f.fault(STATED, text, faces=faces)])
+        f.fault(FOLLOWS, text, faces=faces)
+        f.settle(FOLLOWS)
         return
     number = stack.crossings.polygon
-    faults, seen = [], set()
+    seen = set()
     for k in np.flatnonzero(np.array(orders.values) < 0).tolist():
         a, b = sorted(int(p) for p in number[stack.pairs[k]])
         if (a, b) in seen:
             continue
         seen.add((a, b))
-        faults.append(
-            f.fault(
-                WHOLE,
-                f"{face_words(f, stack.crossings.pattern, a, b)} overlap, and no order of them is stated or follows",
-                faces=[a, b] if f.frame.faces else [],
-                place=_place(stack, k),
-            )
+        f.fault(
+            WHOLE,
+            f"{face_words(f, stack.crossings.pattern, a, b)} overlap, and no order of them is stated or follows",
+            faces=[a, b] if f.frame.faces else [],
+            place=_place(stack, k),
         )
-    f.settle(WHOLE, faults, f"of {len(stack.pairs):,} pairs of layers")
+    f.settle(WHOLE, f"of {len(stack.pairs):,} pairs of layers")
 
 
 def _check_exists(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
@@ -205,7 +204,8 @@ def _check_exists(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
     try:
         posed = pose_stack(stack, most=4 * MOST_NODES)
         if isinstance(posed, Layers):
-            f.settle(EXISTS, [f.fault(EXISTS, posed.reason)])
+            f.fault(EXISTS, posed.reason)
+            f.settle(EXISTS)
             return
         orders, _ = posed
         if stated:
@@ -215,24 +215,20 @@ def _check_exists(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
         f.skip(EXISTS, "the search for one was given up", undecided=True)
         return
     none = [part for part, many, whole in counts if whole and not many]
-    faults = [
+    for part in none:
         f.fault(
             EXISTS,
             f"{_faces_of(f, stack, part)} have no order in which they do not pass through each other",
             faces=_numbers(stack, part) if f.frame.faces else [],
             place=_place(stack, part[0]) if part else None,
         )
-        for part in none
-    ]
     doubt = "" if all(many for _, many, _ in counts) else "the search for one was given up"
-    total = 1
-    for _, many, _ in counts:
-        total *= many
+    total = math.prod(many for _, many, _ in counts)
     whole = all(w for _, _, w in counts)
     one = total == 1 and whole
     said = f"{'' if whole else 'at least '}{total:,} order{'' if one else 's'}"
     said += " with what is stated" if stated else ""
-    f.settle(EXISTS, faults, "" if faults else said, doubt)
+    f.settle(EXISTS, "" if none else said, doubt)
 
 
 def _numbers(stack: Stack, part: Sequence[int]) -> list[int]:
@@ -255,8 +251,4 @@ def _place(stack: Stack, unknown: int) -> np.ndarray:
 
 
 def _written(orders: Sequence[Order], k: int) -> str:
-    return _bracket(orders[k])
-
-
-def _bracket(order: Order) -> str:
-    return f"[{order[0]}, {order[1]}, {order[2]}]"
+    return str([*orders[k]])

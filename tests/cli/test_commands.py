@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from typer.main import get_command
@@ -36,7 +35,7 @@ def test_the_help_lists_what_people_want_under_headings():
     assert len(headings) == 3 and all(line.endswith(":") for line in headings)
     listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]
     assert listed == top.list_commands(None) and set(listed) == set(top.commands)
-    assert listed[:8] == "minima pattern load follow design inspect example hinge".split()
+    assert listed[:7] == "minima inspect load follow design example hinge".split()
     code, out, err = run("nothing")
     assert code == 2 and not out and "no such command 'nothing'" in err
 
@@ -52,7 +51,6 @@ def test_the_help_lists_what_people_want_under_headings():
         ("load a.toml --crease one", "'--crease'"),
         ("follow a.toml", "missing option '--parameter'"),
         ("paper cone coutn", "no such command 'coutn'"),
-        ("contacts a.fold --stiffness 2", "no such option: --stiffness"),
     ],
 )
 def test_a_wrong_call_is_one_line(line, said):
@@ -78,10 +76,6 @@ def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_write
         energies = [[m["energy"] for m in one] for one in found]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
     assert run("contacts", whole).code == 0
-
-
-def test_the_version_is_told():
-    assert run("--version") == (0, f"origami-nlp {origami_nlp.__version__}\n", "")
 
 
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
@@ -111,15 +105,6 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
     assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.csv'}\n"
 
 
-def test_an_ending_says_what_a_file_holds_and_several_may_be_of_one_kind(tmp_path, capsys):
-    names = [str(tmp_path / name) for name in ("a.CSV", "b.csv")]
-    out = Output([*names, "-.csv"], ("json", "csv"))
-    out.write("csv", lambda: "text")
-    assert [Path(name).read_text() for name in names] == ["text"] * 2
-    assert capsys.readouterr().out == "text"
-    assert run("example", "degree6", "-o", "-.fold").out.startswith("{")
-
-
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):
     file = tmp_path / "a.fold"
     data = disc([60, 100, 120, 80], "MVVV")
@@ -137,9 +122,9 @@ def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, 
 def test_a_pattern_is_taken_by_name_as_it_is_from_a_file(tmp_path):
     file = tmp_path / "miura.fold"
     assert run("example", "miura:3x3", "-o", str(file)).code == 0
-    one, two = run("pattern", "miura:3x3", "-o", "-"), run("pattern", str(file), "-o", "-")
+    one, two = run("inspect", "miura:3x3", "-o", "-"), run("inspect", str(file), "-o", "-")
     assert one.code == two.code == 0 and one.out == two.out
-    wrong = run("pattern", "kresling")
+    wrong = run("inspect", "kresling")
     assert wrong.code == 2 and "no example: those are miura" in wrong.err
 
 

@@ -134,23 +134,3 @@ def test_bad_targets_get_one_line_and_nothing_is_written(name, tmp_path):
     assert (code, out) == (2, "") and len(err.strip().splitlines()) == 1, err
     assert all(w in err for w in words), err
     assert sorted(tmp_path.iterdir()) == before
-
-
-def test_json_in_a_pipe_is_pure(tmp_path):
-    file = tmp_path / "t.toml"
-    file.write_text(TWO)
-    code, out, err = run("design", file, "-o", "-")
-    data = json.loads(out, parse_constant=pytest.fail)
-    assert code == 1 and not data["feasible"] and data["refuted"] and data["reason"]["states"]
-    assert "no design" in " ".join(err.split())
-
-
-def test_exit_codes(tmp_path):
-    file = tmp_path / "t.toml"
-    file.write_text(TWO)
-    code, out, _ = run("design", file)
-    assert code == 1 and "no design" in " ".join(out.split()) and "what would help" in out
-    file.write_text(TWO.replace('name = "b"', 'name = "a"'))
-    code, _, err = run("design", file)
-    assert code == 2 and "two states are called" in err
-    assert run("design")[0] == 2 and run("design", "nothing")[0] == 2

@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import examples, format_scene
-from origami_nlp.arguments import require
-from origami_nlp.errors import OptionError
 from tests.command_line import run
 
 ROOT = Path(__file__).parent.parent.parent
@@ -47,13 +45,6 @@ def test_a_command_without_its_extra_names_it(monkeypatch, tmp_path, module, ext
     assert f"needs {module}" in done.err and f'"origami_nlp[{extra}]"' in done.err.replace(
         "\n", " "
     )
-
-
-def test_an_error_of_the_right_kind():
-    with pytest.raises(
-        OptionError, match=r'a mesh needs nowhere_to_be_found, .*origami_nlp\[mesh\]"'
-    ):
-        require("nowhere_to_be_found", "a mesh", "mesh")
 
 
 def test_no_certificate_of_a_proof_with_full_contact(tmp_path):

@@ -75,13 +75,6 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert "phi = -pi at creases 2, 6" in result.report(verbose=True)
 
 
-def test_json_to_stdout_is_only_json(scene):
-    few = ("--max-starts", 16)
-    code, out, err = run("minima", scene, "-o", "-", *few)
-    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/3"
-    assert "stable states" in err
-
-
 def test_the_table_as_csv_has_the_numbers_of_the_json(scene, tmp_path):
     json_file, csv_file = tmp_path / "a.json", tmp_path / "a.csv"
     assert run("minima", scene, "--effort", "quick", "-o", json_file, "-o", csv_file).code == 0
@@ -101,17 +94,6 @@ def test_the_same_seed_gives_the_same_answer(scene, tmp_path):
         data["completeness"].pop("seconds")
         answers.append(data)
     assert answers[0] == answers[1]
-
-
-def test_example_prints_a_scene_that_reads_back():
-    code, out, _ = run("example", "degree8", "--alpha", "pi/6", "--ratio", "100")
-    assert code == 0
-    assert origami_nlp.parse_scene(out) == origami_nlp.examples.degree8("pi/6", 100.0)
-
-
-def test_model_prints_what_is_in_and_out(scene):
-    code, out, _ = run("inspect", scene)
-    assert code == 0 and "variables     4" in out and "left out" in out
 
 
 def test_stability_in_full_space_is_judged_unless_declined(scene):

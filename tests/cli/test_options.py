@@ -2,26 +2,18 @@
 
 import re
 from collections import defaultdict
+from dataclasses import fields
 
 import pytest
 from typer.main import get_command
 
-from origami_nlp.cli import app
-from origami_nlp.cli.group import FOLD_FILES, WRITES
-from origami_nlp.cli.source import FOLD_OPTIONS, PER_LENGTH, SPRINGS
+from origami_nlp.cli import Source, app
+from origami_nlp.cli.options import FOLD_FILES, WRITES
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
     "--output": "each command lists what it can write",
-    "--verbose": "each command has its own details",
-    "--state": "load follows one, others leave the others out",
-    "--contact": "of a FOLD file, or of an example",
-    "--symmetry": "of a FOLD file, or of an example",
-    "--workers": "sweep uses all processors by default",
-    "--crease": "of a sheet there may be several, and no symmetry",
-    "--tolerance": "of ends that a drawing joins, or of places that are checked",
     "--frame": "check asks of all frames by default",
-    "--prove": "follow proves at its checks, and only if asked",
 }
 """Options of one name, form and meaning whose help differs between commands, and why."""
 
@@ -74,7 +66,7 @@ def test_every_option_says_what_stands_after_it():
 
 
 def test_options_for_fold_files_stand_in_one_block_at_the_end():
-    of_files = {f"--{name.replace('_', '-')}" for name in (*FOLD_OPTIONS, *SPRINGS, *PER_LENGTH)}
+    of_files = {f"--{one.name.replace('_', '-')}" for one in fields(Source)[1:]}
     seen = 0
     for path, command in commands():
         names = {p.opts[0] for p in command.params}
@@ -86,7 +78,7 @@ def test_options_for_fold_files_stand_in_one_block_at_the_end():
         assert set(shown) == names & of_files, path
         assert not set(shown) & set(re.findall(r"^  (--[a-z-]+)", others, re.MULTILINE)), path
         seen += 1
-    assert seen > 10
+    assert seen > 7
 
 
 @pytest.mark.parametrize("width", [40, pytest.param(80, marks=pytest.mark.slow), 200])

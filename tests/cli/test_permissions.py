@@ -10,7 +10,7 @@ from tests.command_line import run
 READ = (
     ("minima", "a.toml"),
     ("inspect", "a.toml"),
-    ("pattern", "a.fold"),
+    ("inspect", "a.fold"),
     ("minima", "a.fold", "--vertex", "0"),
     ("load", "a.toml", "--crease", "1"),
     ("design", "a.toml"),
@@ -22,7 +22,7 @@ WRITE = (
     ("minima", "miura.toml", "--certificate", "a.json"),
     ("example", "miura", "-o", "a.toml"),
     ("inspect", "miura.toml", "-o", "a.png"),
-    ("pattern", "miura:1x2", "-o", "a.svg"),
+    ("inspect", "miura:1x2", "-o", "a.svg"),
 )
 
 

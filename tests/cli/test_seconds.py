@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import typer
 
 from origami_nlp import (
     Scene,
@@ -20,16 +19,11 @@ from origami_nlp import (
     load_path,
     read_result,
 )
-from origami_nlp.cli import app
-from origami_nlp.cli.timed import ENDED, bounded
+from origami_nlp.cli import Ended
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
-
-SEARCHES = (
-    "minima landscape contacts load barriers critical space transitions design follow boundary sweep"
-).split()
 
 
 def slow_vertex():
@@ -42,16 +36,6 @@ def slow_vertex():
         "none",
         "fold-limits",
     )
-
-
-def test_every_command_that_searches_has_a_limit():
-    from typer.main import get_command
-
-    commands = get_command(app).commands
-    for name in SEARCHES:
-        group = commands["paper"].commands if name == "transitions" else commands
-        options = [option for p in group[name].params for option in p.opts]
-        assert "--seconds" in options, name
 
 
 def test_a_search_keeps_to_its_limit_of_wall_time_and_says_so():
@@ -77,45 +61,6 @@ def test_what_is_not_judged_in_the_full_space_is_undecided_by_name():
     assert all(m.full_space.verdict == "undecided" for m in result.minima)
 
 
-@pytest.mark.parametrize(
-    "words",
-    [("barriers",), ("space",)],
-)
-def test_a_command_whose_time_is_over_tells_what_it_has(tmp_path, words):
-    scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
-    out = tmp_path / "out.json"
-    done = run(words[0], scene, *words[1:], "--seconds", 0.01, "-o", out)
-    assert done.code == ENDED and not out.exists()
-    assert "interrupted by the time limit (--seconds 0.01)" in " ".join(done.out.split())
-    assert "Traceback" not in done.out + done.err
-
-
-@pytest.mark.parametrize("then", ["goes on", "fails"])
-def test_a_library_that_swallows_the_end_of_the_time_is_ended_all_the_same(capsys, then):
-    """CasADi tries its conversions of arguments one after another, and takes any exception for "not this one"."""
-
-    def command():
-        try:
-            time.sleep(60)
-        except BaseException:
-            if then == "fails":
-                raise AttributeError("'SX' object has no attribute 'full'") from None
-        time.sleep(60)
-
-    with pytest.raises(typer.Exit) as ended:
-        bounded(command)(seconds=0.01)
-    assert ended.value.exit_code == ENDED
-    assert "interrupted by the time limit" in capsys.readouterr().out
-
-
-def test_an_error_before_the_time_is_over_is_an_error():
-    def command():
-        raise AttributeError("wrong")
-
-    with pytest.raises(AttributeError):
-        bounded(command)(seconds=60.0)
-
-
 COMMANDS = {
     "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--effort", "quick"),
     "load": ("--crease", "1", "--to", "-0.15", "--effort", "quick"),
@@ -137,7 +82,7 @@ def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path,
     figure = tmp_path / "out.png"
     files = "-o", out, "-o", figure
     done = run(name, scene, *COMMANDS[name], "--seconds", 1000, *files)
-    assert done.code == ENDED and figure.exists(), done
+    assert done.code == Ended.OUT_OF_TIME and figure.exists(), done
     assert "interrupted by the time limit" in " ".join(done.out.split())
     data = json.loads(out.read_text())
     assert data["interrupted"]
@@ -188,16 +133,9 @@ def test_a_proof_inside_a_time_limit_keeps_to_wall_time(monkeypatch):
     assert worked() - begin < 30.0
 
 
-@pytest.mark.parametrize("value", ["-1", "nan", "inf", "soon"])
-def test_a_limit_is_a_number_of_seconds(tmp_path, value):
-    scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
-    code, _, err = run("space", scene, f"--seconds={value}")
-    assert code == 2 and "seconds" in err
-
-
 def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):
     out, figure = tmp_path / "out.json", tmp_path / "out.png"
     done = run("barriers", "yoshimura:2x1", "--seconds", 0.5, "-o", out, "-o", figure)
-    assert done.code == ENDED and figure.exists(), done
+    assert done.code == Ended.OUT_OF_TIME and figure.exists(), done
     assert "interrupted by the time limit" in " ".join(done.out.split())
     assert json.loads(out.read_text())["left_out"]

@@ -18,12 +18,12 @@ SLOW = """
 import signal
 import time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background of a shell
-from origami_nlp.cli import main, search
+from origami_nlp.cli import main, states
 def wait(*_, **__):
     print("searching", flush=True)
     time.sleep(60)
-import origami_nlp.minima
-origami_nlp.minima.find_minima = wait
+import origami_nlp.verbs
+origami_nlp.verbs.find_minima = wait
 main()
 """
 

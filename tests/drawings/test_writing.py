@@ -19,8 +19,8 @@ from tests.command_line import run
 
 SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ("miura:4x4", "waterbomb:3x3", "squaretwist", "yoshimura:3x3")
-ENDINGS = (".svg", ".cp", ".opx", ".dxf")
-DIGITS = {".svg": 0.0, ".cp": 0.0, ".opx": 0.0, ".dxf": 1e-12}
+ENDINGS = (".svg", ".cp", ".dxf")
+DIGITS = {".svg": 0.0, ".cp": 0.0, ".dxf": 1e-12}
 """Relative error of coordinates that a format may make."""
 
 

@@ -289,8 +289,8 @@ def test_commands_check_their_files_first(tmp_path):
     for args in (
         ["minima", str(scene), "-o", bad],
         ["contacts", str(scene), "-o", bad],
-        ["critical", str(scene), "-o", bad],
-        ["space", str(scene), "-o", bad],
+        ["landscape", str(scene), "--critical", "-o", bad],
+        ["landscape", str(scene), "--space", "-o", bad],
         ["paper", "panels", "-o", bad],
         ["paper", "transitions", "degree6", "-o", bad],
     ):

@@ -26,5 +26,5 @@ def test_a_strip_is_loaded_and_its_states_are_found(tmp_path, many):
     path.write_text(json.dumps(strip(many)))
     done = run("load", path, "--crease", "1")
     assert done.code == 0, done.err
-    done = run("pattern", path)
+    done = run("inspect", path)
     assert done.code == 0 and f"{many} degree" in done.out

@@ -13,11 +13,9 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.kkt import project
 from origami_nlp.minima import compiled
-from origami_nlp.minima.compiled_projection import project_many
 from origami_nlp.minima.descents import Descents
-from origami_nlp.numerics import CLOSURE_TOL, ROUNDED, SWITCH
+from origami_nlp.numerics import CLOSURE_TOL, SWITCH
 from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
 from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
@@ -128,43 +126,11 @@ def test_ends_are_stationary_with_their_contacts_and_lower(scene, most):
     assert (energy(ends.samples.x) <= energy(starts.x) + 1e-7).all()
 
 
-@pytest.mark.parametrize("scene", [CASES["mirrored, full contact"][0], vertex(7, 3, "full")])
-def test_projections_and_what_is_admissible_are_those_of_numpy(scene):
-    model = Model(scene)
-    descents, rng = Descents(model), np.random.default_rng(2)
-    held = (model.fold_limits.contact(1, 3.0), *[Contact("gap", 0, 1)] * bool(model.structure.gaps))
-    of = np.arange(60) % 2  # states of one batch hold different contacts
-    for choices, frozen in ((((), held), None), (((), ()), 0)):
-        x = rng.uniform(-1.5, 1.5, (60, model.size))
-        x[:3] = 0.0  # closure has no rank there
-        x[1:3] += 1e-9 * rng.normal(size=(2, model.size))
-        still = None if frozen is None else np.arange(model.size) == np.full((60, 1), frozen)
-        y, good = project_many(descents, x, choices, of, still)
-        for k, contacts in enumerate(choices):
-            own = None if still is None else still[of == k]
-            z, expected = project(model, x[of == k], contacts, frozen=own)
-            done, z = expected <= ROUNDED, model.fold_limits.clip(z)
-            closes = np.abs(model.closure(z)[0]).max(axis=1) <= CLOSURE_TOL
-            assert done.sum() > 10 and good.any() and (scene.degree < 7 or not good.all())
-            assert (good[of == k] == closes & model.admissible(z))[done].all()
-            assert np.abs(y[of == k] - z)[done].max() < SAME
-
-
 def test_threads_change_nothing():
     model = Model(vertex(5, 4))
     samples = starts_of(model, Descents(model), 400)
     one, two = (Descents(model, threads=k).run(samples) for k in (1, 2))
     assert_same(one, two, 0.0)
-
-
-def test_short_steps_are_kept_and_close():
-    model = Model(CASES["degree 6 with contact"][0])
-    paths = list[np.ndarray]()
-    descents = Descents(model, steps=120, longest=0.1)
-    descents.run(starts_of(model, descents, 60), paths)
-    moved = [np.abs(np.diff(path, axis=0)).max(initial=0.0) for path in paths]
-    assert sum(len(path) > 10 for path in paths) > 10 and 0.05 < max(moved) < 0.2
-    assert np.abs(model.closure(np.concatenate(paths))[0]).max() < CLOSURE_TOL
 
 
 def test_where_linear_algebra_breaks_down_a_descent_ends_where_it_began():

@@ -104,11 +104,10 @@ BESIDE_THE_TABLE = {
         proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
         proof/curve_ends.WIDEST
-        proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
+        proof/law_torques.SMOOTH
     """,
     "bounds on rounding in proofs": """
         proof/flat.CLEAR
-        proof/touching_rows.COSINE
     """,
     "room for rounding": """
         paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK

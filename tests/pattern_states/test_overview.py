@@ -229,13 +229,13 @@ def test_concentric_squares_fold_along_a_diagonal_only():
 def test_the_command_writes_its_keys(tmp_path):
     fold, out = tmp_path / "a.fold", tmp_path / "a.json"
     assert run("example", "metasheet:3x4", "-o", fold).code == 0
-    done = run("pattern", fold, "-o", out, "-o", tmp_path / "a.png")
+    done = run("inspect", fold, "-o", out, "-o", tmp_path / "a.png")
     assert done.code == 0 and "folds with 1 degree of freedom" in " ".join(done.out.split())
     data = json.loads(out.read_text())
     assert {"holes", *KEYS} <= set(data) and data["holes"] == 0
     assert (data["facets"], data["dof"]) == (12, 1)
     assert (tmp_path / "a.png").stat().st_size > 10_000
-    reported = run("pattern", fold, "-o", "-")
+    reported = run("inspect", fold, "-o", "-")
     assert json.loads(reported.out)["redundant"] == data["redundant"]
     code, _, err = run("example", "metasheet")
     assert code == 2 and "-o" in err and err.count("\n") == 1

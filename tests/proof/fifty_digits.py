@@ -8,7 +8,9 @@ import math
 import numpy as np
 from mpmath import mp, mpf
 
-from origami_nlp.proof.chains import VertexForms
+from origami_nlp import Scene, Vertex
+from origami_nlp.problem import Model
+from origami_nlp.proof.pieces import VertexPiece
 
 WIDTHS = [0.0, 1e-9, 1e-4, 0.1, 1.0, 3.0]
 
@@ -17,7 +19,9 @@ def random_vertex(rng, n):
     sectors = np.full(n, 7.0)
     while sectors.max() > 0.9 * math.pi:
         sectors = rng.dirichlet(np.full(n, 4.0)) * 2 * math.pi
-    return VertexForms(sectors, 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n))
+    k, rest = 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n)
+    vertex = Vertex(tuple(sectors.tolist()))
+    return VertexPiece(Model(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits")))
 
 
 def exact_sectors(vertex):

@@ -253,7 +253,7 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
     assert not any(p.is_minimum is None for p in proof.points)
     if degrees == (90, 90, 90, 90):
         posed, flat = pose(model)
-        posed.twin_rule = ()
+        posed.twins = ()
         left = prune(posed, strata(n), flat=flat.radius, most=50_000)
         assert len(left.open)  # curves of boxes on which all minors vanish
 

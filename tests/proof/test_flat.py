@@ -10,14 +10,14 @@ from benchmarks import family_scene
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex
 from origami_nlp.problem import Model
-from origami_nlp.proof import chains, prove
-from origami_nlp.proof.flat import ClosedDirections, flat_lemma, no_minimum
+from origami_nlp.proof import prove
+from origami_nlp.proof.flat import ClosedDirections, creases_of, flat_lemma, no_minimum
+from origami_nlp.proof.pieces import VertexPiece
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
-    p = Model(scene).parameters
-    return chains.VertexForms(p.sectors, p.stiffness, p.rest)
+    return VertexPiece(Model(scene))
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
@@ -39,7 +39,7 @@ def test_remainders_hold(number, radius):
             phi = [mpf(r) * mpf(v) for v in u]
             q, axes = fold_quaternion(exact_sectors(vertex), phi)
             exact = [q[1] * 2 / mpf(r), q[2] * 2 / mpf(r)]
-            for four in vertex.fours:
+            for four in vertex.subsets.tolist():
                 matrix = mp.matrix(4, 4)
                 for row, i in enumerate(four):
                     k = mpf(vertex.stiffness[i]) / k_max
@@ -62,7 +62,7 @@ def planted(number):
     """Springs that balance on closed directions that leave the flat state: it is critical to the order that counts."""
     scene = family_scene("fold-limits", number)
     vertex = posed(scene)
-    b = vertex.creases
+    b = creases_of(vertex)
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]
     values, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)

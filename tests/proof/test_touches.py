@@ -12,13 +12,12 @@ from origami_nlp import Scene, State, classify, find_minima
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove
-from origami_nlp.proof.affine import variables
-from origami_nlp.proof.angles import Angles
-from origami_nlp.proof.domains import FundamentalDomain
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
+from origami_nlp.proof.pieces import VertexPiece, piece_of
 from origami_nlp.proof.result import Proof
+from origami_nlp.proof.rows import Triples, pairs, variables
 from origami_nlp.proof.touches import contact_strata, why_not, with_touches
-from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
+from origami_nlp.proof.touching_rows import Kite, Row, TouchedPiece
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
@@ -71,12 +70,13 @@ def touching():
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_rows_of_a_touch_hold_their_values(width):
-    """Ray k seen from both ends of facet j, by rotation matrices."""
+    """Ray k off facet j seen from both ends of the facet, by rotation matrices; beyond an end boxes go."""
     rng = np.random.default_rng([7, int(width * 1e9)])
     vertex = random_vertex(rng, 5)
+    refused = 0
     for j in range(5):
         k = (j + 3) % 5
-        posed = TouchedVertex(vertex.sectors, vertex.stiffness, vertex.rest, ((k, j),))
+        posed = TouchedPiece(vertex, (Row("facet", (k, j), 0),))
         lower, upper, pins = boxes(rng, 5, width, 4)
         middle, half = variables(lower, upper)
         form = posed.rows(lower, upper, pins).closure
@@ -84,14 +84,18 @@ def test_rows_of_a_touch_hold_their_values(width):
         for box, x, xi in points(rng, lower, upper, pins, middle, half):
             i = [(j + s) % 5 for s in range(5)]
             far = turn_x(x[i[1]]) * turn_z(a[i[1]]) * turn_x(x[i[2]]) * turn_z(a[i[2]])
-            near = turn_x(x[i[0]]) * turn_z(a[i[4]]) * turn_x(x[i[4]]) * turn_z(a[i[3]])
+            near = turn_x(-x[i[0]]) * turn_z(-a[i[4]]) * turn_x(-x[i[4]]) * turn_z(-a[i[3]])
             p, q = far[:, 0], near[:, 0]
-            c, s = mp.cos(a[j]), mp.sin(a[j])
-            values = [q[0] - (c * p[0] - s * p[1]), q[1] + s * p[0] + c * p[1], p[2], q[2]]
-            for row, value in enumerate(values):
+            for row, value in enumerate([p[2], q[2]]):
+                value *= mp.sin(a[j])
                 off = abs(value - value_of(form, 4 + row, box, xi))
                 # the sine of pi is 0 in the form, and not in fifty digits
                 assert off <= mpf(form.error[4 + row, box]) + mpf(10) ** -45
+            inside = p[1] < 0 < q[1] and dot(p, (mp.cos(a[j]), -mp.sin(a[j]), 0)) < 2
+            out = bool((form.centre[6:, box] == 1).any())
+            refused += out
+            assert not (out and inside and abs(p[2]) + abs(q[2]) < 1e-9)
+    assert refused > 3 or width > 0.5
 
 
 @pytest.mark.slow
@@ -117,9 +121,8 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
         ]
         for j in range(5):
             k = (j + 3) % 5
-            posed = TouchedVertex(
-                scene.vertex.sector_angles, np.array(scene.stiffness), rest, ((k, j),)
-            )
+            others = replace(scene, rest_angles=tuple(rest.tolist()), contact="fold-limits")
+            posed = TouchedPiece(VertexPiece(Model(others)), (Row("facet", (k, j), 0),))
             form = posed.rows(lower, upper, np.zeros((5, 1), dtype=int)).critical
             middle, half = variables(lower, upper)
             xi = [
@@ -325,29 +328,34 @@ def test_minima_of_panels(number):
 
 
 def test_the_axis_row_of_equal_sectors():
-    """c_3 . n_1 = 2 sin a cos(phi_2 / 2) times the row, at random states."""
+    """c_3 . n_1 = 2 sin a cos(phi_2 / 2) times the row, over boxes; slopes by phi_2, and by half the other fold."""
     model = Model(PANELS[11])
-    a = model.parameters.sectors[0]
-    x = np.random.default_rng(1).uniform(-3, 3, (3, 50))
-    none = np.zeros((3, 50), dtype=int)
-    kite = Kite(a, 0, 3)
-    kite.at(Angles.over(x, x, none))
-    gap = Row("start", (2,), 1).product(FundamentalDomain(model).fold(x, x, none)).value()
-    row = kite.value()
-    factor = 2 * math.sin(a) * np.cos(x[1] / 2)
-    assert np.abs(gap.centre - factor * row.centre).max() < 1e-14
-    assert row.error.max() < 1e-13
-    step = 1e-6
-    for i, part in ((0, 0.5), (1, 1.0)):
-        beside = []
-        for s in (step, -step):
-            y = x.copy()
-            y[i] += s
-            kite.at(Angles.over(y, y, none))
-            beside.append(kite.value().centre)
-        kite.at(Angles.over(x, x, none))
-        slope = kite.slopes()[i].centre * part
-        assert np.abs((beside[0] - beside[1]) / (2 * step) - slope).max() < 1e-8
+    piece, a = piece_of(model), model.parameters.sectors[0]
+    rng = np.random.default_rng(1)
+    x, r = rng.uniform(-3, 3, (3, 500)), 10 ** rng.uniform(-6, 0, (3, 500))
+    kite = Kite(a, 0)
+    row, columns = kite.rows(x, r)
+    first, second, _ = pairs(3)
+
+    def value(y, form=None):
+        exact = math.cos(a) * np.cos(y[1] / 2) * np.cos(y[0] / 2) - np.sin(y[1] / 2) * np.sin(
+            y[0] / 2
+        )
+        return exact
+
+    for xi in (rng.uniform(-1, 1, x.shape), rng.choice([-1.0, 1.0], x.shape)):
+        y = x + r * xi
+        gap = Triples(piece.chain, [piece.chain.behind(2, 0)]).at(piece.chain.fold(y, 0 * y))
+        factor = 2 * math.sin(a) * np.cos(y[1] / 2)
+        assert np.abs(gap.value[0] - factor * value(y)).max() < 1e-14
+        slopes = [(value(y + h) - value(y - h)) / 2e-6 for h in 1e-6 * np.eye(3)[[1, 0], :, None]]
+        forms = [row, columns[0][1], columns[0][0]]
+        for form, true, share, room in zip(
+            forms, [value(y), *slopes], (1, 1, 2), (1e-15, 1e-9, 1e-9), strict=True
+        ):
+            held = form.value + (form.slopes * xi).sum(axis=-2)
+            held = held + (form.bends * (xi[first] * xi[second])).sum(axis=-2)
+            assert (np.abs(held - share * true) <= form.rest + room).all()
 
 
 def test_what_is_not_proved_says_so():

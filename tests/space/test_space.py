@@ -278,7 +278,17 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     scene.write_text(format_scene(degree6("pi/3")))
     run = CliRunner().invoke
     out, figure = tmp_path / "space.json", tmp_path / "space.pdf"
-    arguments = ["space", str(scene), "--rings", "8", "-o", str(out), "-o", str(figure)]
+    arguments = [
+        "landscape",
+        str(scene),
+        "--space",
+        "--rings",
+        "8",
+        "-o",
+        str(out),
+        "-o",
+        str(figure),
+    ]
     result = run(app, arguments)
     assert result.exit_code == 0, result.output
     assert figure.read_bytes().startswith(b"%PDF")
@@ -288,7 +298,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     assert data["schema"] == "origami-nlp/landscape/2"
     assert len(data["handles"]) == 4
     assert data["euler_characteristic"] == 1
-    bad = run(app, ["space", str(scene), "-o", str(tmp_path / "space.doc")])
+    bad = run(app, ["landscape", str(scene), "--space", "-o", str(tmp_path / "space.doc")])
     assert isinstance(bad.exception, OptionError)
 
 

@@ -10,7 +10,6 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import SweepError
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
-from origami_nlp.sweep.run import follow_chain
 from tests.sweep.test_sweep import Inline
 
 BASE = """
@@ -63,18 +62,6 @@ def test_each_scene_of_a_sweep_is_the_one_stated_alone(place, values, tmp_path):
         )
     low, high = (sweep.scene(k) for k in (0, 1))
     assert low.laws != high.laws or low.limits != high.limits
-
-
-def test_a_factor_of_a_law_is_followed_along_a_chain():
-    axes = (
-        '[[axes]]\nname = "x"\nset = "laws.snap.scale"\nfrom = 0.25\nto = 4\ncount = 5\nscale = "log"\n'
-        "[search]\nfollow = true\n"
-    )
-    sweep = parse_sweep(tomllib.loads(BASE + axes))
-    (chain,) = sweep.chains()
-    for outcome, index in zip(follow_chain(sweep, chain), chain, strict=True):
-        alone = o.find_minima(sweep.scene(index), escape=False, prove=False)
-        assert len(outcome.states) == len(alone.minima)
 
 
 @pytest.mark.parametrize(

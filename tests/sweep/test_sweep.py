@@ -2,7 +2,6 @@
 
 import contextlib
 import functools
-import json
 import os
 import random
 import signal
@@ -202,8 +201,7 @@ def test_another_sweep_is_not_mixed_in(finished):
 
 
 def test_answers_do_not_depend_on_the_order_of_work(finished, tmp_path, monkeypatch):
-    chains = list(small().chains())
-    monkeypatch.setattr("origami_nlp.sweep.spec.Sweep.chains", lambda self: iter(chains[::-1]))
+    monkeypatch.setattr("origami_nlp.sweep.run.range", lambda n: range(n)[::-1], raising=False)
     run_sweep(small(), tmp_path, executor=Inline(), workers=3)
     assert answers(tmp_path) == answers(finished)
 
@@ -373,38 +371,11 @@ def test_figures(finished, tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 1000
 
 
-def test_scenes_are_searched_each_by_itself_but_where_rows_are_followed(finished):
+def test_scenes_are_searched_each_by_itself(finished):
     sweep = small()
-    assert [*sweep.chains()] == [range(k, k + 1) for k in range(sweep.count)]
-    rows = [*small(SMALL.replace("[search]\n", "[search]\nfollow = true\n")).chains()]
-    assert rows == [range(a, a + 6) for a in range(0, sweep.count, 6)]
     # nothing of a scene is handed on to its neighbour
     for index in (1, sweep.count - 1):
         alone = run_scene(sweep, index)
         table = load_states(finished)
         listed = table[table.scene == index].energy_J.tolist()
         assert [s[0] for s in alone.states] == listed
-
-
-@pytest.mark.parametrize(
-    "axis",
-    [
-        {"set": "ratio", "from": 1, "to": 3, "count": 3, "scale": "log"},
-        pytest.param({"set": "alpha", "values": [1.0, 1.1]}, marks=pytest.mark.slow),
-    ],
-)
-def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
-    """Also over a parameter that jumps, where it searches after all."""
-    scene = {"example": "degree6", "alpha": "5*pi/12"}
-    tables = []
-    for follows in (False, True):
-        sweep = parse_sweep({"scene": scene, "axes": [axis], "search": {"follow": follows}})
-        run_sweep(sweep, tmp_path / str(follows), executor=Inline())
-        tables.append(read_table(tmp_path / str(follows), "states"))
-    (names, searched), (same, followed) = tables
-    assert names == same and len(searched) == len(followed)
-    kind, energy, angles = (names.index(n) for n in ("kind", "energy", "fold_angles"))
-    for a, b in zip(searched, followed, strict=True):
-        assert a[:2] == b[:2] and a[kind] == b[kind]
-        assert a[energy] == pytest.approx(b[energy], rel=1e-12)
-        assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)

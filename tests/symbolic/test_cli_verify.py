@@ -1,6 +1,5 @@
 """The contract of `origami-nlp paper verify`: exit codes, one line per claim, files, messages."""
 
-import importlib
 import json
 import subprocess
 import sys
@@ -10,8 +9,8 @@ import pytest
 from origami_nlp.symbolic.claim import Claim, Verdict
 
 from origami_nlp.cli import main
-from origami_nlp.errors import OptionError
 from origami_nlp.symbolic import catalogue
+from tests.command_line import run
 
 QUICK = ("s2.valley", "s3.J", "s2.elevation")
 
@@ -61,11 +60,10 @@ def test_reports_are_written(tmp_path, verify):
 
 
 def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
-    command = importlib.import_module("origami_nlp.cli.paper")
     monkeypatch.setattr("os.access", lambda *_: False)
     monkeypatch.setattr(catalogue, "decide_all", lambda *_: pytest.fail("the work has begun"))
-    with pytest.raises(OptionError, match="no permission"):
-        command.verify(out=[str(tmp_path / "x.json")])
+    done = run("paper", "verify", "-o", tmp_path / "x.json")
+    assert done.code == 2 and "no permission" in done.err
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ def drawing(change):
     ids=["through a vertex", "crossing", "twice"],
 )
 def test_a_drawing_that_is_none(change, edges, vertices):
-    found = faults(drawing(change))["drawing"]
+    (found,) = faults(drawing(change)).values()
     assert {e for one in found for e in one.edges} == edges
     assert {v for one in found for v in one.vertices} == vertices
 

@@ -139,5 +139,5 @@ def test_answers_are_counted_by_parts_as_one_by_one(seed):
 
 
 def test_layers_is_a_command():
-    result = CliRunner().invoke(app, ["layers", "miura:3x3", "-o", "-"])
+    result = CliRunner().invoke(app, ["check", "miura:3x3", "--orders", "-o", "-"])
     assert json.loads(result.stdout)["pairs"] == 36

@@ -130,28 +130,6 @@ static int close_state(const Vertex *v, Trial *t, double to, const double *root,
   return 1;
 }
 
-/* Project a sample onto closure, held limits and gaps staying so (`kkt.project`), its residual to `reach`; 0 where that
-   is ill-conditioned: singular values tell more there. */
-static int project_one(const Vertex *v, const Samples *s, int64_t k, Point *p) {
-  int64_t n = v->n;
-  double *x = s->x + k * n, *move = p->left;
-  for (int64_t step = 0;; step++) {
-    int64_t rows = rows_at(v, x, s->slots + k * SLOTS, s->sides + k * SLOTS, p);
-    s->reach[k] = largest_of(p->value, rows);
-    if (!(s->reach[k] > ROUNDED) || step == v->steps) return 1;
-    for (int64_t e = 0; e < rows; e++)
-      for (int64_t i = 0; i < n; i++) p->rows[e * n + i] /= v->across[i];
-    if (invert_gram(v, s->at_limit + k * n, rows, p) != 1) return 0;
-    for (int64_t i = 0; i < n; i++) move[i] = 0.0;
-    for (int64_t e = 0; e < rows; e++) {
-      double along = dot(p->inverse + e * ROWS, p->value, rows);
-      for (int64_t i = 0; i < n; i++) move[i] += p->free[e * n + i] * along;
-    }
-    double share = fmin(1.0, LONGEST_MOVE / fmax(sqrt(dot(move, move, n)), NONZERO));
-    for (int64_t i = 0; i < n; i++) x[i] -= move[i] * share / v->across[i];
-  }
-}
-
 /* The crease folded flat, where facets lie on each other: its side, 0 at a stop. */
 static int64_t folded_flat(const Vertex *v, const int64_t *at_limit, int64_t i) {
   return at_limit[i] && fabs(limit_of(v, i, at_limit[i])) == PI ? at_limit[i] : 0;

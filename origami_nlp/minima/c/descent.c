@@ -168,7 +168,7 @@ static int advance(const Vertex *v, const Samples *s, int64_t k, int escaped, Po
     if (good < 0) return -1;
   }
   double step = fmin(longest, reach);
-  s->reach[k] = good ? fmin(v->longest, GROWTH * fmax(reach, step)) : CUT * step;
+  s->reach[k] = good ? fmin(REACH, GROWTH * fmax(reach, step)) : CUT * step;
   return good;
 }
 
@@ -268,11 +268,6 @@ static void descend_one(const Vertex *v, const Samples *s, int64_t k, Point *p, 
   for (int64_t step = 0; step < v->steps; step++) {
     s->broken[k] = !make_step(v, s, k, p, q, w);
     if (s->broken[k]) return;
-    if (s->path) {
-      s->broken[k] = !close_on(v, s, k, 0, t, q);
-      if (s->broken[k]) return;
-      copy(t->x, n, s->path + (k * v->steps + s->went[k]++) * n);
-    }
     if (s->converged[k] || s->reach[k] < SHORTEST || s->idle[k] >= STALLED) break;
   }
   /* what its contacts did not let go of is an end of its own: of a set that exists only while they are closed */
@@ -282,22 +277,7 @@ static void descend_one(const Vertex *v, const Samples *s, int64_t k, Point *p, 
   accept(v, s, k, t);
 }
 
-/* Move a projected sample back within the fold limits; whether it is closed and admissible still, to `converged`. */
-static int look_at(const Vertex *v, const Samples *s, int64_t k, Point *p, Scratch *w) {
-  int64_t side, n = v->n, past = 0, *none = w->trial.at_limit;
-  double *x = s->x + k * n;
-  for (int64_t i = 0; i < n; i++) {
-    double inside = fmin(fmax(x[i], v->low[i]), v->high[i]);
-    past |= inside != x[i];
-    x[i] = inside, none[i] = 0;
-  }
-  if (past) rows_at(v, x, s->slots + k * SLOTS, s->sides + k * SLOTS, p);
-  s->converged[k] = largest_of(p->value, v->m) <= CLOSURE_TOL && (!v->plane || p->at.end[0] > 0) &&
-                    crossing(v, &p->at, x, none, w->depth, &side) == OPEN;
-  return 1;
-}
-
-/* Descend from samples `first` to `last` (not that one), or project them, in place.  Returns 0 where there is no memory. */
+/* Descend from samples `first` to `last` (not that one), in place.  Returns 0 where there is no memory. */
 int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) {
   int64_t n = v->n, most = v->pairs > v->walls ? v->pairs : v->walls, wide = n > ROWS ? n : ROWS;
   if (most < n) most = n;
@@ -333,11 +313,7 @@ int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) 
     w.row = m, m += 7 * n;
     w.pivot = m;
     w.trial.at_limit = ints;
-    for (int64_t k = first; k < last; k++)
-      if (v->projects)
-        s->broken[k] = !project_one(v, s, k, &at[0]) || !look_at(v, s, k, &at[0], &w);
-      else
-        descend_one(v, s, k, &at[0], &at[1], &w);
+    for (int64_t k = first; k < last; k++) descend_one(v, s, k, &at[0], &at[1], &w);
   }
   free(memory);
   free(ints);

@@ -138,7 +138,7 @@ def test_only_equilibria_are_stable_at_random_parameters(degree, many):
 def test_command_reports_verdicts(tmp_path):
     out = tmp_path / "full.json"
     options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "-o", str(out)]
-    result = CliRunner().invoke(app, ["paper", "cone", "full", *options])
+    result = CliRunner().invoke(app, ["paper", "cone", "count", "--full", *options])
     assert result.exit_code == 0, result.output
     reported = json.loads(out.read_text())
     assert (

@@ -282,7 +282,7 @@ def test_a_branch_is_drawn_by_command(tmp_path):
     command = [
         "paper",
         "cone",
-        "draw",
+        "branch",
         "--flaps",
         "VVM",
         "--elevation",
@@ -294,7 +294,3 @@ def test_a_branch_is_drawn_by_command(tmp_path):
     assert out.exit_code == 0 and target.stat().st_size > 5000
     with pytest.raises(AngleError, match="past the end"):
         cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
-    with pytest.raises(OptionError, match="--degree is missing"):
-        CliRunner().invoke(
-            app, ["paper", "cone", "draw", "-o", str(target)], catch_exceptions=False
-        )

@@ -1,0 +1,554 @@
+"""Commands that find states and what becomes of them; of each one function: read, one verb, and what is returned is
+printed and written."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from origami_nlp.arguments import did_you_mean, require
+from origami_nlp.cli import options as o
+from origami_nlp.cli.exits import Ended
+from origami_nlp.cli.group import writes
+from origami_nlp.cli.output import Output
+from origami_nlp.cli.progress import progress
+from origami_nlp.cli.source import Source, note, note_normalized
+from origami_nlp.cli.timed import Clock
+from origami_nlp.errors import OptionError, SweepError
+
+if TYPE_CHECKING:
+    from origami_nlp.minima import MinimaResult
+    from origami_nlp.pattern import Pattern, Scene
+
+NO_COMPILER = (
+    "no C compiler was found, or none is wanted: IPOPT searches, some hundred times slower, and escapes of vertices "
+    "are not sought; install cc, gcc or clang, or name one by CC"
+)
+
+
+def search(
+    clock: Clock, origami: Scene | Pattern, name: str, last: bool = False, **options: Any
+) -> Any:
+    """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
+
+    name: of what has no label.  last: whether the command has nothing more to find.  options: of `find_minima`.
+    """
+    from origami_nlp.io import screen
+    from origami_nlp.minima import compiled
+    from origami_nlp.pattern import Scene
+    from origami_nlp.verbs import find_minima
+
+    terminal, label = screen("-").is_terminal, origami.name
+    if isinstance(origami, Scene):
+        label = origami.label
+        if compiled(note if terminal else lambda line: None) is None:
+            note(NO_COMPILER)
+    energies: list[float] = []
+    with progress(label or name) as show:
+
+        def report(starts: int, found: int, at: int | str) -> None:
+            listed = ", ".join(f"{energy:.4g}" for energy in sorted(energies))
+            shown = f" (energies {listed})" if energies and terminal else ""
+            at = at if isinstance(at, str) else f"{at} of them reached once"
+            show(text=f"{starts} starts, {found} minima{shown}, {at}")
+
+        options |= {"progress": report, "found": lambda energy, _: energies.append(energy)}
+        return clock.within(find_minima, origami, last=last, **options)
+
+
+@writes("json", "csv", "figure", "html", "fold", "mesh", verbose=True)
+def minima(
+    origami: Source,
+    out: Output,
+    clock: Clock,
+    seed: int = o.SEED,
+    effort: str = o.EFFORT,
+    max_starts: int | None = o.MAX_STARTS,
+    starts: int | None = o.STARTS,
+    workers: int | None = o.WORKERS,
+    method: str = o.METHOD,
+    full: bool | None = o.FULL,
+    noise: float | None = o.NOISE,
+    prove: str | None = o.PROVE,
+    certificate: str | None = o.CERTIFICATE,
+) -> Any:
+    """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
+
+    Of a scene they are those with its symmetry; whether they are stable without it is judged where that is cheap, or
+    as --full and --no-full say.  A FOLD file or an example is
+    a pattern with all its vertices coupled; --vertex takes one of them.
+    """
+    out.check(("--certificate", certificate))
+    # a certificate asks for a proof
+    wanted = o.wanted_proof(prove) if prove or certificate is None else True
+    stated = origami.read_whole(contact=True)
+    if certificate is not None and origami.is_whole:
+        _check_provable(stated, certificate, origami.contact or "full")
+    counts: dict[str, Any] = {
+        "max_starts": max_starts,
+        "starts": starts,
+        "workers": workers,
+        "full": full,
+    }
+    counts |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
+    found = search(
+        clock, stated, origami.name, last=True, seed=seed, effort=effort, method=method, **counts
+    )
+    if certificate is None:
+        return found
+    out.report(found)
+    _write_certificate(found, certificate)
+    out.written(certificate)
+    return Ended.DONE
+
+
+def _check_provable(pattern: Any, file: str, contact: str) -> None:
+    """Refuse a certificate that cannot be, before anything is searched for."""
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh
+
+    pattern.check_plain_hinges("--certificate")
+    flat, other = why_no_mesh(pattern), why_no_quad_mesh(pattern)
+    if flat and other:
+        raise OptionError(
+            f"--certificate = {file!r}: the list of a pattern is proved of meshes "
+            f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
+        )
+    if contact == "full":
+        raise OptionError(
+            "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
+        )
+
+
+def _write_certificate(result: MinimaResult, file: str) -> None:
+    """Prove again, and write down what is proved."""
+    from origami_nlp import proof
+
+    found = result.completeness
+    if found is None or not found.boxes:
+        why = found.reason if found else "it was not asked for (--prove)"
+        raise OptionError(f"--certificate: there is no proof to write: {why}")
+    if not result.is_pattern:
+        made: Any = proof.certificate_of_scene(result.scene, found.boxes)
+    else:
+        generic = not proof.why_no_quad_mesh(result.pattern)
+        prove = proof.prove_quad_mesh if generic else proof.prove_mesh
+        mesh = prove(result.pattern, boxes=found.boxes)
+        made = proof.certificate_of_mesh(result.pattern, mesh, generic=generic)
+    proof.write_certificate(made, file)
+
+
+@writes("json")
+def check_proof(out: Output, proof: str = o.PROOF) -> int:
+    """Check a proof that the list of minima of a mesh is complete, claim by claim, in ball arithmetic.
+
+    Exit code 1 if a claim is not confirmed: the first one is named.
+    """
+    from origami_nlp.proof import MeshCertificate, check_proof as check, read_certificate
+
+    certificate = read_certificate(proof)
+    size = len(certificate.minima) if isinstance(certificate, MeshCertificate) else 0
+    with progress(f"check of {proof}", size) as report:
+        found = check(certificate, lambda done, total: report(done, total))
+    out.say("\n".join(found.lines))
+    out.write("json", found.to_dict)
+    return Ended.NO if found.refused else Ended.DONE
+
+
+@writes("json", "html", verbose=True)
+def contacts(
+    origami: Source,
+    clock: Clock,
+    state: int | None = o.STATE,
+    segments: bool = o.SEGMENTS,
+    seed: int = o.SEED,
+    effort: str = o.EFFORT,
+) -> Any:
+    """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
+    from origami_nlp.contact import find_contacts
+
+    stated, contact = origami.read_whole(contact=True), origami.whole_contact
+    options: dict[str, Any] = {"contact": contact, "escape": False, "seed": seed, "effort": effort}
+    return find_contacts(
+        search(clock, stated, origami.name, **options), state=state, segments=segments
+    )
+
+
+@writes("json", "csv", "figure", "html", "fold", "mesh", verbose=True)
+def load(
+    origami: Source,
+    clock: Clock,
+    crease: list[int] | None = o.CREASE,
+    edge: list[int] | None = o.EDGE,
+    pull: str | None = o.PULL,
+    force: str | None = o.FORCE,
+    fixed_facet: int | None = o.FIXED_FACET,
+    to: str = o.TO,
+    state: int | None = o.STATE,
+    unload: bool = o.UNLOAD,
+    confirm: bool = o.CONFIRM,
+    yields: list[str] | None = o.YIELDS,
+    full: bool | None = o.FULL,
+    effort: str = o.EFFORT,
+    seed: int = o.SEED,
+    starts: int | None = o.STARTS,
+) -> Any:
+    """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
+
+    A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
+    forces.  Images of the crease under the symmetry of a vertex bear the same torque; where the state breaks the
+    symmetry (a pitchfork) the path goes on along stable states that branch off, or snaps.  --no-full keeps the
+    symmetry; --symmetry none loads the one crease alone.  With --yield creases yield: their rest angles move, and stay
+    moved as the load falls; the path ends where it first snaps.
+    """
+    from origami_nlp.loading import load_path
+    from origami_nlp.pattern import Scene
+
+    end = to if to == "snap" else _number("--to", to, "a load, or snap")
+    if fixed_facet is not None and not force:
+        raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
+    if origami.is_whole and sum(map(bool, (crease, edge, pull, force))) != 1:
+        raise OptionError(
+            "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
+        )
+    pulled, forced = _numbers("--pull", pull, 2), _numbers("--force", force, 4)
+    what, work = origami.read_whole(), crease
+    if not isinstance(what, Scene):
+        work = _work(what, crease, edge, pulled, forced, fixed_facet or 1)
+    elif edge or pull or force or len(crease or ()) > 1:
+        raise OptionError("--edge, --pull, --force and several --crease are for patterns")
+    elif not crease and not what.loads:
+        raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
+    count = what.degree if isinstance(what, Scene) else what.creases
+    options: dict[str, Any] = {
+        "yield_torque": _yields(yields, count),
+        "full": full,
+        "starts": starts,
+    }
+    with progress(f"{origami.name} under load"):
+        return clock.within(
+            load_path,
+            what,
+            work[0] if isinstance(work, list) and work else work or None,
+            to=end,
+            state=1 if state is None else state,
+            unload=unload,
+            confirm=confirm,
+            effort=effort,
+            seed=seed,
+            **options,
+        )
+
+
+def _number(option: str, text: str, what: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise OptionError(f"{option} = {text!r} must be {what}") from None
+
+
+def _numbers(option: str, text: str | None, count: int) -> list[float]:
+    """Return numbers with commas between them, the first of them vertices."""
+    what = f"{count} numbers with commas between them"
+    values = [_number(option, part, what) for part in text.split(",")] if text else []
+    if text and (len(values) != count or not all(map(math.isfinite, values))):
+        raise OptionError(f"{option} = {text!r} must be {what}")
+    for value in values[: 2 if count == 2 else 1]:
+        if value != int(value):
+            raise OptionError(f"{option}: vertex {value:g} must be a whole number, as in the file")
+    return values
+
+
+def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
+    """Return the torques at which creases yield, by crease from 1; later ones count."""
+    found: dict[int, float] = {}
+    for text in given or ():
+        crease, some, torque = text.rpartition("=")
+        try:
+            which = [int(crease)] if some else range(1, creases + 1)
+            found |= dict.fromkeys(which, float(torque))
+        except ValueError:
+            raise OptionError(
+                f"--yield = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01"
+            ) from None
+    return found or None
+
+
+def _work(
+    sheet: Pattern,
+    creases: list[int] | None,
+    edges: list[int] | None,
+    pull: list[float],
+    force: list[float],
+    fixed_facet: int,
+) -> Any:
+    """Return what a load on a pattern works on."""
+    from origami_nlp.pattern import listed
+    from origami_nlp.pattern_problem import DeadForce, Pull, Torque
+
+    number = {edge: crease for crease, edge in enumerate(sheet.numbers.tolist(), start=1)}
+    for edge in edges or ():
+        if edge not in number:
+            raise OptionError(
+                f"--edge = {edge} is no crease: the file has creases at edges {listed([*number])}"
+            )
+    if creases or edges:
+        return Torque(sheet, tuple(creases or [number[edge] for edge in edges or ()]))
+    if pull:
+        return Pull(sheet, (int(pull[0]), int(pull[1])))
+    return DeadForce(sheet, int(force[0]), (force[1], force[2], force[3]), fixed_facet)
+
+
+@writes("json", "csv", "figure", "html", "fold", verbose=True)
+def follow(
+    origami: Source,
+    clock: Clock,
+    parameter: str = o.PARAMETER,
+    checks: int = o.CHECKS,
+    prove: str | None = o.PROVE,
+    starts: int | None = o.STARTS,
+    full: bool | None = o.FULL,
+    effort: str = o.EFFORT,
+    seed: int = o.SEED,
+) -> Any:
+    """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
+    from origami_nlp.bifurcation import follow as follow_states
+
+    # options of an example by name are among what it can be followed over
+    named = origami.is_example and not origami.given
+    options: dict[str, Any] = {
+        "prove": o.wanted_proof(prove),
+        "starts": starts,
+        "full": full,
+        "checks": checks,
+    }
+    with progress(f"{origami.name} over {parameter}") as report:
+        options["progress"] = lambda text: report(text=text)
+        what = origami.name if named else origami.read_whole()
+        return clock.within(follow_states, what, parameter, effort=effort, seed=seed, **options)
+
+
+@writes("json", "figure")
+def boundary(
+    origami: Source,
+    clock: Clock,
+    event: str = o.EVENT,
+    parameter: str = o.PARAMETER,
+    lines: int = o.LINES,
+    effort: str = o.EFFORT,
+    seed: int = o.SEED,
+) -> Any:
+    """Draw where states of a vertex appear, change and vanish over two parameters, as exact curves."""
+    from origami_nlp.bifurcation import find_bifurcation_set
+
+    options: dict[str, Any] = {"lines": lines, "effort": effort, "seed": seed}
+    return clock.within(find_bifurcation_set, origami.read(), event, parameter, **options)
+
+
+@writes("json", "csv", "figure", "html", "fold", verbose=True)
+def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
+    """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
+
+    Along traced curves; with two or more degrees of freedom along descents and, of patterns, paths over any height, as
+    upper bounds, exact where the flat state parts two minima of a vertex.
+    """
+    from origami_nlp.barriers import check_dof, find_barriers
+    from origami_nlp.pattern import Scene
+
+    stated = origami.read_whole()
+    with progress(f"{origami.name}: barriers") as report:
+        if not isinstance(stated, Scene):
+            options: dict[str, Any] = {"seed": seed, "progress": lambda text: report(text=text)}
+            return clock.within(find_barriers, stated, **options)
+        check_dof(stated)
+        result = search(clock, stated, origami.name, seed=seed, escape=False)
+        return find_barriers(stated, result, seed=seed)
+
+
+SMALLEST, LARGEST = 16, 4097
+
+
+@writes("json", "figure", "html", "npz", verbose=True)
+def landscape(
+    origami: Source,
+    out: Output,
+    clock: Clock,
+    size: int = o.SIZE,
+    passes: bool = o.PASSES,
+    space: bool = o.SPACE,
+    critical: bool = o.CRITICAL,
+    rings: int = o.RINGS,
+    seed: int = o.SEED,
+) -> Any:
+    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes."""
+    from origami_nlp.chart import chart_of, landscape as coordinates
+    from origami_nlp.landscape import draw_landscape, find_landscape, landscape_to_dict, to_arrays
+    from origami_nlp.space import find_space
+
+    stated = origami.read()
+    if critical:
+        return _critical(stated, origami.name, clock, seed)
+    if space:
+        with progress(f"{stated.label or origami.name}: mesh, walls, layers"):
+            return find_space(stated, rings=rings)
+    if not SMALLEST <= size <= LARGEST:
+        raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
+    if chart_of(stated) is None:
+        why = (
+            coordinates(stated, 8).reason
+            or "it has one symmetric degree of freedom only; origami-nlp minima -o FILE.png draws its energy"
+        )
+        raise OptionError(f"scene has no landscape over two coordinates: {why}")
+    if stated.contact != "full":
+        why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"
+        out.refuse(why, "json")
+    result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
+    with progress("boundary"):
+        exact = find_landscape(result, size=size)
+    exact.print_to(out.console)
+    found: Any = None
+    if passes or out.files("json"):
+        from origami_nlp.barriers import find_barriers
+
+        with progress("passes between minima"):
+            found = find_barriers(stated, result, seed=seed)
+        for step in found.passes:
+            out.say(
+                f"pass {step.from_state} - {step.to_state}: {step.pass_kind}, {step.energy:.9g} J"
+            )
+    if out.files("json"):
+        points = _critical(stated, origami.name, clock, seed, result)
+        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, found))
+    out.write("npz", lambda: _npz(to_arrays(exact)))
+    out.write("figure", draw_landscape, exact, found)
+    if out.files("html"):
+        from origami_nlp.display import InteractivePage
+
+        out.save("html", lambda file: InteractivePage(exact.view_content(found)).save(file))
+    return None
+
+
+def _npz(arrays: dict[str, Any]) -> bytes:
+    import numpy as np
+
+    content = io.BytesIO()
+    np.savez_compressed(content, **arrays)
+    return content.getvalue()
+
+
+def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = None) -> Any:
+    """Find critical points, compared with the minima, and check the Morse identity."""
+    from dataclasses import replace
+
+    from origami_nlp.critical import compare_minima, find_critical_points
+    from origami_nlp.space import find_space
+
+    with progress(f"{stated.label or name}: critical points"):
+        found = find_critical_points(stated, result, seed=seed)
+        if result is None:
+            result = search(clock, stated, name, seed=seed, escape=False)
+            found = compare_minima(found, result)
+        return replace(found, morse=found.verdict(find_space(stated).euler_characteristic))
+
+
+@writes("json", "scene", "fold", "figure", verbose=True)
+def design(
+    out: Output, targets: str = o.TARGETS, seed: int = o.SEED, effort: str = o.EFFORT
+) -> int:
+    """Find the springs that hold the states of TARGETS, with the largest margin, and look for its minima.
+
+    Fold angles of the states may be measured: the nearest states that close are taken, and how far they moved is said.
+    -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
+    asked.  1: proved that no springs do.  3: neither; the last lines say why.
+    """
+    from origami_nlp.inverse_design import EXAMPLES, design as find, parse_targets, read_targets
+    from origami_nlp.pattern import Pattern, Vertex, format_scene
+    from origami_nlp.pattern_problem import pattern_to_fold
+
+    if targets in EXAMPLES and not Path(targets).exists():
+        question, ask, name = parse_targets(EXAMPLES[targets], source=targets)
+    elif targets != "-" and not Path(targets).suffix and not Path(targets).exists():
+        meant = did_you_mean(targets, EXAMPLES)
+        raise OptionError(
+            f"TARGETS = {targets!r} is no file, and no example: those are {', '.join(EXAMPLES)}{meant}"
+        )
+    else:
+        question, ask, name = read_targets(targets)
+    if isinstance(question.origami, Vertex):
+        note_normalized(question.origami.normalized)
+        out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
+    else:
+        out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
+    answer = find(question, ask, name=name, seed=seed, effort=effort)
+    answer.print_to(out.console, out.verbose)
+    out.write("json", answer.to_dict)
+    if (made := answer.scene) is not None:
+        if isinstance(made, Pattern):
+            out.write("fold", pattern_to_fold, made, [])
+        else:
+            out.write("scene", format_scene, made)
+        out.write("figure", answer.draw)
+    return Ended.DONE if answer.verified else Ended.NO if answer.refuted else Ended.OPEN
+
+
+@writes("figure")
+def sweep(
+    out: Output,
+    clock: Clock,
+    spec: str = o.SWEEP,
+    folder: Path = o.FOLDER,
+    workers: int | None = o.WORKERS,
+    dask: str | None = o.DASK,
+) -> int | None:
+    """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
+    from origami_nlp.io import make_folder
+    from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
+
+    stated = read_sweep(spec)
+    if change := getattr(stated, "normalized", 0.0):
+        note_normalized(change, ", at most")
+    with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+        make_folder(folder, "--folder")
+        options: dict[str, Any] = {"executor": executor, "workers": workers}
+        options["progress"] = lambda done, total, states: report(done, total, f"{states} states")
+        done = clock.within(run_sweep, stated, folder, **options)
+        clock.found = None  # its words follow
+    counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
+    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    if done.interrupted:
+        clock.late = clock.over
+        by = " by the time limit" if clock.over else ""
+        out.say(f"interrupted{by}: the same command goes on from here")
+        return Ended.OUT_OF_TIME if clock.over else Ended.INTERRUPTED
+    failed = done.counts.get("failed")
+    if failed:
+        out.say("failed scenes are tried again by the same command; reasons are in the store")
+    out.written(folder)
+    out.write("figure", draw_sweep, folder)
+    return Ended.NO if failed else Ended.DONE
+
+
+@contextmanager
+def _executor(address: str | None) -> Iterator[Any]:
+    """The executor of a Dask cluster, or None for processes."""
+    if address is None:
+        yield None
+        return
+    distributed = require("distributed", "--dask", "sweep", SweepError)
+    try:
+        distributed.comm.get_address_host_port(address)  # a client without an address raises again
+        client: Any = distributed.Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        why = str(error).splitlines()[0]
+        raise SweepError(f"--dask {address!r} cannot be reached: {why}") from None
+    try:
+        pool = client.get_executor()
+        pool.num_workers = sum(client.nthreads().values())
+        if not pool.num_workers:
+            raise SweepError(f"--dask {address!r} has no workers: start some, dask worker ADDRESS")
+        yield pool
+    finally:
+        client.close()

@@ -1,0 +1,404 @@
+"""What vanishes at every local minimum of a vertex, over boxes of the fold angles of its piece: closure, minors, twins.
+
+Torques are those of single creases, G_i = k_i (phi_i - rest_i) or a hinge law's; c_i are the axes.  On the free creases
+of a stratum a minimum is critical in the sense of Fritz John: [G | slopes of closure] has no more than as many
+independent columns as closure has equations, so that every minor with one column more vanishes.
+
+No symmetry, and periods of C_n that close by themselves.  The product of folds and sectors is -A B = -1 (a sheet of
+paper winds once), so A - 1 / B = 0; multiplied by B as it is at the middle of a box, A and 1 / B are unit quaternions
+turned by half of the folds each, about axes as the facet before crease 1 has them.  Rank 3: det [G_S | C_S] = 0 for
+every four free creases S, an alternating sum of G_i times triple products of axes, which depend on the folds along two
+of the three arcs between them: the two with fewest creases.
+
+C_n.  The period T has T^n = -1, its scalar is cos(w pi / n) where states wind w times.  One equation: G_a t_b = G_b
+t_a, t_i the derivatives of the scalar.
+
+D_1.  Both mirrors are one plane, their normals n_1 and N are equal; seen from the middle ray each depends on half of
+the folds.  Two of the entries are of first order, the one along n_1 is of second and tells N from -n_1.  Slopes of
+closure are a rotation of n_1 x c_i, in the mirror's plane: rank 2, G_i (n_1, c_j, c_k) + cyclic = 0 for three free
+creases, the same with N.
+
+D_n.  n_1 . N = -cos(w pi / n), with slopes t_i = (n_1, c_i, N): G_a t_b = G_b t_a.
+
+A crease on a mirror counts half in the energy of a piece, and turns it half: G_i stands beside c_i all the same.
+
+Touches.  A gap is a triple product, and so are its slopes: ray k off facet j is (c_j, c_{j+1}, c_k), with slopes (z_j,
+c_i, c_k), z_j the facet's normal.  Closed gaps are further equations and further columns: minors are expanded along
+them.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.numerics import EPS, quaternion
+from origami_nlp.problem import Model
+from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
+from origami_nlp.proof.law_torques import torques_of
+from origami_nlp.proof.rows import (
+    CREASE,
+    SECTORS,
+    SLIGHTLY,
+    UNIT,
+    Affine,
+    Chain,
+    Folded,
+    Quadratic,
+    Torques,
+    Triples,
+    cross,
+    joined_rows,
+    number,
+    pairs,
+    times_vector,
+    variables,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class VanishingRows:
+    """What vanishes at every critical point in a box, over K boxes.
+
+    Attributes
+    ----------
+    closure
+        Shape [rows, K], in n variables.
+    critical
+        Minors, then twins, shape [R, K].
+    asked
+        Which of these hold on the box's stratum, [R, K].
+    """
+
+    closure: Affine
+    critical: Affine
+    asked: np.ndarray
+
+
+def folded_flat(angle: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Return the pins [n, K] of angles at +-pi, where facets lie on each other; 0 at other stops."""
+    return np.where(np.abs(angle) >= np.pi * (1 - 2 * EPS), pins, 0)
+
+
+class Piece:
+    """The piece of a vertex whose fold angles are the variables.
+
+    Parameters
+    ----------
+    model
+        Of a flat sheet.
+
+    Attributes
+    ----------
+    linear, pivots
+        Rows of closure that are independent to first order where it is regular, and how many of them.
+    by_vectors
+        Whether closure is of vectors that rotate, not of quaternions.
+    near_flat
+        Whether closure is known the better the nearer the flat state.
+    subsets
+        Variables of each minor, [M, rank + 1].
+    """
+
+    chain: Chain
+    linear: slice
+    pivots: int
+    by_vectors = False
+    near_flat = False
+
+    def __init__(self, model: Model, rank: int) -> None:
+        p, scene = model.parameters, model.scene
+        self.size = model.size
+        stiffness = p.stiffness / model.multiplicity
+        self.sectors, self.rest = np.asarray(p.sectors, float), np.asarray(p.rest, float)
+        self.stiffness = stiffness / stiffness.max()
+        self.laws = torques_of(model, 1.0, stiffness.max())
+        self.subsets = np.array(
+            list(itertools.combinations(range(self.size), rank + 1)), dtype=int
+        ).reshape(-1, rank + 1)
+        self.twins: tuple[CollinearPair, ...] = collinear_creases(
+            scene.vertex.sector_angles, model.variable_of_crease.tolist(), SECTORS * 4 * UNIT
+        )
+
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose closure."""
+        raise NotImplementedError
+
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose as many rows of closure as are independent (`system` says why a zero of them closes)."""
+        return self.closure(folded)
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether a zero of the equations at the middle of boxes closes, [K]."""
+        return np.ones(folded.near.shape, dtype=bool)
+
+    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+        """Enclose the minors of `subsets`."""
+        raise NotImplementedError
+
+    def torques(self, middle: np.ndarray, half: np.ndarray) -> Torques:
+        """Return the torques over boxes [n, K]."""
+        if self.laws is not None:
+            centre, lean, error = self.laws.over(middle, half)
+            return Torques(centre, lean, error, error)
+        k, none = self.stiffness[:, None], np.zeros(middle.shape)
+        return Torques(k * (middle - self.rest[:, None]), k * half, none, 8 * k + none)
+
+    def fold(self, lower: np.ndarray, upper: np.ndarray) -> Folded:
+        """Fold at the middle of boxes lower, upper [n, K] [rad]."""
+        return self.chain.fold(*variables(lower, upper))
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
+        """Enclose the rows over boxes.
+
+        Parameters
+        ----------
+        lower, upper
+            Shape [n, K] [rad].
+        pins
+            -1, 0 or +1, shape [n, K].
+
+        Returns
+        -------
+        VanishingRows
+        """
+        middle, half = variables(lower, upper)
+        folded, torques = self.chain.fold(middle, half), self.torques(middle, half)
+        critical = self.minors(folded, torques).affine()
+        asked = (pins == 0)[self.subsets].all(axis=1)
+        if self.twins:
+            rows = [torques.row(t.terms).affine() for t in self.twins]
+            critical = joined_rows([critical, *rows])
+            more = twins_asked(self.twins, pins, folded_flat(lower, pins))
+            asked = np.concatenate([asked, more])
+        return VanishingRows(self.closure(folded).affine(), critical, asked)
+
+
+class VertexPiece(Piece):
+    """A vertex without symmetry, or a period of C_n that closes by itself."""
+
+    linear, pivots = slice(1, 4), 3
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model, 3)
+        n = self.size
+        steps = [p % n for p in range(2 * n - 1)]
+        self.chain = Chain(steps, [1.0] * len(steps), self.sectors[steps].tolist(), n, n)
+        self.half = (n + 1) // 2
+        self.whole = 2 * math.pi / model.scene.group.order
+        self.near_flat = self.whole == 2 * math.pi
+        triples = list(itertools.combinations(range(n), 3))
+        self.triples = Triples(self.chain, [self._along(t) for t in triples])
+        place = {t: i for i, t in enumerate(triples)}
+        self.without = np.array(
+            [[place[(*s[:a], *s[a + 1 :])] for a in range(4)] for s in self.subsets.tolist()],
+            dtype=int,
+        ).reshape(-1, 4)
+        self.signs = np.tile([1.0, -1.0, 1.0, -1.0], (len(self.subsets), 1))
+
+    def _along(self, creases: tuple[int, int, int]) -> tuple[int, int, int]:
+        """Rays of three creases on the arc round the longest of the three gaps, by number of creases."""
+        i, j, k = creases
+        n = self.size
+        ways = [(i, j, k), (j, k, i + n), (k, i + n, j + n)]
+        return min(ways, key=lambda w: w[2] - w[0])
+
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose the vector part of closure."""
+        return self.closure(folded)[1:]
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether the product of folds and sectors is -1 where its vector part vanishes, [K]."""
+        return self.loop(folded)[0] > 0
+
+    def loop(self, folded: Folded) -> np.ndarray:
+        """Return -A B at the middle of boxes, [4, K]."""
+        if self.near_flat:
+            return folded.loop
+        turn = about_normal(self.whole + 2 * math.pi)
+        return np.stack(quaternion.multiply(tuple(folded.loop), turn))
+
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose A B_0 - B_0 / B, four rows."""
+        n, h, e = self.size, self.half, self.chain.steps
+        x = folded.vectors
+        end = np.stack([x[:, n], cross(x[:, e + n - 1], x[:, n]), x[:, e + n - 1]])
+        back = list(range(n - 1, h - 1, -1))
+        axes = np.einsum("abk,bck->ack", end, x[:, back])
+        one = np.zeros_like(folded.loop)
+        one[0] = 1.0
+        loop, near = self.loop(folded), np.full(folded.loop.shape, self.chain.loop_rounding)
+        if self.near_flat:
+            near[1:] *= folded.near
+        left = self.chain.turned(loop, x[:, :h], range(h), folded.radii[:h], near)
+        return left + self.chain.turned(-one, axes, back, -folded.radii[back], 0 * near)
+
+    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+        """Enclose det [G_S | C_S]."""
+        return torques.weighed(self.triples.at(folded), self.subsets, self.without, self.signs)
+
+
+class Period(Piece):
+    """A period of C_n that does not close by itself."""
+
+    linear, pivots = slice(0, 1), 1
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model, 1)
+        n = self.size
+        self.chain = Chain(range(n), [1.0] * n, self.sectors.tolist(), n, n)
+        order = model.scene.group.order
+        self.level, self.whole = (
+            math.cos(model.structure.winding * math.pi / order),
+            2 * math.pi / order,
+        )
+
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose the scalar less what it is."""
+        n = self.size
+        q, near = self.loop(folded), np.full((4, 1), self.chain.loop_rounding)
+        row = self.chain.turned(q, folded.vectors[:, :n], range(n), folded.radii, near)[:1]
+        return row + number(0 * row.value - self.level, 4 * UNIT, n)
+
+    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+        """Enclose G_a t_b - G_b t_a."""
+        return torques.weighed(self.slopes(folded), *two_by_two(self.subsets))
+
+    def loop(self, folded: Folded) -> np.ndarray:
+        """Return the product of folds and sectors at the middle of boxes, [4, K]."""
+        return np.stack(quaternion.multiply(tuple(folded.loop), about_normal(self.whole)))
+
+    def slopes(self, folded: Folded) -> Quadratic:
+        """Enclose twice the derivatives of the scalar by each fold."""
+        n, q, r = self.size, self.loop(folded), folded.radii
+        axes = folded.vectors[:, :n]
+        one = times_vector(axes, q[:, None])  # c_k q
+        two = 0.5 * times_vector(axes[:, :, None], one[:, None])  # c_j c_k q / 2
+        three = -0.5 * np.einsum("aik,ajlk->ijlk", axes, two[1:])
+        i, j, k = np.sort(np.indices((n, n, n)), axis=0)
+        a, b = np.sort(np.indices((n, n)), axis=0)
+        first, second, _ = pairs(n)
+        share = np.where(first == second, 0.5, 1.0)[:, None]
+        s = r.sum(axis=0)
+        rest = s**3 / 48 * SLIGHTLY + self.chain.rounding * (1 + s + s * s)
+        return Quadratic(
+            one[0],
+            two[0][a, b] * r,
+            three[i, j, k][:, first, second] * (share * r[first] * r[second]),
+            np.repeat(rest[None], n, axis=0),
+        )
+
+
+class Wedge(Piece):
+    """The wedge of D_n between two mirrors; D_1, too, is where states wind n times.
+
+    Attributes
+    ----------
+    rays
+        Ray of each variable.
+    """
+
+    by_vectors = True
+
+    def __init__(self, model: Model) -> None:
+        self.order = model.structure.turn
+        super().__init__(model, 2 if self.order == 1 else 1)
+        has = model.structure.has_crease
+        self.rays = [r for r, crease in enumerate(has) if crease]
+        e, n = len(has), self.size
+        variable = [self.rays.index(r) if crease else -1 for r, crease in enumerate(has)]
+        weight = [0.5 if r in (0, e - 1) else 1.0 for r in range(e)]
+        self.chain = c = Chain(variable, weight, [*self.sectors, 0.0], e, n)
+        self.pivots = 2 if self.order == 1 else 1
+        self.linear = slice(1, 3) if self.order == 1 else slice(0, 1)
+        if self.order == 1:
+            self.pairs = list(itertools.combinations(range(n), 2))
+            wanted = [
+                (c.first, self.rays[i], self.rays[j])
+                if j <= n - 1 - i  # fewer creases before j than after i
+                else (self.rays[i], self.rays[j], c.last)
+                for i, j in self.pairs
+            ]
+        else:
+            self.level = math.cos(math.pi / self.order)
+            wanted = [(c.first, r, c.last) for r in self.rays] + [(c.up, 0, c.last)]
+        self.triples = Triples(c, wanted)
+
+    def closure(self, folded: Folded) -> Quadratic:
+        """Enclose n_1 - N as the middle ray sees it, or n_1 . N + cos(w pi / n)."""
+        if self.order > 1:
+            row = self.triples.at(folded)[-1:]
+            return row + number(0 * row.value + self.level, 4 * UNIT, self.size)
+        return apart(self.normals_apart(folded))
+
+    def equations(self, folded: Folded) -> Quadratic:
+        """Enclose the two rows of first order, or the one."""
+        return self.closure(folded) if self.order > 1 else self.normals_apart(folded)[1:]
+
+    def closes(self, folded: Folded) -> np.ndarray:
+        """Return whether N is n_1, and not -n_1, for D_1, [K]."""
+        x, c = folded.vectors, self.chain
+        away = (x[:, c.first] * x[:, c.last]).sum(axis=0) < 0
+        return ~away if self.order == 1 else np.ones_like(away)
+
+    def normals_apart(self, folded: Folded) -> Quadratic:
+        """Enclose n_1 - N as the middle ray sees it, in the frame of the first mirror at the middle: y, x, z."""
+        c, x, r = self.chain, folded.vectors, folded.radii
+        half = len(self.rays) // 2
+        back, on = self.rays[:half][::-1], self.rays[half:]
+        known = CREASE * (2 * c.steps + 1)
+        first = c.turned(x[:, c.first], x[:, back], back, -r[back], 0.0)
+        last = c.turned(x[:, c.last], x[:, on], on, r[on], known)
+        return (first + last.times(-1.0))[[1, 0, 2]]
+
+    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+        """Enclose G_i (n_1, c_j, c_k) + cyclic, or G_a t_b - G_b t_a."""
+        t = self.triples.at(folded)
+        if self.order > 1:
+            return torques.weighed(t, *two_by_two(self.subsets))
+        place = {pair: i for i, pair in enumerate(self.pairs)}
+        of = [[place[j, k], place[i, k], place[i, j]] for i, j, k in self.subsets.tolist()]
+        which = np.array(of, dtype=int).reshape(-1, 3)
+        return torques.weighed(t, self.subsets, which, np.tile([1.0, -1.0, 1.0], (len(of), 1)))
+
+
+def apart(rows: Quadratic) -> Quadratic:
+    """Turn the last two rows so that their slopes are at right angles: the weak one does not drown in the other."""
+    a, b = rows.slopes[-2:]
+    angle = 0.5 * np.arctan2(2 * (a * b).sum(axis=0), (a * a - b * b).sum(axis=0))
+    c, s = np.cos(angle), np.sin(angle)
+    out = [v.copy() for v in rows.parts]
+    for v in out[:3]:
+        v[-2], v[-1] = c * v[-2] + s * v[-1], c * v[-1] - s * v[-2]
+    size = 4 * UNIT * rows.magnitude()[-2:].sum(axis=0)
+    first, second = rows.rest[-2:]
+    out[3][-2] = np.abs(c) * first + np.abs(s) * second + size
+    out[3][-1] = np.abs(s) * first + np.abs(c) * second + size
+    return Quadratic(*out)
+
+
+def about_normal(angle: float) -> tuple[float, float, float, float]:
+    """Return the turn about e3 by an angle [rad] as a quaternion."""
+    return math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle)
+
+
+def two_by_two(subsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return torques, rows and signs of G_a t_b - G_b t_a for pairs (a, b), [M, 2]."""
+    return subsets, subsets[:, ::-1], np.tile([1.0, -1.0], (len(subsets), 1))
+
+
+def piece_of(model: Model) -> Piece:
+    """Return the piece of a model whose rows are searched.
+
+    Parameters
+    ----------
+    model
+        Of a flat sheet.
+    """
+    group = model.scene.group
+    if group.kind == "D":
+        return Wedge(model)
+    return VertexPiece(model) if model.structure.turn == 1 else Period(model)

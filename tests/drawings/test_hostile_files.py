@@ -1,0 +1,124 @@
+"""Drawings that want to take time, memory or a stack: read or refused soon; and what is said of odd ones."""
+
+import io
+import math
+import time
+import tracemalloc
+
+import pytest
+
+from origami_nlp.drawings import DrawingOptions, read_drawing
+from origami_nlp.errors import DrawingError, FoldFileError
+from origami_nlp.pattern import frame_pattern, parse_fold
+
+SQUARE = "1 0 0 4 0\n1 4 0 4 4\n1 4 4 0 4\n1 0 4 0 0\n"
+LINE = '<line x1="0" y1="0" x2="1" y2="1" stroke="red" {}/>'
+
+
+def star(lines):
+    angles = [math.pi * (k + 0.3) / lines for k in range(lines)]
+    ends = (
+        (2 - 1.9 * math.cos(t), 2 - 1.9 * math.sin(t), 2 + 1.9 * math.cos(t), 2 + 1.9 * math.sin(t))
+        for t in angles
+    )
+    return "".join(f"2 {' '.join(map(repr, row))}\n" for row in ends)
+
+
+@pytest.mark.parametrize(
+    ("text", "edges"), [(star(150), 4), ("2 0 0 4 4\n" * 30_000, 5)], ids=("star", "equal")
+)
+def test_lines_that_meet_in_one_place_take_memory_as_they_are_many(text, edges):
+    tracemalloc.start()
+    try:
+        made = read_drawing((SQUARE + text).encode(), ".cp")
+        assert tracemalloc.get_traced_memory()[1] < 200e6
+    finally:
+        tracemalloc.stop()
+    assert len(made.edges) == edges
+
+
+def test_lines_that_lie_on_each_other_without_end_are_refused():
+    nested = "".join(
+        f"2 {k / 3000} {k / 3000} {4 - k / 3000} {4 - k / 3000}\n" for k in range(3000)
+    )
+    with pytest.raises(DrawingError, match="meet more than"):
+        read_drawing((SQUARE + nested).encode(), ".cp")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        LINE.format(f'transform="{"a" * 200_000}"'),
+        LINE.format(f'transform="{"a(" * 100_000}"'),
+        f"<style>{'a{' * 100_000}</style>" + LINE.format(""),
+        f"<style>{'/*' * 100_000}</style>" + LINE.format(""),
+        f"<style>{'@import' * 30_000}</style>" + LINE.format(""),
+        f"<style>{'a' * 200_000}</style>" + LINE.format(""),
+        LINE.format(f'style="{"/*" * 100_000}"'),
+    ],
+    ids=("letters", "brackets", "braces", "comments", "imports", "selector", "style"),
+)
+def test_text_of_a_drawing_is_read_in_time_that_grows_with_its_length(text):
+    begin = time.process_time()
+    made = read_drawing(f"<svg>{text}</svg>".encode(), ".svg")
+    assert len(made.edges) == 1 and time.process_time() - begin < 2.0
+
+
+def test_style_sheets_are_read_as_before():
+    style = "/* a /* b */ @import url(x); @media print { .cut, g line { stroke: #00f } } line{stroke:lime}"
+    text = f'<svg><style>{style}</style><g><line x2="2" transform=" translate(1, 2) , scale(2)"/></g></svg>'
+    made = read_drawing(text.encode(), ".svg")
+    assert made.letters == ("V",) and sorted(made.points.tolist()) == [[1.0, -2.0], [5.0, -2.0]]
+
+
+def blocks(kind):
+    """A DXF drawing whose blocks hold each other, themselves, or nothing but each other."""
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    first = document.blocks.new("B0")
+    if kind == "bomb":
+        first.add_line((0, 0), (1, 1))
+    if kind == "itself":
+        first.add_blockref("B0", (0, 0))
+    for k in range(1, 9):
+        block = document.blocks.new(f"B{k}")
+        for _ in range(10):
+            block.add_blockref(f"B{k - 1}", (0, 0))
+    document.modelspace().add_blockref("B8", (0, 0))
+    out = io.StringIO()
+    document.write(out)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["bomb", "empty", "itself"])
+def test_blocks_that_grow_without_end_are_refused_soon(kind):
+    raw, begin = blocks(kind).encode(), time.process_time()
+    with pytest.raises(DrawingError, match=r"entities|holds itself"):
+        read_drawing(raw, ".dxf")
+    assert time.process_time() - begin < 5.0
+
+
+def test_creases_that_end_in_the_open_are_no_border():
+    made = read_drawing(b"2 0 0 1 1\n3 0 1 1 0\n2 0.5 1 0.5 0\n3 0 0.5 1 0.5", ".cp")
+    assert set(made.letters) == {"M", "V"}
+    assert any("add the outline" in note for note in made.notes)
+    # an outline of creases is one
+    outline = read_drawing(SQUARE.replace("1 ", "2 ", 4).encode(), ".cp")
+    assert "B" in outline.letters
+
+
+def test_a_line_drawn_as_mountain_and_valley_is_named_by_its_place():
+    text = (SQUARE + "2 0 0 4 4\n3 0 0 4 4\n").encode()
+    with pytest.raises(FoldFileError, match=r"from \(0, 0\) to \(4, 4\) is stated twice"):
+        frame_pattern(parse_fold(text, source="a.cp")[0])
+
+
+def test_several_sheets_of_a_drawing_name_what_takes_one():
+    text = "".join(
+        f"1 {x} 0 {x + 4} 0\n1 {x + 4} 0 {x + 4} 4\n1 {x + 4} 4 {x} 4\n1 {x} 4 {x} 0\n2 {x} 0 {x + 4} 4\n"
+        for x in (0, 10)
+    )
+    with pytest.raises(FoldFileError, match=r"2 parts .* convert --part K"):
+        frame_pattern(parse_fold(text.encode(), source="two.cp")[0])
+    one = parse_fold(text.encode(), source="two.cp", drawing=DrawingOptions(part=1))[0]
+    assert frame_pattern(one).name == "two"

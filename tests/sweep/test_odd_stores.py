@@ -1,0 +1,43 @@
+"""A folder that holds what no sweep writes is named in one line."""
+
+import sqlite3
+import tomllib
+
+import pytest
+
+from origami_nlp.errors import SweepError
+from origami_nlp.sweep import draw_sweep, load_states, load_sweep, parse_sweep, run_sweep
+from tests.sweep.test_sweep import FEW, Inline
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "DELETE FROM sweep",
+        "UPDATE sweep SET value = '[]' WHERE key = 'sweep'",
+        "UPDATE sweep SET value = '{\"axes\": 1}' WHERE key = 'sweep'",
+        "UPDATE sweep SET value = 1e9 WHERE key = 'sweep'",
+        "UPDATE sweep SET value = x'ff' WHERE key = 'shape'",
+        "UPDATE states SET kind = '[]'",
+        "UPDATE states SET scene = 1000000 WHERE rowid = 1",
+        "UPDATE states SET energy = 'null'",
+        "UPDATE states SET fold_angles = 'x'",
+        "UPDATE scenes SET scene = 1000000 WHERE rowid = 1",
+        "ALTER TABLE scenes DROP COLUMN starts",
+        "DROP TABLE states",
+    ],
+)
+def test_a_changed_store_is_named(tmp_path, change):
+    run_sweep(parse_sweep(tomllib.loads(FEW)), tmp_path, executor=Inline())
+    load_sweep(tmp_path)
+    with sqlite3.connect(tmp_path / "sweep.sqlite") as database:
+        database.execute(change)
+    database.close()
+    failed = 0
+    for read in (load_sweep, load_states, draw_sweep):
+        try:
+            read(tmp_path)
+        except SweepError as error:
+            failed += 1
+            assert "store of a sweep" in str(error)
+    assert failed
