@@ -25,7 +25,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import Factor
 from origami_nlp.pattern import Loop, Pattern, examples
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import descend
+from origami_nlp.search import descend_by_newton
 
 SCHEMA = "origami-nlp/bench-patterns/2"
 RECORD = Path(__file__).with_name("records") / "patterns.json"
@@ -99,7 +99,7 @@ def task(name: str) -> Task:
         pattern = pattern.with_springs(1.0 if equal else (10.0**drawn).tolist(), rest)
     sheet = PatternProblem(pattern)
     start, _ = sheet.project(GUESS * pattern.signs)
-    end = descend(sheet, start)
+    end = descend_by_newton(sheet, start)
     if not end.arrived or np.abs(end.phi).max() >= math.pi:
         raise OptionError(f"pattern {name} has no free state below its start: take another")
     return Task(name, sheet, start, *refine(sheet, end.phi))
@@ -169,7 +169,7 @@ def ours(task: Task) -> dict[str, Callable[[], Answer]]:
     sheet = PatternProblem(task.sheet.pattern)
 
     def cut(most: int) -> Answer:
-        end = descend(sheet, task.start, most)
+        end = descend_by_newton(sheet, task.start, most)
         return end.phi, end.why
 
     runs: dict[str, Callable[[], Answer]] = {f"{k} steps": partial(cut, k) for k in CUTS}

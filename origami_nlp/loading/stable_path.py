@@ -21,7 +21,7 @@ from origami_nlp.kkt import Classification, State, classify, singular_beside
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED, first_largest
 from origami_nlp.pattern_states import classified, contact_descent
-from origami_nlp.search import descend
+from origami_nlp.search import descend_by_newton
 
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
@@ -184,7 +184,7 @@ def release(
             for start in starts:
                 end = None
                 if problem.sparse and all(c.is_limit for c in node.held):
-                    end = descend(problem, start)
+                    end = descend_by_newton(problem, start)
                     crossed = any(map(problem.crossings.find, (*end.path, end.phi)))
                     end = None if crossed else end
                 end = end or contact_descent(problem, start)

@@ -111,6 +111,16 @@ class SearchReport(ShortRepr):
         """Say in a few lines what is not proved: what is known of minima that the search did not find."""
         return [*self._refused(), *self._quiet()]
 
+    @property
+    def completeness_line(self) -> str:
+        """What is known of minima that were not found, in a line; "" where nothing is to be said."""
+        return (*self._quiet(), "")[0]
+
+    def unfinished(self) -> list[str]:
+        """Say what was asked and is no minimum, and what the time, or an interruption, ended."""
+        ended = self.stopped_by == "time" or self.interrupted
+        return [*self._refused(), *list(self._quiet())[: int(ended)]]
+
     def _refused(self) -> Iterator[str]:
         for r in self.refused:
             angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))

@@ -179,6 +179,16 @@ class PatternSearchReport(SearchReport):
         """Say in a few lines what is not proved or not decided."""
         return list(self._open())
 
+    @property
+    def completeness_line(self) -> str:
+        """What is known of minima that were not found, in a line."""
+        quiet = list(self._quiet())
+        return quiet[0] if quiet and self.is_open else self.open_words()[-1]
+
+    def unfinished(self) -> list[str]:
+        """Say what the time, or an interruption, ended."""
+        return self.open_words()[:1] if self.left_out else []
+
     def _open(self) -> Iterator[str]:
         if self.left_out:
             why = "interrupted" if self.interrupted else OUT_OF_TIME

@@ -84,6 +84,17 @@ def undecided_lines(search: SearchReport) -> list[str]:
     ]
 
 
+def undecided_line(search: SearchReport) -> str:
+    """Count states that may be minima, but were neither certified nor refuted; "" for none."""
+    many = len(search.undecided)
+    if not many:
+        return ""
+    energies = [r.energy for r in search.undecided]
+    span = f"{min(energies):.6g}" + f" to {max(energies):.6g}" * (many > 1)
+    words = "1 state is" if many == 1 else f"{many} states are"
+    return f"{words} not decided, energy {span} J: --verbose says why"
+
+
 def _where(state: JudgedState) -> str:
     if len(state.fold_angles) > MOST_ANGLES:
         return ""

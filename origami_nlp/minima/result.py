@@ -45,6 +45,7 @@ from origami_nlp.minima.report_lines import (
     state_lines,
     survival_lines,
     touching_cells,
+    undecided_line,
     undecided_lines,
 )
 from origami_nlp.minima.stability import (
@@ -374,13 +375,18 @@ class MinimaResult(Report, Viewable):
         yield from survival_lines(self.minima, self.is_pattern, lies)
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
         yield from filter(None, said)
-        yield from undecided_lines(self.search)
-        if self.completeness:
-            yield from self.completeness.open_lines()
-        if not self.completeness or not self.completeness.proved:
-            yield from self.search.open_words()
+        yield from self._open_lines
         more = replace(table, rows=rest, title="further states") if rest else None
         yield Details(tuple(self._details(more, shown)))
+
+    @property
+    def _open_lines(self) -> list[str]:
+        """What is not decided, and what is not proved, a line each."""
+        lines = [undecided_line(self.search), *self.search.unfinished()]
+        proof = list(self.completeness.open_lines()) if self.completeness else []
+        if not self.completeness or not self.completeness.proved:
+            proof += [self.search.completeness_line] if len(lines) == 1 else []
+        return [*filter(None, (*lines, *proof[:1]))]
 
     @property
     def _shown(self) -> list[int]:
@@ -411,8 +417,10 @@ class MinimaResult(Report, Viewable):
             yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
-        known = [] if self.completeness and self.completeness.proved else self.search.open_words()
-        yield from (Words(line, "dim") for line in self.search.words() if line not in known)
+        yield from undecided_lines(self.search)
+        if self.completeness and not self.completeness.proved:
+            yield from self.completeness.open_lines()
+        yield from (Words(line, "dim") for line in self.search.words())
         if self.is_pattern:
             yield from self._modelled()
 

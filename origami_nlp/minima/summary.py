@@ -284,6 +284,14 @@ def _barrier(m: JudgedState, scale: float) -> str:
     return "not known" if m.escape.method == OPEN else m.escape.words()
 
 
+def _stable_first(
+    origami: Scene | Pattern, minima: Sequence[JudgedState]
+) -> list[tuple[int, JudgedState]]:
+    """Return states with their numbers, stable ones first, then those that are not, then shallow ones."""
+    ranks = [m.shallow + (verdict(origami, m) == "unstable") for m in minima]
+    return sorted(enumerate(minima, start=1), key=lambda one: (ranks[one[0] - 1], one[0]))
+
+
 def summary_table(
     origami: Scene | Pattern,
     minima: Sequence[JudgedState],
@@ -307,7 +315,7 @@ def summary_table(
     Returns
     -------
     Table
-        In order of energy.
+        In order of energy, states that are not stable or shallow last.
     """
     grouped = isolated_foldings(minima)
     kept = f"{origami.group.name} " if is_symmetric(origami) else ""  # type: ignore[union-attr]
@@ -317,7 +325,7 @@ def summary_table(
     noise = any(m.survival is not None for m in minima)
     blank: list[Cell] = ["", ""]
     rows: list[list[Cell]] = []
-    for number, m in enumerate(minima, start=1):
+    for number, m in _stable_first(origami, minima):
         if number in grouped:
             continue
         own: list[Cell] = [str(number), energy_words(m.energy, scale)]

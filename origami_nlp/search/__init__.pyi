@@ -26,7 +26,7 @@ from .newton import (
     ByNewton as ByNewton,
     Descended as Descended,
     close as close,
-    descend as descend,
+    descend_by_newton as descend_by_newton,
     stationary_beside as stationary_beside,
 )
 from .shares import Shares as Shares

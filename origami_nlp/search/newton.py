@@ -83,7 +83,7 @@ class Descended:
     path: tuple[np.ndarray, ...] = ()
 
 
-def descend(
+def descend_by_newton(
     problem: PatternProblem,
     phi: np.ndarray,
     most: int = 200,
@@ -279,7 +279,7 @@ class ByNewton:
         x = self.problem.fold_limits.hold(start.x, start.side)
         if (closed := close(self.problem, x)) is None:
             return x, CLOSES_NOT
-        end = descend(self.problem, closed, side=aside)
+        end = descend_by_newton(self.problem, closed, side=aside)
         if not end.arrived and (better := stationary_beside(self.problem, end.phi)) is not None:
             return better, ""
         return end.phi, "" if end.arrived else end.why

@@ -37,7 +37,7 @@ from origami_nlp.pattern_problem import PatternProblem, PopSigns
 from origami_nlp.problem import Contact
 from origami_nlp.search.descend import CLOSES_NOT, STAYS, Slot, StartState
 from origami_nlp.search.follow import Follower
-from origami_nlp.search.newton import descend
+from origami_nlp.search.newton import descend_by_newton
 from origami_nlp.search.starts import at_limits
 
 FIRST, LARGEST = 1e-3, 0.25
@@ -511,7 +511,7 @@ class DescentTerrain(Terrain):
         good = next((y for y in starts if y is not None), None)
         if good is None:
             return None
-        for y in descend(self.of, good, kept=kept).path[1:]:
+        for y in descend_by_newton(self.of, good, kept=kept).path[1:]:
             share = 1.0
             for _ in range(HALVINGS):
                 new = self.step(good, good + share * (y - good), kept, jumps=True)

@@ -11,7 +11,7 @@ from origami_nlp.continuation.equilibrium import EquilibriumCurve
 from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.loading import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
-from origami_nlp.search import descend
+from origami_nlp.search import descend_by_newton
 
 
 @cache
@@ -19,7 +19,7 @@ def systems():
     """A stable state of a sheet, off balance by a load that is linear in the fold angles, or not."""
     pattern = o.examples.pattern("miura", 3, 3).with_springs(1.0, 1.2)
     problem = PatternProblem(pattern)
-    start = descend(problem, problem.project(0.5 * pattern.rest)[0]).phi
+    start = descend_by_newton(problem, problem.project(0.5 * pattern.rest)[0]).phi
     out = []
     for work in (Torque(pattern, (2,)), Pull(pattern, (0, 15))):
         line = Driver(work).line()

@@ -11,7 +11,7 @@ from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
 from origami_nlp.pattern_states import contact_descent, judge
-from origami_nlp.search import descend
+from origami_nlp.search import descend_by_newton
 
 
 @cache
@@ -21,7 +21,7 @@ def pressed():
     rest = np.minimum(np.random.default_rng(3).uniform(2.2, 3.2, pattern.creases), math.pi)
     problem = PatternProblem(pattern.with_springs(1.0, list(pattern.signs * rest)))
     start, _ = problem.project(0.3 * pattern.signs)
-    path = descend(problem, start).path
+    path = descend_by_newton(problem, start).path
     free = [x for x in path if not problem.crossings.find(x)]
     end = contact_descent(problem, free[-1])
     assert len(free) < len(path) and end.arrived

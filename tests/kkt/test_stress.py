@@ -10,7 +10,7 @@ from origami_nlp import Scene, Vertex
 from origami_nlp.kkt import State, find_stress
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.pattern_states import judge
-from origami_nlp.search import descend
+from origami_nlp.search import descend_by_newton
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6
@@ -63,7 +63,7 @@ def test_a_folded_miura_has_a_stress_for_each_facet_inside(size):
 
 def stable(pattern, start):
     problem = PatternProblem(pattern)
-    state = judge(problem, descend(problem, start).phi)
+    state = judge(problem, descend_by_newton(problem, start).phi)
     assert state.verdict == "minimum" and state.kind == "interior"
     return problem, state.phi
 

@@ -14,7 +14,7 @@ import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
-from origami_nlp.search import descend
+from origami_nlp.search import descend_by_newton
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
 from tests.patterns import miura, miura_angles, strip, wheel
@@ -29,7 +29,9 @@ SNAPPING = (0.2, 1.0), (2.0, 2.6), 2.9
 
 def settled(pattern, phi):
     problem = PatternProblem(pattern)
-    return judge(problem, descend(problem, problem.project(np.asarray(phi, float))[0]).phi)
+    return judge(
+        problem, descend_by_newton(problem, problem.project(np.asarray(phi, float))[0]).phi
+    )
 
 
 def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):

@@ -8,7 +8,7 @@ import pytest
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge, list_branches
-from origami_nlp.search import CLOSES_NOT, descend
+from origami_nlp.search import CLOSES_NOT, descend_by_newton
 from tests.independent.trigonometry import scan
 from tests.patterns import metasheet, miura, miura_angles, strip
 
@@ -45,7 +45,7 @@ def test_miura_settles_where_its_law_says(rows, size):
     pattern = pattern.with_springs(1.0, list(1.2 * np.sign(miura_angles(pattern, size, 1.0))))
     zigzag, energy = _miura_scan(pattern, size)
     problem = PatternProblem(pattern)
-    end = descend(problem, miura_angles(pattern, size, 0.8))
+    end = descend_by_newton(problem, miura_angles(pattern, size, 0.8))
     state = judge(problem, end.phi)
     assert (state.verdict, state.kind, state.dof) == ("minimum", "interior", 1)
     assert state.energy == pytest.approx(energy, rel=1e-12)

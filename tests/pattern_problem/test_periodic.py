@@ -171,11 +171,11 @@ def test_inner_cells_of_a_relaxed_big_sheet_have_the_angles_of_the_cell():
     many = [(i, j) for i in range(6) for j in range(6)]
     bare, crease_of = cell.cell.lay(many)
     sheet = bare.with_springs(cell.stiffness[crease_of].tolist(), cell.rest[crease_of].tolist())
-    from origami_nlp.search import descend
+    from origami_nlp.search import descend_by_newton
 
     problem = PatternProblem(sheet)
     start, _ = problem.project(state.phi[crease_of] * 0.9)
-    end = descend(problem, start)
+    end = descend_by_newton(problem, start)
     assert end.arrived
     # one degree of freedom: borders have creases less, so that sheets of few cells rest elsewhere
     wide = np.abs(end.phi - state.phi[crease_of]).max()

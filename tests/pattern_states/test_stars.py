@@ -11,7 +11,7 @@ from origami_nlp.numerics import dense
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge
-from origami_nlp.search import descend, given
+from origami_nlp.search import descend_by_newton, given
 from tests.patterns import wheel
 
 
@@ -76,7 +76,7 @@ def test_a_star_beyond_dense_algebra_is_decided() -> None:
     problem = PatternProblem(pattern)
     assert pattern.creases == 403 and problem.sparse
     start, _ = problem.project(next(given(pattern)))
-    end = descend(problem, start)
+    end = descend_by_newton(problem, start)
     state = judge(problem, end.phi, contact=False)
     assert end.arrived and end.steps < 40 and state.verdict == "minimum"
     # curvature along an orthonormal basis of the kernel from NumPy alone
