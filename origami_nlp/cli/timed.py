@@ -15,6 +15,8 @@ from origami_nlp.errors import OUT_OF_TIME, Interrupted, NothingInTime
 GRACE = 1.0
 """Seconds for which a verb that keeps to the limit itself may be late; then it is interrupted as by Ctrl-C, so that it
 keeps what it found, and after as long again it is ended."""
+SHORTEST = 1e-6
+"""Seconds of a timer that is over at once: 0 would stop it."""
 AGAIN = 0.2
 """Seconds after which a command that goes on is ended once more: libraries that try one conversion of their arguments
 after another (CasADi) can take what ends it for an argument of another kind."""
@@ -111,7 +113,7 @@ class Clock:
     def _wait(self, until: float, polite: bool = False) -> None:
         self._polite = polite
         if self._able:
-            left = 0.0 if until == math.inf else max(until - time.monotonic(), 1e-6)
+            left = 0.0 if until == math.inf else max(until - time.monotonic(), SHORTEST)
             signal.setitimer(signal.ITIMER_REAL, left, AGAIN)
 
     def _ring(self, *_: object) -> None:
