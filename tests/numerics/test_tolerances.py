@@ -73,7 +73,8 @@ BESIDE_THE_TABLE = {
         pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
-        drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
+        cli/source.DRAWN drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
+        pattern/pattern_file.LARGEST_SNAP
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
