@@ -38,10 +38,13 @@ ORDER = {
     "The source paper": "paper_panel cone equation_check",
 }
 ACROSS = 3
+LONG = re.compile(r"\d+\.\d{7,}(e[-+]\d+)?")
+"""Numbers of more digits than linear algebra of another machine leaves alike."""
 BARRIER = re.compile(r"barrier (≤|<=|not) .*")
 HEAD = """# Gallery
 
-Each picture is made by a script of at most 15 lines; a click shows it with what it prints. The tests run all of them.
+Each picture is made by a script of at most 15 lines; a click shows it with what it prints (numbers to six digits).
+The tests run all of them.
 
 Examples by name, for `find_minima("NAME")` and `origami-nlp minima NAME`: `miura:4x4`, `waterbomb:2x2`,
 `yoshimura:3x3`, `resch:1x2`, `metasheet:4x4`, `squaretwist`, `birdbase`, `waterbombbase`; numbers are rows and columns.
@@ -68,7 +71,7 @@ def shown_by(axes: Axes) -> list[str]:
 
 
 def run(name: str, folder: Path | None = None) -> tuple[str, str]:
-    """Run a script away from the tree: what it prints and what its picture shows, which is kept in a folder."""
+    """Run a script away from the tree: what it prints, to six digits, and what its picture shows."""
     drawn: list[Figure] = []
     save = Figure.savefig
 
@@ -88,7 +91,8 @@ def run(name: str, folder: Path | None = None) -> tuple[str, str]:
     # bounds of barriers get lower as searches get better
     heads = [BARRIER.sub("", " ".join(t.get_text().split())) for t in figure.texts]
     lines = [line for axes in figure.axes for line in shown_by(axes)]
-    return said.getvalue(), "\n".join([*heads, *filter(None, lines)])
+    printed = LONG.sub(lambda found: f"{float(found[0]):.6g}", said.getvalue())
+    return printed, "\n".join([*heads, *filter(None, lines)])
 
 
 def page() -> str:

@@ -3,5 +3,6 @@
 import origami_nlp as o
 
 found = o.find_minima(o.examples.miura("pi/3"))
-print(found)
+for state in found.minima:
+    print(state.energy, state.escape.barrier, state.fold_angles)
 o.draw(found, "miura_vertex.png")
