@@ -21,15 +21,13 @@ from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.files import check, convert, example, hinge, inspect
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.paper import paper
+from origami_nlp.cli.paths import boundary, follow, load
 from origami_nlp.cli.states import (
     barriers,
-    boundary,
     check_proof,
     contacts,
     design,
-    follow,
     landscape,
-    load,
     minima,
     sweep,
 )

@@ -63,39 +63,21 @@ class _Inspected:
         from origami_nlp.folding import path_frames
         from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
 
-        frame, motion = partial(pattern_frame, self.seen.pattern), self.motion
-        if motion is None:
-            return pattern_to_fold(
-                self.seen.pattern, [frame(*reversed(one)) for one in self._states()]
-            )
-        path = motion.fold_angles, motion.energy
-        return pattern_to_fold(self.seen.pattern, path_frames(frame, *path, "folding motion"))
-
-    def mesh_parts(self) -> Any:
-        from origami_nlp.pattern_problem import pattern_parts
-
-        states = [phi for _, phi in self._states()]
-        if self.motion is not None:
-            states = [self.motion.fold_angles[k] for k in self.motion.shown(6)]
-        return pattern_parts(self.seen.pattern, states)
+        sheet, motion = self.seen.pattern, self.motion
+        frame = partial(pattern_frame, sheet)
+        if motion is not None:
+            path = motion.fold_angles, motion.energy
+            return pattern_to_fold(sheet, path_frames(frame, *path, "folding motion"))
+        folded = self.seen.folded
+        return pattern_to_fold(
+            sheet, [] if folded is None else [frame(folded, f"folded: {self.seen.start}")]
+        )
 
     def view_content(self) -> Any:
-        from origami_nlp.pattern_states import pattern_content
-
-        states: list[Any] = [(*one, ()) for one in self._states()]
-        if self.motion is not None:
-            states = [(f"end: {self.motion.end}", self.motion.fold_angles[-1], ())]
-        said = [p for one in (self.motion, self.seen) if one for p in one.report_sections()]
-        return pattern_content(self.seen.pattern, states, self.motion, said)
-
-    def _states(self) -> list[tuple[str, Any]]:
-        seen = self.seen
-        if seen.folded is None:
-            return [("as in the file", seen.pattern.reference)]
-        return [(f"folded: {seen.start}", seen.folded)]
+        return self.motion.view_content()
 
 
-@writes("json", "scene", "fold", "figure", "html", "mesh", verbose=True)
+@writes("json", "scene", "fold", "figure", "html", verbose=True)
 def inspect(
     origami: Source, out: Output, clock: Clock, path: bool = o.PATH, seed: int = o.SEED
 ) -> Any:
@@ -113,11 +95,13 @@ def inspect(
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)
     out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
+    if not path:
+        out.refuse("a page shows the motion: give --path", "html")
     clock.found = found = _Inspected([list_vertices(one) for one in origami.frames()])
     try:
         found.seen = analyze_mobility(origami.read_pattern(), seed=seed)
     except FoldFileError as error:
-        if path or out.files("fold", "html", "mesh"):
+        if path or out.files("fold", "html"):
             raise
         found.why = str(error)
     if path:
@@ -130,7 +114,7 @@ def _inspect_vertex(stated: Scene, out: Output) -> None:
     from origami_nlp.pattern_problem import pose
 
     why = "one vertex is written as a scene: end the name in .toml"
-    out.refuse(why, "json", "fold", "figure", "html", "mesh")
+    out.refuse(why, "json", "fold", "figure", "html")
     model = str(pose(stated))
     out.say(_springs(stated))
     for law in dict.fromkeys(filter(None, stated.laws)):

@@ -17,6 +17,13 @@ from origami_nlp.cli.source import Source
 from origami_nlp.cli.timed import Clock
 from origami_nlp.io import is_number
 
+NAMED = inspect.Parameter.KEYWORD_ONLY
+OF_FILE = {
+    name: one.replace(kind=NAMED)
+    for name, one in inspect.signature(Source, eval_str=True).parameters.items()
+}
+"""What a command that takes ORIGAMI has, by name."""
+
 
 def writes(*kinds: str, verbose: bool = False) -> Callable[..., Callable[..., None]]:
     """Make a function a command that writes files of these kinds.
@@ -33,33 +40,25 @@ def writes(*kinds: str, verbose: bool = False) -> Callable[..., Callable[..., No
             more["output"] = (list[str] | None, o.output(endings(kinds)))
         if verbose:
             more["verbose"] = (bool, o.VERBOSE)
-        of_file = inspect.signature(Source, eval_str=True).parameters
         names = [name for name, p in stated.items() if p.annotation is Source]
 
         @wraps(command)
         def run(**given: Any) -> None:
             clock = Clock(given.pop("seconds"))
             out = Output(given.pop("output", None), kinds, given.pop("verbose", False))
-            own = {"out": out, "clock": clock}
-            given |= {name: value for name, value in own.items() if name in stated}
+            given |= {k: v for k, v in (("out", out), ("clock", clock)) if k in stated}
             for name in names:
-                given[name] = Source(**{k: given.pop(k) for k in of_file})
+                given[name] = Source(**{k: given.pop(k) for k in OF_FILE})
             _end(command, given, out, clock)
 
-        kept = [p for name, p in stated.items() if name not in ("out", "clock", *names)]
-        name, *files = of_file.values() if names else [None]
-        kept = [*filter(None, [name]), *kept, *(_parameter(*one) for one in more.items()), *files]
-        kept = [p.replace(kind=p.KEYWORD_ONLY) for p in kept]
-        run.__signature__ = inspect.Signature(kept)  # type: ignore[attr-defined]
+        of = [*OF_FILE.values()] if names else []
+        own = [p for name, p in stated.items() if name not in ("out", "clock", *names)]
+        own = [p.replace(kind=NAMED) for p in own]
+        own += [inspect.Parameter(k, NAMED, annotation=a, default=d) for k, (a, d) in more.items()]
+        run.__signature__ = inspect.Signature([*of[:1], *own, *of[1:]])  # type: ignore[attr-defined]
         return run
 
     return decorate
-
-
-def _parameter(name: str, kind: tuple[Any, Any]) -> inspect.Parameter:
-    return inspect.Parameter(
-        name, inspect.Parameter.KEYWORD_ONLY, annotation=kind[0], default=kind[1]
-    )
 
 
 def _end(command: Callable[..., Any], given: dict[str, Any], out: Output, clock: Clock) -> None:

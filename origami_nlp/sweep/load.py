@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import require
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.store import read_table
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _readable(folder: str | Path) -> Iterator[None]:
     try:
         yield
     except (LookupError, TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, SweepError):
+        if isinstance(error, OrigamiError):
             raise
         raise SweepError(f"{str(folder)!r} is no store of a sweep: {error}") from None
 
