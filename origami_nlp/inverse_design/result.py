@@ -205,8 +205,11 @@ class Design(Report):
         if not self.verified:
             return f"{title}: springs for {n} state{'s' * (n > 1)}, NOT verified: {self.failed[0]}"
         others = f"{more or 'no'} other minim{'um' if more < 2 else 'a'}"
-        sure = getattr(getattr(self.minima, "completeness", None), "proved", False)
-        complete = "list proved complete" if sure else "completeness not proved"
+        status = getattr(getattr(self.minima, "completeness", None), "status", "not-proved")
+        complete = {
+            "proved": "list proved complete",
+            "proved-except-singular": "list proved complete but for singular states",
+        }.get(status, "completeness not proved")
         return f"{title}: {what}, {others} found (margin {self.margin:.4g}, {complete})"
 
     def report_sections(self) -> Iterator[Section]:

@@ -241,13 +241,13 @@ class MinimaResult(Report, Viewable):
         search, known = self.search, self.completeness
         one = self.origami if isinstance(self.origami, Scene) else None
         proved = known.status if known else ""
-        settled = proved == "proved" or search.stopped_by == "complete"
+        settled = proved in ("proved", "proved-except-singular") or search.stopped_by == "complete"
         reached = search.outcomes.get("minimum", 0) if one else len(self.minima)
         drawn = search.drawn if isinstance(search, PatternSearchReport) else search.starts
         full = one.contact if one else getattr(search, "contact", "full")
         return ResultFlags(
             nothing_found=not self.minima,
-            may_miss_minima=not settled and proved != "proved-except-singular",
+            may_miss_minima=not settled,
             singular_states_open=proved == "proved-except-singular",
             search_stopped_early=not settled and search.stopped_by in ("cap", "time"),
             starts_ended_nowhere=not settled and search.stalled > reached,

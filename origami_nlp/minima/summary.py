@@ -202,7 +202,7 @@ def _complete(completeness: Completeness | None, search: SearchReport) -> str:
     if status == "proved":
         return "list proved complete"
     if status == "proved-except-singular":
-        return "list proved complete but for singular states, judged by their cones"
+        return "list proved complete but for singular states"
     if search.stopped_by == "complete":
         return "every curve of closed states traced"
     if not search.is_open:
