@@ -353,6 +353,22 @@ class MinimaResult(Report, Viewable):
         words = verdict_words(self.origami, self.minima, self.completeness, self.search)
         return f"{self.title}: {words}"
 
+    @property
+    def stable(self) -> tuple[JudgedState, ...]:
+        """The stable states: minima that no broken symmetry leaves, and that are not shallow; in order of energy.
+
+        Where facets may cross (contact "fold-limits" or "none") only those are that were judged with full contact.
+
+        Examples
+        --------
+        >>> import origami_nlp as o
+        >>> found = o.find_minima(o.examples.degree6("pi/3", ratio=1), prove=False)
+        >>> len(found.minima), len(found.stable)
+        (4, 3)
+        """
+        each = (m for m in self.minima if not m.shallow)
+        return tuple(m for m in each if verdict(self.origami, m) == "stable")
+
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
         about = self.origami, self.minima, self._images, self.verdict, energy_unit(self.origami)
@@ -442,7 +458,10 @@ class MinimaResult(Report, Viewable):
             row: dict[str, object] = {"scene": self.name, "number": number}
             row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
-            row["stable"] = m.full_space and m.full_space.verdict
+            known = verdict(self.origami, m)
+            settled = known in ("stable", "unstable") or m.shallow
+            row["stable"] = known == "stable" and not m.shallow if settled else None
+            row["full_space"] = known
             row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}
             row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
             yield row | angle_columns(m.fold_angles)
