@@ -19,7 +19,6 @@ from .figure import (
     kinds_legend as kinds_legend,
 )
 from .find import follow as follow, follow_family as follow_family
-from .fold_out import write_frames as write_frames
 from .interactive import view_paths as view_paths
 from .judging import (
     Touching as Touching,

@@ -1,3 +1,2 @@
 from .find import compare_minima as compare_minima, find_critical_points as find_critical_points
 from .result import CriticalPoints as CriticalPoints
-from .table import PANEL_HEADS as PANEL_HEADS, panel_row as panel_row

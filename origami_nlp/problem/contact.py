@@ -122,10 +122,6 @@ class FoldLimits:
         low, high = (self.low, self.high) if sign > 0 else (-self.high, -self.low)
         return bool((low[order] == self.low).all() and (high[order] == self.high).all())
 
-    def same_as(self, other: FoldLimits) -> bool:
-        """Return whether two are the same."""
-        return np.array_equal(self.low, other.low) and np.array_equal(self.high, other.high)
-
     @property
     def both(self) -> tuple[Contact, ...]:
         """Both limits of every variable."""

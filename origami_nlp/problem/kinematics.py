@@ -244,37 +244,6 @@ class Kinematics:
         value = over * (p * cross(q, r)).sum(axis=-1)
         return value, self._by_variable(per_crease)
 
-    def gaps_hessian(self, at: FoldedRays, slots: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Return the Hessian [K, n, n] of the sum of weights [K, S] times the gaps in `slots` [K, S]."""
-        total = np.zeros((len(slots), len(self._variable), len(self._variable)))
-        k, slot = np.nonzero((slots != OPEN) & (weights != 0))
-        if len(k):
-            gap = slots[k, slot]
-            p, q, r = np.moveaxis(at.rays[k[:, None], self._three[gap]], 1, 0)
-            c = at.axes[k] * self._factor[:, None]
-            pm, qm, rm = (
-                (c @ ray[..., None]).swapaxes(1, 2) for ray in (p, q, r)
-            )  # c_m . p, ..., [K, 1, E]
-            pq, qr = (
-                (c @ cross(u, v)[..., None]) for u, v in ((p, q), (q, r))
-            )  # c_l . (p x q), ..., [K, E, 1]
-            volume = (p * cross(q, r)).sum(axis=-1)[:, None, None]
-            across = cross(c, p[:, None])
-            inner = volume * (c @ c.swapaxes(1, 2))
-            one, two = self._spans[gap, 0], self._spans[gap, 1]
-            # det(c_m x (c_l x p), q, r), det(p, q, c_l x (c_m x r)) and -det(c_l x p, q, c_m x r), l before m
-            h = (qr * pm - inner) * (one[:, :, None] * one[:, None])
-            h += (pq.swapaxes(1, 2) * rm.swapaxes(1, 2) - inner) * (two[:, :, None] * two[:, None])
-            mixed = (across @ r[..., None]) * qm
-            mixed -= (q * r).sum(axis=-1)[:, None, None] * (across @ c.swapaxes(1, 2))
-            h += mixed * (one[:, :, None] * two[:, None])
-            np.add.at(total, k, (weights[k, slot] * self._over[gap])[:, None, None] * h)
-        full = _symmetric(total)
-        if full.shape[1] == self.size:
-            return full
-        images = np.eye(self.size)[self._variable]
-        return np.asarray(images.T @ full @ images)
-
     def _by_variable(self, per_crease: np.ndarray) -> np.ndarray:
         """Sum what belongs to creases [..., E] over the images of each variable, [..., n]."""
         if per_crease.shape[-1] == self.size:
