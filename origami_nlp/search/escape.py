@@ -91,6 +91,8 @@ def find_escapes(
     list of Escape
         One a state.
     """
+    if not len(at):
+        return []
     energies = unit * problem.energies(at)
     scale = unit * energy_scale(problem.pattern.stiffness)
     level, reported = level_of(energies, scale), dict(exact or {})
