@@ -236,7 +236,9 @@ class DescentTerrain(Terrain):
         self.of.check_time()
         # where facets lie on each other they may pass: what is gone down step by step tells
         starts = [StartState(x, at_limits(self.of, x)) for x in states]
-        ends = self._go.descents(starts, np.tile(self._aside, (len(states), 1)))
+        # by short steps: long ones jump over what lies between
+        asides = np.tile(self._aside, (len(states), 1))
+        ends = self._go.descents(starts, asides, False, LONGEST)
         self._go.work += sum(end.work for end in ends)
         for x, end in zip(states, ends, strict=True):
             near = np.abs(end.x - self.minima).max(axis=1).min() <= NEAR_SINGULAR_TOL
@@ -362,6 +364,7 @@ class DescentTerrain(Terrain):
         p, at = self.of, x.copy()
         aimed = np.isfinite(goal).all(axis=1)
         along = np.zeros(x.shape) if along is None else np.where(aimed[:, None], 0.0, along)
+        driven = (along != 0).sum(axis=1) == 1  # one variable turns, the others follow
         walked, live, step, gone = [[y] for y in x], np.arange(len(x)), FIRST, 0.0
         while len(live) and gone < FARTHEST:
             p.check_time()
@@ -376,6 +379,7 @@ class DescentTerrain(Terrain):
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = to[:, None] & (at[live] == goal[live]) & (goal[live] == 0)
+            still |= driven[live, None] & (along[live] != 0)
             rows = [slots[r] for r in live.tolist()] if slots else ()
             y, good = self._closed(want, still, rows, None if free is None else free[live])
             moved = np.linalg.norm(p.root * (y - at[live]), axis=1)
@@ -383,7 +387,7 @@ class DescentTerrain(Terrain):
             each = [not self._jumps(a, b) for a, b in zip(at[live], y, strict=True)]
             good &= np.array(each, dtype=bool)
             live, y = live[good], y[good]
-            ahead = ~aimed[live]
+            ahead = ~(aimed | driven)[live]
             along[live[ahead]] = (y - at[live])[ahead]
             at[live] = y
             for r, one in zip(live, y, strict=True):
