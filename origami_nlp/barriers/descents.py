@@ -78,7 +78,7 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     posed = canonical_states(result.model, scene, minima)
     of = range(many)
     leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in of}
-    terrain = DescentTerrain(posed.problem, posed.minima, np.zeros(posed.problem.size), leaving)
+    terrain = DescentTerrain(posed.problem, posed.minima, leaving=leaving)
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
     ways, beyond = list[PathDown](), np.full(many, math.inf)
     for k, found in escape_paths_of_each(terrain, loose):
@@ -91,9 +91,9 @@ def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
     for k in loose:
         if k not in left and result.minima[k].local_dimension == model.dof:
             ways += _along_rays(terrain, k)
-    flat = np.zeros(terrain.of.size)
+    flat = np.zeros(terrain.problem.size)
     ways += _over_saddles(terrain, ways)
-    if scene.vertex.flat and not terrain.of.refuses(flat):
+    if scene.vertex.flat and not terrain.problem.refuses(flat):
         ways += _ways_down(terrain, flat)
     ways = [w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in ways]
     whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "bound")
@@ -163,7 +163,7 @@ def _checked(
 
 def _over_saddles(terrain: DescentTerrain, ways: Sequence[PathDown]) -> list[PathDown]:
     """Go down both sides of the saddles that Newton finds beside the highest states of ways."""
-    model, found, out = terrain.of, list[np.ndarray](), list[PathDown]()
+    model, found, out = terrain.problem, list[np.ndarray](), list[PathDown]()
     for way in ways:
         top = way.states[int(model.energies(way.states).argmax())]
         for one in critical_near(model, top[None], NEAR):
@@ -180,7 +180,7 @@ def _over_saddles(terrain: DescentTerrain, ways: Sequence[PathDown]) -> list[Pat
 
 def _ways_down(terrain: DescentTerrain, top: np.ndarray) -> Iterator[PathDown]:
     """Go down from the flat state, beginning towards minima on either side."""
-    sides = np.sign([terrain.of.expand(x).sum() for x in terrain.minima])
+    sides = np.sign([terrain.problem.expand(x).sum() for x in terrain.minima])
     far = np.round(np.linalg.norm(terrain.problem.root * (terrain.minima - top), axis=1), PLACES)
     order = np.argsort(far, kind="stable")
     near = [order[sides[order] == side][:TARGETS] for side in (1.0, -1.0, 0.0)]

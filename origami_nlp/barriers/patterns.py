@@ -117,7 +117,7 @@ def _with_ways(
     whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
 
     def lower() -> None:
-        terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
+        terrain = DescentTerrain(problem, minima)
         ways.extend(over_saddles(terrain, whole.passes, level))
 
     late += _in_time(problem, SADDLES, say, lower)

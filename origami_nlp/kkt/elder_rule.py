@@ -90,7 +90,6 @@ def bounds(
     reported: Mapping[int, Escape],
     unknown: Callable[[int], str],
     among: str = "",
-    digits: bool = True,
 ) -> list[Escape]:
     """Return what it takes to leave each state: as it is known already, or bounded by escape paths.
 
@@ -110,8 +109,6 @@ def bounds(
         Why there is no escape path of one.
     among
         What ways keep, in words.
-    digits
-        Whether bounds are rounded up to two: more hang on where steps of descents in batches were cut.
 
     Returns
     -------
@@ -137,8 +134,8 @@ def bounds(
             # that no way was found does not make the barrier infinite: it is not determined
             out.append(Escape(math.nan, OPEN, unknown(k)))
         else:
-            barrier = max(barrier, FLOOR * scale)
-            barrier = float(rounded_up(barrier)) if digits else barrier
+            # to two digits: more hang on where steps of descents in batches were cut
+            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
             why = f"an explicit escape path climbs so high; lower ones are not excluded{among}"
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
             out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))

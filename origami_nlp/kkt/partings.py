@@ -121,8 +121,6 @@ def _next_descents(
 ) -> list[tuple[int, int]]:
     """Return states (ray, place) to descend from next: of rays of each state the lowest, up to its `most` partings."""
     out: list[tuple[int, int]] = []
-    if terrain.together is None:
-        return [(r, i) for r, rank in enumerate(ranks) for i in range(begin[r], len(rank))]
     for k in dict.fromkeys(of):
         mine = [r for r, owner in enumerate(of) if owner == k]
         known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))

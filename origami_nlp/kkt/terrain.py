@@ -56,11 +56,10 @@ class Terrain(ABC):
     worth
         Heights above this are made lower where a pass shows how.
     together
-        Descents from states along the rays of one state that are made at once, from low ones before high ones; None:
-        all, ray by ray, where there are only so many descents.
+        Descents from states along the rays of one state that are made at once, from low ones before high ones.
     """
 
-    together: int | None = None
+    together = 64
 
     def __init__(self, problem: Problem, minima: np.ndarray, scale: float) -> None:
         self.problem, self.minima = problem, minima

@@ -25,9 +25,7 @@ from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
-from origami_nlp.search import find_escapes
-
-NOTHING_NEAR = "no other admissible state is near"
+from origami_nlp.search import NOTHING_NEAR, find_escapes
 
 
 def with_escapes(

@@ -398,11 +398,11 @@ class MinimaResult(Report, Viewable):
     @property
     def _open_lines(self) -> list[str]:
         """What is not decided, and what is not proved, a line each."""
-        lines = [undecided_line(self.search), *self.search.unfinished()]
-        proof = list(self.completeness.open_lines()) if self.completeness else []
-        if not self.completeness or not self.completeness.proved:
-            proof += [self.search.completeness_line] if len(lines) == 1 else []
-        return [*filter(None, (*lines, *proof[:1]))]
+        unfinished, proof = self.search.unfinished(), self.completeness
+        missing = list(proof.open_lines()) if proof else []
+        if not (unfinished or (proof and proof.proved)):
+            missing.append(self.search.completeness_line)
+        return [*filter(None, (undecided_line(self.search), *unfinished, *missing[:1]))]
 
     @property
     def _shown(self) -> list[int]:

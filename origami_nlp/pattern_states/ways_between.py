@@ -62,7 +62,7 @@ class _Walks:
         joined: Sequence[tuple[int, int]],
     ) -> None:
         self.minima, self.tops, self.joined = minima, tops, list(joined)
-        self.terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
+        self.terrain = DescentTerrain(problem, minima)
         pattern = problem.pattern
         self._symmetries, signs = find_labels(pattern).symmetries(pattern), PopSigns(pattern)
         self._nodes = np.array([*minima, *tops])
@@ -96,7 +96,7 @@ class _Walks:
         top = next((k for k, x in enumerate(self._nodes) if not x.any()), None)
         if top is None:
             return
-        is_full = self.terrain.of.fold_limits.room(self.minima) <= OUTSIDE
+        is_full = self.terrain.problem.fold_limits.room(self.minima) <= OUTSIDE
         folded = np.where(is_full, self.minima, 0.0)
         routes = {self._nodes[top].tobytes(): self._nodes[top][None]}
         for x in sorted(np.unique(folded, axis=0), key=np.count_nonzero):

@@ -324,13 +324,14 @@ class Wedge(Piece):
             ]
         else:
             self.level = math.cos(math.pi / self.order)
-            wanted = [(c.first, r, c.last) for r in self.rays] + [(c.up, 0, c.last)]
+            wanted = [(c.first, r, c.last) for r in self.rays]
+            self.product = Triples(c, [(c.up, 0, c.last)])
         self.triples = Triples(c, wanted)
 
     def closure(self, folded: Folded) -> Quadratic:
         """Enclose n_1 - N as the middle ray sees it, or n_1 . N + cos(w pi / n)."""
         if self.order > 1:
-            row = self.triples.at(folded)[-1:]
+            row = self.product.at(folded)
             return row + number(0 * row.value + self.level, 4 * UNIT, self.size)
         return apart(self.normals_apart(folded))
 

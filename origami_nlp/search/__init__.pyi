@@ -6,7 +6,11 @@ from .descend import (
     Slot as Slot,
     StartState as StartState,
 )
-from .escape import find_escapes as find_escapes, softest_modes as softest_modes
+from .escape import (
+    NOTHING_NEAR as NOTHING_NEAR,
+    find_escapes as find_escapes,
+    softest_modes as softest_modes,
+)
 from .follow import Follower as Follower
 from .ipopt import (
     OPTIONS as OPTIONS,

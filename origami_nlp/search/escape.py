@@ -28,6 +28,8 @@ MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
 MOST_STATES = 8
 """States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
+NOTHING_NEAR = "no other admissible state is near"
+"""Of a state that stands alone."""
 MOST_OPENED = 3
 """Directions that open contacts of a state."""
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
@@ -97,9 +99,7 @@ def find_escapes(
     scale = unit * energy_scale(problem.pattern.stiffness)
     level, reported = level_of(energies, scale), dict(exact or {})
     reported |= {
-        k: Escape(math.inf, ALONE, "no other admissible state is near")
-        for k, is_alone in enumerate(alone)
-        if is_alone
+        k: Escape(math.inf, ALONE, NOTHING_NEAR) for k, is_alone in enumerate(alone) if is_alone
     }
     why = ""
     if problem.pattern.creases > MOST_CREASES:

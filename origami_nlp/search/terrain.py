@@ -70,7 +70,7 @@ class DescentTerrain(Terrain):
     minima
         The states, by number, [M, n].
     aside
-        A direction [n] that labels do not change: to which side saddles are left.
+        A direction [n] that labels do not change: to which side saddles are left; None: drawn in the problem's order.
     leaving
         Directions out of states, by number.
     around
@@ -79,19 +79,21 @@ class DescentTerrain(Terrain):
         Counted work of descents (evaluations of closure) after which none is made.
     """
 
-    together = 64
+    problem: PatternProblem
 
     def __init__(
         self,
         problem: PatternProblem,
         minima: np.ndarray,
-        aside: np.ndarray,
+        aside: np.ndarray | None = None,
         leaving: Mapping[int, Sequence[np.ndarray]] | None = None,
         around: Mapping[int, Sequence[list[int]]] | None = None,
         most: float = math.inf,
     ) -> None:
         super().__init__(problem, minima, energy_scale(problem.pattern.stiffness))
-        self.of, self._go, self._aside, self._most = problem, Follower(problem), aside, most
+        self._go, self._most = Follower(problem), most
+        drawn = np.random.default_rng(0).normal(size=problem.size)
+        self._aside = drawn if aside is None else aside
         # states are drawn back onto closure whatever the springs
         self._closing = CompiledDescent(problem, problem.root)
         self._leaving, self._around = leaving or {}, around or {}
@@ -108,14 +110,14 @@ class DescentTerrain(Terrain):
 
     def is_admissible(self, x: np.ndarray) -> bool:
         """Whether a closed state is within the fold limits, and no facets cross where that is asked for."""
-        p = self.of
+        p = self.problem
         within = p.residual(x) <= CLOSURE_TOL and bool(p.fold_limits.inside(x).all())
         within = within and p.closure.lifts_to_one(x)
         return within and not (p.contact and p.crossings.find(x))
 
     def _jumps(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether a step takes a vertex past its flat state, through facets."""
-        p = self.of
+        p = self.problem
         return bool(p.contact and self._pops.around) and self._pops.is_jump(
             p.expand(a), p.expand(b)
         )
@@ -123,7 +125,7 @@ class DescentTerrain(Terrain):
     def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
         """Return the gaps that are closed at a state, whichever way facets pass."""
         if (key := x.tobytes()) not in self._shut:
-            base = State(self.of, x).contacts.base if self.of.contact else ()
+            base = State(self.problem, x).contacts.base if self.problem.contact else ()
             self._shut[key] = tuple(c for c in base if not c.is_limit)
         return self._shut[key]
 
@@ -138,7 +140,7 @@ class DescentTerrain(Terrain):
 
         What is at a limit stays there, but in states that are `free`, [K].
         """
-        p = self.of
+        p = self.problem
         x = p.fold_limits.clip(x)
         side = p.fold_limits.near(x, OUTSIDE) * p.has_limits
         if free is not None:
@@ -159,36 +161,32 @@ class DescentTerrain(Terrain):
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def step(
-        self, a: np.ndarray, start: np.ndarray, held: np.ndarray | None = None, jumps: bool = False
-    ) -> np.ndarray | None:
-        """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
-        (x,), (good,) = self._closed(start[None], None if held is None else held[None])
-        if not good and held is None and at_limits(self.of, self.of.fold_limits.clip(start)).any():
-            x, residual = self.of.project(self.of.fold_limits.clip(start))
-            x = self.of.fold_limits.clip(x)
-            good = residual <= CLOSURE_TOL and self.is_admissible(x)
-        return None if not good or (not jumps and self._jumps(a, x)) else x
-
-    def beside(self, a: np.ndarray, start: np.ndarray) -> np.ndarray | None:
-        """Close a start beside a state [n], on either side of vertices; None where that is no admissible state."""
-        return self.step(a, start, jumps=True)
+    def _closed_one(self, start: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray | None:
+        """Close a start [n], what is kept as it is; None where that is no admissible state."""
+        still = None if kept is None else kept[None]
+        # first with what is at its limit there
+        for opened in (False, True) if kept is None else (False,):
+            (x,), (good,) = self._closed(start[None], still, free=np.array([opened]))
+            if good:
+                return np.asarray(x)
+        return None
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; what both hold stays so."""
         many = len(shares)
-        return self._between(np.tile(a, (many, 1)), np.tile(b, (many, 1)), shares[:, None])
+        x = self._between(np.tile(a, (many, 1)), np.tile(b, (many, 1)), shares[:, None])
+        # one order all along the step
+        return None if x is None or self._loses_order(a, b, x[many // 2]) else x
 
     def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
         """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
-        return self._between(a, b, np.full((len(a), 1), 0.5))
+        x = self._between(a, b, np.full((len(a), 1), 0.5))
+        if x is None or any(map(self._loses_order, a, b, x)):
+            return None
+        return x
 
     def _between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
-        p = self.of
-        want, still = (
-            a + shares * (b - a),
-            (a == b) & ((a == 0) | (p.fold_limits.room(a) <= OUTSIDE)),
-        )
+        want, still = a + shares * (b - a), (a == b) & ((a == 0) | self._at_limit(a))
         x, good = self._closed(want, still)
         if not good.all():  # with gaps held that both states hold
             rows = [
@@ -207,9 +205,16 @@ class DescentTerrain(Terrain):
         for y, one, other in zip(x, a, b, strict=True):
             if self._jumps(one, y) or self._jumps(y, other):
                 return None
-        # facets that lie on each other along the whole step have one order in it
-        level = p.contact and (still & (a != 0)).any(axis=1)
-        return None if np.any(level) and any(p.refuses(y) for y in x[level][:1]) else x
+        return x
+
+    def _at_limit(self, x: np.ndarray) -> np.ndarray:
+        """Return what of states [..., n] is at a fold limit."""
+        return np.asarray(self.problem.fold_limits.room(x) <= OUTSIDE)
+
+    def _loses_order(self, a: np.ndarray, b: np.ndarray, y: np.ndarray) -> bool:
+        """Whether facets that lie on each other all along a step have no order at a state of it."""
+        level = ((a == b) & self._at_limit(a)).any()
+        return bool(level and self.problem.contact and self.problem.refuses(y))
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents end."""
@@ -233,9 +238,9 @@ class DescentTerrain(Terrain):
         """Go down from some states."""
         if self._go.work > self._most or not self.usable:
             return
-        self.of.check_time()
+        self.problem.check_time()
         # where facets lie on each other they may pass: what is gone down step by step tells
-        starts = [StartState(x, at_limits(self.of, x)) for x in states]
+        starts = [StartState(x, at_limits(self.problem, x)) for x in states]
         # by short steps: long ones jump over what lies between
         asides = np.tile(self._aside, (len(states), 1))
         ends = self._go.descents(starts, asides, False, LONGEST)
@@ -251,7 +256,7 @@ class DescentTerrain(Terrain):
             return _up_to(known, until)
         try:
             down = follow(
-                self.of,
+                self.problem,
                 state,
                 curved=True,
                 most_rescues=2,
@@ -274,7 +279,7 @@ class DescentTerrain(Terrain):
         return _up_to(self._short[key], until)
 
     def _short_steps(self, state: np.ndarray) -> np.ndarray:
-        p = self.of
+        p = self.problem
         if not self.usable:
             return state[None]
         x = np.array([state, *self._go.steps(state, self._aside, LONGEST)])
@@ -291,7 +296,7 @@ class DescentTerrain(Terrain):
         Where facets of a flat vertex of all creases must not cross no admissible path leads round it
         (docs/validation/landscapes.md).
         """
-        p, flat = self.of, np.zeros(self.of.size)
+        p, flat = self.problem, np.zeros(self.problem.size)
         every = self._pops.around and len(set(self._pops.around[0])) == p.pattern.creases
         if not (every and p.contact and p.pattern.lies_flat) or p.refuses(flat):
             return {}
@@ -320,7 +325,7 @@ class DescentTerrain(Terrain):
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Go along directions, turn variables, pop vertices, go to the flat state and on, and to other states."""
-        flat, n = np.zeros(self.of.size), self.of.size
+        flat, n = np.zeros(self.problem.size), self.problem.size
         unit = np.eye(n) if n <= MOST_TURNED else np.zeros((0, n))
         of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
         slots, free = list[tuple[Contact, ...]](), list[bool]()
@@ -330,7 +335,7 @@ class DescentTerrain(Terrain):
             # contacts of the state are held, and opened, in turn
             rows = self._contacts(self.minima[k])
             for held in (
-                (True, False) if rows or at_limits(self.of, self.minima[k]).any() else (True,)
+                (True, False) if rows or at_limits(self.problem, self.minima[k]).any() else (True,)
             ):
                 of += [k] * (len(ways) + len(aims))
                 along += [*ways, *[flat] * len(aims)]
@@ -361,7 +366,7 @@ class DescentTerrain(Terrain):
         free: np.ndarray | None = None,
     ) -> list[np.ndarray]:
         """Walk from states [R, n] along directions, or to goals (nan: none), as far as states are admissible."""
-        p, at = self.of, x.copy()
+        p, at = self.problem, x.copy()
         aimed = np.isfinite(goal).all(axis=1)
         along = np.zeros(x.shape) if along is None else np.where(aimed[:, None], 0.0, along)
         driven = (along != 0).sum(axis=1) == 1  # one variable turns, the others follow
@@ -415,9 +420,7 @@ class DescentTerrain(Terrain):
             if (passed := sums[k] * sums[k + 1] < 0).any():
                 around = [self._pops.around[v] for v in np.flatnonzero(passed)]
                 kept = np.isin(np.arange(len(x)), np.concatenate(around))
-                middle = self.step(
-                    path[k], np.where(kept, 0.0, 0.5 * (path[k] + x)), kept, jumps=True
-                )
+                middle = self._closed_one(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
                 if middle is None or np.abs(middle - x).max() > DENSE:
                     return None
                 out.append(middle)
@@ -460,8 +463,8 @@ class DescentTerrain(Terrain):
 
         Motions of paper pass a vertex that pops where it is flat.
         """
-        found, p, middle = list[np.ndarray](), self.of, (a + b) / 2
-        limits = p.fold_limits.contacts(middle, (a == b) & (p.fold_limits.room(a) <= OUTSIDE))
+        found, p, middle = list[np.ndarray](), self.problem, (a + b) / 2
+        limits = p.fold_limits.contacts(middle, (a == b) & self._at_limit(a))
         both = tuple(c for c in self._contacts(a) if c in self._contacts(b))
         for rows in dict.fromkeys([(*limits, *both), ()]):
             start, _ = project(p, middle, rows)
@@ -494,10 +497,7 @@ class DescentTerrain(Terrain):
             seen.append(flat)
             sides = []
             for y in (x, -x, *self.others(k)):
-                starts = (
-                    self.step(flat, np.where(kept, POPPED * y, t * flat), jumps=True)
-                    for t in NEARLY
-                )
+                starts = (self._closed_one(np.where(kept, POPPED * y, t * flat)) for t in NEARLY)
                 beside = next((z for z in starts if z is not None), None)
                 if beside is not None and len(d := self.path_down(beside, lambda _: False)) > 1:
                     sides.append(d)
@@ -513,14 +513,14 @@ class DescentTerrain(Terrain):
 
     def _lowest_flat(self, x: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
         """Go down from a state with some creases made flat, which stay so, as far as facets do not cross."""
-        starts = (self.step(x, np.where(kept, 0.0, t * x), kept, jumps=True) for t in SHRUNK)
+        starts = (self._closed_one(np.where(kept, 0.0, t * x), kept) for t in SHRUNK)
         good = next((y for y in starts if y is not None), None)
         if good is None:
             return None
-        for y in descend_by_newton(self.of, good, kept=kept).path[1:]:
+        for y in descend_by_newton(self.problem, good, kept=kept).path[1:]:
             share = 1.0
             for _ in range(HALVINGS):
-                new = self.step(good, good + share * (y - good), kept, jumps=True)
+                new = self._closed_one(good + share * (y - good), kept)
                 if new is not None:
                     good = new
                     break

@@ -58,7 +58,7 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
     found = of_a_waterbomb()
     problem = PatternProblem(found.result.pattern)
     minima = np.array([m.phi for m in found.result.minima])
-    terrain = DescentTerrain(problem, minima, np.zeros(problem.size))
+    terrain = DescentTerrain(problem, minima)
     path, _ = terrain.walk_to(minima[3], np.zeros(problem.size))
     fine = terrain.with_tops(path)
     top = int(problem.energies(fine).argmax())
@@ -85,7 +85,7 @@ def test_sheets_folded_onto_themselves_are_unfolded_in_stages():
     row, flat = np.array(degrees) == 180, np.zeros(problem.size)
     state, residual = problem.project(np.radians(degrees), row)
     assert residual < 1e-12 and np.abs(np.degrees(state) - degrees).max() < 0.01
-    terrain = DescentTerrain(problem, state[None], np.zeros(problem.size))
+    terrain = DescentTerrain(problem, state[None])
     assert not terrain.walk_to(state, flat)[1]
     ((start, to, path),) = ways_between(problem, state[None], [flat], [])
     assert (start, to) == (-1, 0) and not path[0].any() and (path[-1] == state).all()

@@ -157,8 +157,7 @@ def passes(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
         before, now = one[-2], other[-2]
         exact = [str(x[-1]).startswith(("exact", "flat", "saddle", "traced")) for x in (one, other)]
         if before is None or now is None or not math.isfinite(before) or not math.isfinite(now):
-            # what was not determined then may be bounded now
-            fine = before is None or math.isnan(before) or repr(before) == repr(now)
+            fine = before is None or repr(before) == repr(now)
         elif all(exact):
             fine = near(before, now, EVENTS)
         else:

@@ -324,8 +324,14 @@ def test_what_is_beside_a_flat_folded_state_is_not_told_from_it():
     way = z @ (z.T @ inward)
     near = phi + 1e-8 * way / np.abs(way).max()
     assert problem.residual(near) < 1e-14 and np.abs(near).max() < math.pi
-    # at rest nothing beside is lower, whichever of the two it is; with torques left it is not told
-    assert judge(PatternProblem(pattern.with_springs(1.0, list(near))), near).energy < 1e-30
+    # at rest nothing beside is lower, whichever of the two it is; where closure carries torques it is not told
+    sprung = PatternProblem(pattern.with_springs(1.0, list(near)))
+    assert judge(sprung, near).verdict == "minimum"
+    carried = 1e-3 * problem.closure(near)[1][1]
+    wound = sprung.loaded(carried)
+    state = judge(wound, near)
+    assert np.abs(wound.along(near, wound.torque(near))).max() < 1e-12 < np.abs(carried).max()
+    assert state.verdict == "undecided"
     assert np.array_equal(singular_beside(problem, near), phi)
     assert singular_beside(problem, phi) is None
 
