@@ -5,6 +5,7 @@ The methods of results (`display.Result`) do the rest; `draw`, `view` and `save`
 
 from __future__ import annotations
 
+from contextlib import suppress
 from importlib import import_module
 from os import PathLike
 from typing import TYPE_CHECKING, Any
@@ -181,6 +182,8 @@ def read_result(path: str | PathLike[str]) -> Any:
             try:
                 for _ in found.report_sections():  # lists that should be equally long are not
                     pass
+                with suppress(OptionError):  # of a class without rows
+                    found.to_csv()
             except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
                 raise OptionError(
                     f"{str(path)!r}: its entries do not fit together: {error}"

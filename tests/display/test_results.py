@@ -203,6 +203,19 @@ def test_what_is_not_whole_is_refused_in_one_line(kind, tmp_path):
             type(found).from_dict({**data, "more": 1})
 
 
+@pytest.mark.parametrize("kind", [kind for kind, (*_, is_read) in KINDS.items() if is_read])
+def test_lists_that_are_cut_are_refused_or_have_rows_all_the_same(kind, tmp_path):
+    data, path = results()[kind].to_dict(), tmp_path / "cut.json"
+    for key in [key for key, value in data.items() if isinstance(value, list) and len(value) > 1]:
+        path.write_text(json.dumps({**data, key: data[key][:1]}))
+        try:
+            read = o.read_result(path)
+        except o.OrigamiError as error:
+            assert "\n" not in str(error)
+        else:
+            assert read.to_csv() and str(read)
+
+
 def test_functions_take_results_only(tmp_path):
     scene = results()["MinimaResult"].scene
     for call in (o.draw, o.to_frame, lambda x: o.save(x, tmp_path / "x.json")):
