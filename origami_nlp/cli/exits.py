@@ -17,8 +17,8 @@ class Ended(IntEnum):
     FAULT = 70
     """A fault of ours (EX_SOFTWARE of sysexits.h); a report is written."""
     OUT_OF_TIME = 124
-    """The time of ``--seconds`` was over, as of `timeout`; what there is is written."""
+    """The time of ``--seconds`` was over, as of `timeout`; what is whole until then is written."""
     INTERRUPTED = 130
-    """Ctrl-C, 128 + SIGINT; what there is is written."""
+    """Ctrl-C, 128 + SIGINT; searches and sweeps write what they found."""
     CLOSED_PIPE = 141
     """Who reads what is printed has gone, 128 + SIGPIPE."""
