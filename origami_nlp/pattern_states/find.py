@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -56,12 +55,9 @@ from origami_nlp.search import (
     ByIpopt,
     ByNewton,
     Changed,
-    FoldedCreases,
+    Draws,
     Follower,
-    Shares,
     StartState,
-    Touch,
-    Uniform,
     at_limits,
     close,
     confirm,
@@ -82,10 +78,6 @@ CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 VERTEX = "the search for single vertices"
 NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
 """Said of a search that had none."""
-BATCH, TOGETHER = 2_000, 32
-"""Starts that are drawn together, over the square of the number of variables, and at most."""
-FOLLOWED = 60
-"""What a start that is followed takes, in evaluations of closure."""
 MOST_TRIED = 10
 """Draws for each start that is to close, where few do."""
 DEEP = 6
@@ -179,7 +171,7 @@ def find_states(
     if contact:
         pattern.check_wide()
     check_method(method)
-    search = _Search(pattern, contact, begin + seconds, asked)
+    search = _Search(pattern, contact, begin + seconds, asked, seed)
     if method == "ipopt":
         search.go_down = ByIpopt(search.problem)
     starts, most = asked.random_starts(starts, max_starts, search.dof)
@@ -191,7 +183,7 @@ def find_states(
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
-        search.go(pattern, seed, starts, most)
+        search.go(pattern, starts, most)
         if not search.tally.interrupted:
             search.problem.until = until
         if is_tried(pattern, prove, contact):
@@ -210,7 +202,7 @@ class _Search(Parts):
     """A search on its way."""
 
     def __init__(
-        self, pattern: Pattern, contact: bool, until: float, options: SearchOptions
+        self, pattern: Pattern, contact: bool, until: float, options: SearchOptions, seed: int
     ) -> None:
         super().__init__()
         self._since, self.options = time.perf_counter(), options
@@ -225,11 +217,7 @@ class _Search(Parts):
         self.judged = list[JudgedState]()
         self.completeness: Completeness | None = None
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
-        self._changed = Changed(self.problem, self.labels)
-        kinds: list[type[Any]] = (
-            [Uniform, FoldedCreases, Touch] if contact else [Uniform, FoldedCreases]
-        )
-        self._families = [*(kind(self.problem, self.labels) for kind in kinds), self._changed]
+        self._draws = Draws(self.problem, self.labels, seed)
         self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
         self.go_down: Follower | ByIpopt | ByNewton = Follower(self.problem)
         if not self.go_down.usable:
@@ -237,30 +225,29 @@ class _Search(Parts):
             self.go_down = by(self.problem)
             if by is ByIpopt:
                 self.tally.skip(NO_COMPILER)
-        self._seed = 0
+        self._seed = seed
 
     @property
     def proved(self) -> bool:
         """Whether all that was found is proved to be all."""
         return self.completeness is not None and self.completeness.proved
 
-    def go(self, pattern: Pattern, seed: int, starts: int, most: int) -> None:
+    def go(self, pattern: Pattern, starts: int, most: int) -> None:
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
-        self._seed = seed
         for start in given(self.problem.pattern):
             self.part(GIVEN, self.explore, start, GIVEN)
         if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
-            self.part(VERTEX, self.round_the_vertex, seed)
+            self.part(VERTEX, self.round_the_vertex)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
 
-    def round_the_vertex(self, seed: int) -> None:
+    def round_the_vertex(self) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
         # half of the time that is left: what is found is to be judged, and there are other starts
         seconds = max(0.5 * (self.problem.until - time.monotonic()), 0.0)
-        states, whole = of_vertex(self.problem.pattern, self.contact, seed, seconds)
+        states, whole = of_vertex(self.problem.pattern, self.contact, self._seed, seconds)
         if not whole:
             self.tally.leave_out(VERTEX)
         for phi in states:
@@ -273,32 +260,17 @@ class _Search(Parts):
         Each start is drawn from numbers of its own, and what it takes is counted, not measured: one that rounding sends
         elsewhere moves no other.
         """
-        shares = Shares([family.name for family in self._families])
-        numbers = {family.name: k for k, family in enumerate(self._families)}
-        made, together = (
-            dict.fromkeys(numbers, 0),
-            max(1, min(TOGETHER, BATCH // self.problem.size**2)),
-        )
-        tally = self.tally
-        while (
-            tally.drawn < most and tally.quiet < starts and sum(made.values()) < MOST_TRIED * most
-        ):
+        draws, tally = self._draws, self.tally
+        while tally.drawn < most and tally.quiet < starts and draws.made < MOST_TRIED * most:
             self.problem.check_time()
-            name = shares.next()
-            number, family = numbers[name], self._families[numbers[name]]
-            rng = np.random.default_rng([self._seed, number, made[name]])
-            batch = family.draw(rng, min(together, most - tally.drawn))
-            made[name] += len(batch)
-            asides = self.labels.drawn(rng.normal(size=(len(batch), self.problem.size)))
-            shares.work[name] += family.cost * together
+            name, batch, asides = draws.next(most - tally.drawn)
             for way in self.go_down.each(batch, asides, self._is_end):
                 self.begin(name)
                 before, lost = self.count()[0], tally.stopped[CLOSES_NOT] + tally.open
                 self.attempt(self._arrive, way)
                 new = self.count()[0] - before
                 closed = lost == tally.stopped[CLOSES_NOT] + tally.open
-                shares.new[name] += new
-                shares.work[name] += FOLLOWED * closed
+                draws.note(name, new, closed)
                 tally.drawn += closed
                 # what starts from minima leads back to them says nothing of others
                 tally.quiet = 0 if new else tally.quiet + (closed and name != Changed.name)
@@ -345,7 +317,7 @@ class _Search(Parts):
         x = self.at_state(state)
         images = self._images(x)
         if state.verdict == "minimum" and x.any():
-            self._changed.add(*(on_grid(self.problem, x) for x in images))
+            self._draws.changed.add(*(on_grid(self.problem, x) for x in images))
         for other in images[1:]:
             if not state.refuted and not self.known(other):
                 self.attempt(self._judged, other)
@@ -498,7 +470,7 @@ class _Search(Parts):
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
-        self.count_families({family.name for family in self._families})
+        self.count_families(self._draws.names)
         self.tally.seconds = time.perf_counter() - self._since
         curves = tuple(self.curves.found)
         return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)

@@ -6,6 +6,7 @@ from .descend import (
     Slot as Slot,
     StartState as StartState,
 )
+from .draws import Draws as Draws
 from .escape import (
     NOTHING_NEAR as NOTHING_NEAR,
     find_escapes as find_escapes,
@@ -33,7 +34,6 @@ from .newton import (
     descend_by_newton as descend_by_newton,
     stationary_beside as stationary_beside,
 )
-from .shares import Shares as Shares
 from .starts import (
     Changed as Changed,
     FoldedCreases as FoldedCreases,

@@ -19,7 +19,7 @@ from origami_nlp.search.descend import (
     Slot,
     StartState,
 )
-from origami_nlp.search.layers import AJAR, Order, leant, ordered_slots
+from origami_nlp.search.layers import AJAR, LevelFaces, Order, leant, ordered_slots
 from origami_nlp.search.starts import at_limits
 
 MOST_LEGS = 40
@@ -44,6 +44,7 @@ class Follower:
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self.descents, self.work = problem, CompiledDescent(problem), 0
+        self._level = LevelFaces(problem)
         self._levels: dict[object, list[tuple[np.ndarray, np.ndarray, str]]] = {}
 
     @property
@@ -114,7 +115,7 @@ class Follower:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
             # facets that may lie either way go on otherwise the next time
-            either = self._is_level(end.x) and bool(self.problem.faces(end.x).open)
+            either = self._is_level(end.x) and bool(self._level(end.x).open)
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
             if not either:
                 level.append((end.x, onward, why))
@@ -176,4 +177,4 @@ class Follower:
     ) -> tuple[Slot, ...] | None:
         if not self._is_level(x):
             return ()
-        return ordered_slots(self.problem, x, before, known, aside)
+        return ordered_slots(self._level, x, before, known, aside)

@@ -6,13 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.pattern_problem import ContactPair, PatternProblem
+from origami_nlp.numerics import INSIDE, OUTSIDE, groups, unit_normals
+from origami_nlp.pattern_problem import ContactPair, Faces, PatternProblem
 from origami_nlp.search.descend import Slot
 
 Order = tuple[int, int, float]
 """Facets f and g, and the sign with which gaps of g over f are positive."""
 AJAR = 0.05
 """By how much creases are opened to see how facets would lie where several orders are possible [rad]."""
+MOST_KINDS = 500
+"""Ways of being folded flat whose layers are kept: the last ones."""
 
 
 def ajar(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarray:
@@ -28,8 +31,46 @@ def leant(problem: PatternProblem, x: np.ndarray, aside: np.ndarray) -> np.ndarr
     return off
 
 
+class LevelFaces:
+    """Facets that lie face to face at states of a problem, once for all states that are folded flat alike.
+
+    Facets that hang together at fully folded creases lie on each other as the signs of these say, wherever they are in
+    space.  Only where others come to lie level with them, each state is asked by itself.
+    """
+
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem, self._known = problem, dict[bytes, Faces]()
+
+    def __call__(self, x: np.ndarray) -> Faces:
+        """Return the facets that lie face to face at a state [n], or at one that is folded flat alike."""
+        key = self._kind(x)
+        if key is None:
+            return self.problem.faces(x)
+        faces = self._known.pop(key, None) or self.problem.faces(x)
+        if len(self._known) == MOST_KINDS:
+            del self._known[next(iter(self._known))]
+        self._known[key] = faces
+        return faces
+
+    def _kind(self, x: np.ndarray) -> bytes | None:
+        """Return by sign which creases are fully folded; None where facets are level that do not hang together so."""
+        crossings = self.problem.crossings
+        phi = crossings.poses.copied(x)
+        pattern, place = crossings.pattern, crossings.placed(x)
+        folded = np.abs(np.abs(phi) - np.pi) <= OUTSIDE
+        block = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[folded])
+        height = np.einsum("pqi,ki->pqk", place, unit_normals(place))
+        off = np.abs(height - np.diagonal(height[:, 0])).max(axis=1)
+        one, other = np.nonzero(np.maximum(off, off.T) <= INSIDE * crossings.size)
+        one, other = crossings.facet[one], crossings.facet[other]
+        if ((one != other) & (block[one] != block[other])).any():
+            return None
+        signs: bytes = np.where(folded, np.sign(phi), 0.0).tobytes()
+        return signs
+
+
 def ordered_slots(
-    problem: PatternProblem,
+    level: LevelFaces,
     x: np.ndarray,
     before: np.ndarray | None,
     known: set[Order],
@@ -39,15 +80,15 @@ def ordered_slots(
 
     Parameters
     ----------
-    problem, x
-        The problem, and a closed state whose facets do not pierce each other, [n].
+    level, x
+        Facets that lie face to face, and a closed state whose facets do not pierce each other, [n].
     before
         A state beside it at which they do not lie on each other: they lie as they do there, if they can.  None: one in
         the direction `aside` [n].
     known
         Orders that hold already; what holds here is added.
     """
-    faces = problem.faces(x)
+    problem, faces = level.problem, level(x)
     if faces.reason:
         return None
     chosen, gaps = dict(faces.known), dict[int, float]()
