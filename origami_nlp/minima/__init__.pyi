@@ -1,5 +1,4 @@
 from . import (
-    descents as descents,
     find as find,
     record as record,
     search as search,
@@ -8,8 +7,6 @@ from . import (
 from .account import SearchReport as SearchReport
 from .canonical import canonical_states as canonical_states
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
-from .coverage import StrataCount as StrataCount, count_strata as count_strata
-from .descents import Descents as Descents, compiled as compiled
 from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (

@@ -11,7 +11,6 @@ import numpy as np
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import OMIT
-from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
 
@@ -55,10 +54,6 @@ class SearchReport(ShortRepr):
         Minima that one random start reached.
     quiet
         Random starts since the last new minimum.
-    corners, every_corner
-        States that fold limits alone leave no degree of freedom, from which descents began; whether these are all.
-    strata
-        With full contact and without symmetry: which contact strata were started from, by class.
     complete
         Why nothing is missing, where that is known; "" elsewhere.
     refused
@@ -90,10 +85,7 @@ class SearchReport(ShortRepr):
     failed: dict[str, int] = field(default_factory=dict)
     seen_once: int = 0
     quiet: int = 0
-    corners: int = 0
-    every_corner: bool = False
     complete: str = ""
-    strata: tuple[StrataCount, ...] = ()
     left_out: tuple[str, ...] = field(default=(), metadata=OMIT)
     interrupted: bool = field(default=False, metadata=OMIT)
     refused: tuple[JudgedState, ...] = field(default=(), repr=False)
@@ -183,21 +175,3 @@ class SearchReport(ShortRepr):
         """Say what was listed whole: as much as the numbers carry, and no more."""
         if self.stopped_by == "complete":
             yield f"complete: {self.complete}"
-        if self.stopped_by in ("complete", "time"):
-            return
-        if self.every_corner:
-            judged = (
-                "judged, some not decided"
-                if self.undecided
-                else "which of them are minima is decided"
-            )
-            yield (
-                f"all {self.corners} states that fold limits alone leave without degrees of freedom were tried: "
-                f"{judged}"
-            )
-        if self.strata:
-            started, listed = (
-                sum(c.started for c in self.strata),
-                sum(c.listed for c in self.strata),
-            )
-            yield f"{started} of {listed} strata with touches were started (others are empty, or were not hit)"

@@ -12,32 +12,9 @@ from origami_nlp.kkt import project
 from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern import Relabelling, Scene, canonical_labels, symmetries
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.problem import Model
 
 DIGITS = 11
 """After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
-
-
-def canonical_model(model: Model) -> tuple[Model, Relabelling] | None:
-    """Pose the scene of a model, its mean stiffness 1, under canonical labels.
-
-    Steps of Newton's method onto closure depend on where a walk round the vertex begins, by the square of what is left.
-
-    Parameters
-    ----------
-    model
-        The problem.
-
-    Returns
-    -------
-    tuple of Model and Relabelling, or None
-        None where the scene is as well as it is: under symmetry, and under forces, which count from a facet.
-    """
-    scene = model.scene
-    if not scene.group.is_trivial or scene.loads:
-        return None
-    labels = canonical_labels(scene)
-    return Model(labels.relabelled(scene)), labels
 
 
 @dataclass(frozen=True)

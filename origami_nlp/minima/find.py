@@ -100,7 +100,6 @@ def find_minima(
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
-    workers: int = 1,
     method: str = "batch",
     progress: Progress | None = None,
     found: Found | None = None,
@@ -138,8 +137,6 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives (`JudgedState.survival`).
-    workers
-        Threads that descents are shared out to; the result is the same.
     method
         ``"batch"``: descents with an active set, compiled; ``"ipopt"``: IPOPT, one solve a start.
     progress
@@ -179,17 +176,14 @@ def find_minima(
     until = check_until(seconds)
     check_flag("escape", escape)
     check_noise(noise)
-    check_whole("workers", workers, 1)
     check_callback("progress", progress)
     check_callback("found", found)
     check_method(method)
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until, found)
-    for job in jobs:
-        job.by_ipopt = method == "ipopt"
     named = effort if options is None else OWN
     try:
-        finish_all(jobs, guesses, workers)
+        finish_all(jobs, guesses, ipopt=method == "ipopt")
         return _result(jobs, named, prove, full, escape, noise)
     except KeyboardInterrupt:
         for job in jobs:

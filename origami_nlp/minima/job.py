@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
 from origami_nlp.kkt import Polished, Solve, Verdict, polish, polished_nearby, project
 from origami_nlp.minima.account import SearchReport
-from origami_nlp.minima.canonical import canonical_model
-from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
@@ -25,7 +21,6 @@ from origami_nlp.minima.record import (
     judge,
     listed,
 )
-from origami_nlp.minima.search import Search
 from origami_nlp.minima.stopping import chao1, chao1_error
 from origami_nlp.numerics import (
     CLOSURE_TOL,
@@ -34,24 +29,10 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Model
-from origami_nlp.search import ByIpopt, FoldedCreases, Follower, Touch, Uniform
-from origami_nlp.starts import (
-    CORNER,
-    SOURCES,
-    FlatFoldings,
-    HingeSets,
-    NearFlat,
-    NearFolded,
-    RigidStates,
-    Rounds,
-    SearchOptions,
-    is_chain,
-)
+from origami_nlp.starts import FlatFoldings, HingeSets, RigidStates, SearchOptions
 
-FEW_DOF = 2
-"""Degrees of freedom up to which one round may suffice, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 Found = Callable[[float, np.ndarray], object]
@@ -79,25 +60,35 @@ class Job:
         self.record = Record(problem or pose(model.scene))
         self.stopped_by = "rule"
         self.complete = ""
-        self.strata: tuple[StrataCount, ...] = ()
-        self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
         self.given: list[tuple[np.ndarray, FoundState | None]] = []
         self.traced: CandidateMinima | None = None
-        self.interrupted = self.by_ipopt = False
+        self.interrupted = False
         self.begin = time.perf_counter()
         self.turn = (
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
         )
 
-    def work(self, guesses: list[np.ndarray], workers: int = 1) -> None:
-        """List states, and search; guesses: states [N] to start from first."""
+    def work(self, guesses: list[np.ndarray]) -> bool:
+        """List states, and trace curves; guesses: states [N], also judged where they are.
+
+        Returns
+        -------
+        bool
+            Whether there is more to search for.
+        """
         self.list_states()
-        self._tell()
+        self.tell()
         self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
-        if self.model.dof > 0 and not self._late():
-            self.search([self.model.reduce(g) for g in guesses], workers)
+        if self.model.dof <= 0 or self.late():
+            return False
+        # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
+        if self.model.dof == 1 and self._traced() and self.model.parameters.dead is None:
+            self.stopped_by = "complete"
+            self.tell()
+            return False
+        return True
 
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
@@ -107,7 +98,7 @@ class Job:
         if model.dof <= 0:
             states += record.states_of(RigidStates(model, self.seed))
         for x in states:
-            if self._late():
+            if self.late():
                 return
             if record.known(x) is None:
                 with record.surviving("a listed state"):
@@ -162,67 +153,12 @@ class Job:
                 why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium: it was descended from"
         return JudgedState(model.energy(x), tuple(guess.tolist()), verdict, why)
 
-    def search(self, guesses: list[np.ndarray], workers: int) -> None:
-        """Start from guesses, then round after round until the stopping rule says that it is enough."""
-        # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.dof == 1 and self._traced() and self.model.parameters.dead is None:
-            self.stopped_by = "complete"
-            self._tell()
-            return
-        under = canonical_model(self.model)
-        limits = self.turn, self.until
-        search = Search(self.model, self.record, under, workers, self._tell, limits)
-        large = self.model.size > self.options.most_batched and not is_chain(self.model)
-        if self.by_ipopt or large or not search.usable:
-            self._one_by_one()
-            return
-        for family in (NearFlat(self.model), NearFolded(self.model, self.foldings)):
-            search.also_from(self.record.states_of(family))
-        if guesses:
-            search.run(search.closed(np.array(guesses), touching=True))
-        self._rounds(search, Rounds(under[0] if under else self.model, self.seed, self.options))
-
-    def _rounds(self, search: Search, rounds: Rounds) -> None:
-        self.stopped_by = "cap"
-        quiet = found = 0
-        for number, samples in enumerate(rounds, start=1):
-            found = found if 1 < number <= rounds.opening else len(self.record.minima)
-            some = np.arange(min(len(samples), self.most - self.record.starts))
-            search.run(samples[some])
-            if number < rounds.opening and self.record.starts < self.most:
-                self._tell()
-                if self._late():
-                    return
-                continue
-            quiet = quiet + 1 if len(self.record.minima) == found else 0
-            self._tell()
-            if self._late():
-                return
-            if self.record.starts >= self.most:
-                break
-            if self.record.starts >= self.fewest and self._enough(quiet):
-                found = len(self.record.minima)
-                search.run()
-                if self._late():
-                    return
-                if len(self.record.minima) == found:
-                    self.stopped_by = "rule"
-                    break
-                quiet = 0
-        search.run()
-        if self._late():
-            return
-        tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
-        self.corners = tried, rounds.every_corner and tried == rounds.corners
-        if rounds.touches is not None and rounds.touches.found is not None:
-            self.strata, _ = count_strata(rounds.touches.found, search.minima_on_touches())
-
     def interrupt(self) -> None:
         """End the search where the user interrupted it, with the states that it had judged."""
         self.stopped_by, self.until, self.interrupted = "time", -math.inf, True
         self.record.answers = [a for a in self.record.answers if a.what is not None]
 
-    def _late(self) -> bool:
+    def late(self) -> bool:
         """Return whether the time is over, and remember it."""
         if time.monotonic() > self.turn:
             self.stopped_by = "time"
@@ -253,72 +189,15 @@ class Job:
         self.complete = traced.reason if whole and self.model.parameters.dead is None else ""
         return whole
 
-    def _enough(self, quiet: int) -> bool:
-        hits = self.record.drawn_hits
-        if min(hits, default=self.options.hits) >= self.options.hits:
-            # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            few = self.model.dof <= FEW_DOF and self.model.has_limits
-            # of laws that fall minima are many and their basins small
-            few &= all(law is None or law.monotone for law in self.model.scene.laws)
-            return quiet > 0 or few
+    def enough(self, quiet: int) -> bool:
+        """Return whether so many random starts found nothing new, and each minimum was reached often."""
+        record, hits = self.record, self.record.drawn_hits
+        often = min(hits, default=self.options.hits) >= self.options.hits
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
-        return quiet >= self.options.quiet and chao1(hits) < 0.5
+        return record.quiet >= quiet and (often or chao1(hits) < 0.5)
 
-    def _one_by_one(self) -> None:
-        """Search with one way down after the other: by IPOPT, or under forces in space with an active set."""
-        self.stopped_by = "cap"
-        quiet = 0
-        fewest = max(self.fewest, 16 * self.options.hits)
-        for new in itertools.islice(self._ways_down(), self.most):
-            if new is not None:
-                judge(self.record, new)
-            quiet = 0 if new is not None and new.is_minimum else quiet + 1
-            self._tell()
-            if self._late():
-                break
-            if self.record.starts >= fewest and self._enough(quiet // fewest):
-                self.stopped_by = "rule"
-                break
-
-    def _ways_down(self) -> Iterator[FoundState | None]:
-        """Go down from random starts for ever; yields each answer that has to be judged, else None."""
-        record, problem = self.record, self.record.problem
-        go_down: Follower | ByIpopt = Follower(problem)
-        ipopt = self.by_ipopt or self.model.parameters.dead is None or not go_down.usable
-        if ipopt:
-            go_down = ByIpopt(problem)
-        n, rng = problem.size, np.random.default_rng(self.seed)
-        labels = CanonicalLabelling(np.arange(n), 1.0, False, ())
-        kinds: list[type[Any]] = [
-            Uniform,
-            *[FoldedCreases] * problem.has_limits,
-            *[Touch] * problem.contact,
-        ]
-        for kind in itertools.cycle(kind(problem, labels) for kind in kinds):
-            for start in kind.draw(rng, 1):
-                record.starts += 1
-                record.drawn += 1
-                record.by_source[kind.name] += 1
-                before = go_down.work
-                (way,) = go_down.each([start], rng.normal(size=(1, n)))
-                x, why = way()
-                if ipopt:
-                    record.solves += 1
-                    record.iterations += go_down.work - before
-                    record.statuses[why or "Solve_Succeeded"] += 1
-                record.stalled += bool(why)
-                if why:
-                    yield None
-                    continue
-                record.feasible_starts += 1
-                record.converged += 1
-                found, new = record.file(self.model, exact_state(self.model, x))
-                found.hits += 1
-                found.in_rounds += 1
-                found.first = found.first or record.drawn
-                yield found if new else None
-
-    def _tell(self) -> None:
+    def tell(self) -> None:
+        """Tell of minima that are new, and of how far the search is."""
         r, found = self.record, self._found
         for answer in r.minima if found else ():
             if found and id(answer) not in self._told:
@@ -354,9 +233,6 @@ class Job:
             failed={why: count for why, count in sorted(r.failed.items()) if count},
             seen_once=r.seen_once,
             quiet=0 if self.stopped_by == "time" else r.quiet,
-            corners=self.corners[0],
-            every_corner=self.corners[1],
             complete=self.complete,
-            strata=self.strata,
             interrupted=self.interrupted,
         )

@@ -1,228 +1,217 @@
-"""Rounds of descents; every new end is polished and judged when it arrives."""
+"""Ways down of a vertex, from guesses and then from random starts; every new end is judged when it arrives."""
 
 from __future__ import annotations
 
+import itertools
 import math
-import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, State
-from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.record import FoundState, Record, close_orbit, judge
-from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, OUTSIDE, ROUNDED
-from origami_nlp.pattern import Relabelling
-from origami_nlp.problem import OPEN, Contact, Model
-from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
+from origami_nlp.kkt import project, singular_beside
+from origami_nlp.minima.record import (
+    BREAKDOWNS,
+    FoundState,
+    Record,
+    close_orbit,
+    closes,
+    exact_state,
+    judge,
+)
+from origami_nlp.numerics import ANSWERED, DUPLICATE_TOL, STATIONARY
+from origami_nlp.pattern import canonical_labels
+from origami_nlp.pattern_problem import CanonicalLabelling, pose
+from origami_nlp.problem import Model
+from origami_nlp.search import (
+    CLOSES_NOT,
+    NO_LOWER,
+    ByIpopt,
+    Draws,
+    Follower,
+    StartState,
+    at_limits,
+    on_grid,
+    stationary_beside,
+)
+from origami_nlp.starts import Moments, is_chain
 
+DEEP = 6
+"""Times that a lower state beside one that was refuted is gone on from."""
+FEWEST_FOR_MOMENTS = 16
+"""Creases from which moments are started from: with 10 and 12 they found no more in the same time."""
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
-EARLY = 64
-"""Descents that are made before their ends are judged, by each thread."""
-FIRST = 16
-"""The same of the first ones: a first answer early."""
-DOWN = 0.05
-"""First step [rad] down either side of a saddle."""
+Way = Callable[[], tuple[np.ndarray, str]]
 
 
 class Search:
-    """Descents of one model, their ends judged and counted.
+    """Ways down of one scene, their ends judged and counted.
 
     Parameters
     ----------
-    model
-        Of the scene as it is stated.
-    under
-        The same scene under other labels, where descents are made, and these labels; None: `model` itself.
-    workers
-        Threads that share descents.
-    found
-        Called after each new minimum.
-    until
-        Times of `time.monotonic` after which descents stop, and after which no further end is judged.
+    sides
+        Model and record of each winding whose states are searched for.
+    seed
+        Of what is drawn.
+    ipopt
+        Whether IPOPT goes down, one solve a start.
     """
 
     def __init__(
-        self,
-        model: Model,
-        record: Record,
-        under: tuple[Model, Relabelling] | None,
-        workers: int = 1,
-        found: Callable[[], None] = lambda: None,
-        until: tuple[float, float] = (math.inf, math.inf),
+        self, sides: Sequence[tuple[Model, Record]], seed: int, *, ipopt: bool = False
     ) -> None:
-        self.model, self.record = model, record
-        self._labels = under[1] if under else None
-        self._descents = Descents(under[0] if under else model, until=until[0], threads=workers)
-        self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
-        self._answer_of: list[FoundState] = []
-        self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
-        self._workers, self._found, self._until = workers, found, until[1]
-        self._gap_of = _gap_under(model, *under) if under else np.zeros(0)
+        self._sides = sides
+        self.model, self.record = sides[0]
+        scene = self.model.scene
+        # under labels that do not depend on how the scene is labelled; forces count from a facet
+        named = scene.group.is_trivial and not scene.loads
+        self._labels = canonical_labels(scene) if named else None
+        self._problem, under = self.record.problem, self.model
+        if self._labels:
+            other = self._labels.relabelled(scene)
+            self._problem, under = pose(other), Model(other)
+        n = self._problem.size
+        self._along = np.ones(n)
+        more = [Moments(under)] if n >= FEWEST_FOR_MOMENTS and is_chain(under) else []
+        self._draws = Draws(
+            self._problem, CanonicalLabelling(np.arange(n), 1.0, False, ()), seed, more
+        )
+        follower = Follower(self._problem)
+        self._by_ipopt = ipopt or not follower.usable
+        self._go_down: Follower | ByIpopt = ByIpopt(self._problem) if self._by_ipopt else follower
+        self._ends = np.zeros((0, n))
+        self._answers: list[FoundState | None] = []  # of each end; None: of no winding, or no state
+        self._minima = 0
+        self._count()
+        for answer in self._known():
+            self._feed(answer)
+
+    def from_states(self, states: Sequence[np.ndarray]) -> None:
+        """Go down from states [n] of the scene, which are not counted."""
+        for state in states:
+            self._follow(project(self._problem, self._under(state))[0])
+
+    def draw(self, most: int) -> int:
+        """Go down from the next random starts, so many at most, and return how many were made."""
+        name, starts, asides = self._draws.next(most)
+        record = self.record
+        for way in self._go_down.each(starts, asides, self._is_end):
+            record.starts += 1
+            record.by_source[name] += 1
+            before = self._minima
+            closed = self._arrive(way, counted=True)
+            self._draws.note(name, self._minima - before, closed)
+            record.feasible_starts += closed
+            for _, each in self._sides:
+                each.drawn += closed
+        return len(starts)
 
     @property
-    def usable(self) -> bool:
-        """Whether descents are compiled, as there is a compiler, and there are no forces in space."""
-        return self._descents.usable
+    def made(self) -> int:
+        """Random starts so far, those that did not close among them."""
+        return self._draws.made
 
-    def also_from(self, x: Iterable[np.ndarray]) -> None:
-        """Start from states [n] of the scene with the next batch; like guesses, they are not counted."""
-        self._below += list(x)
+    def _count(self) -> None:
+        self._minima = sum(answer.is_minimum for answer in self._known())
 
-    def run(self, starts: Samples | None = None) -> None:
-        """Descend from starts (those that cross are dropped), and judge what is new among the ends.
-
-        Starts either side of the saddles found before go with them: a batch costs by the call more than by the sample.
-        Without starts, all that is below saddles is looked at.
-        """
-        record = self.record
-        while starts is not None or self._below:
-            below = self.closed(np.array(self._below).reshape(-1, self.model.size))
-            some = below if starts is None else joined(starts, below)
-            self._below = []
-            feasible, counted = self._feasible(some), some.source != GIVEN
-            record.starts += int(counted.sum())
-            record.feasible_starts += int((feasible & counted).sum())
-            for source, name in enumerate(SOURCES):
-                record.by_source[name] += int((some.source == source).sum())
-            parts = self._parts(some[feasible])
-            for part in parts:
-                if time.monotonic() > self._descents.until:
-                    return
-                ends = self._descents.run(part)
-                good = ends.converged | ends.settled
-                nowhere = ~good & ~ends.broken
-                record.stalled += int((nowhere & (ends.samples.source != GIVEN)).sum())
-                record.failed[BREAKDOWN] += int(ends.broken.sum())
-                self._file(ends, np.flatnonzero(good))
-                record.drawn += int(np.isin(ends.samples.source, DRAWN).sum())
-            if starts is not None:
-                break
-
-    def minima_on_touches(self) -> list[tuple[list[tuple[int, int]], list[int]]]:
-        """Return rows (crease on facet) and closed creases of the minima where facets touch, as descents label them."""
-        model, out = self._descents.model, []
-        for answer in self.record.minima:
-            closed = State(model, self._under(answer.polished.x)).contacts
-            rows = {c.index for pair in closed.branches for option in pair for c in option}
-            if rows:
-                touches = [model.structure.gaps[i].rays for i in sorted(rows)]
-                at_limit = [c.index for c in closed.base if c.is_limit]
-                out.append(([(r[0], r[1]) for r in touches], at_limit))
-        return out
-
-    def _parts(self, starts: Samples) -> list[Samples]:
-        """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
-        early, most = FIRST * self._workers, EARLY * self._workers
-        first, rest = np.split(np.arange(len(starts)), [0 if self._answer_of else early])
-        split = [first, *np.array_split(rest, -(-len(rest) // most) or 1)]
-        return [starts[part] for part in split if len(part)]
-
-    def _feasible(self, starts: Samples) -> np.ndarray:
-        crossings = self._descents.crossings
-        good, limits = np.isfinite(starts.x).all(axis=1), self._descents.model.fold_limits
-        if not limits.are_flat and self.model.has_limits:  # starts in closed form know +-pi only
-            good &= limits.inside(starts.x, OUTSIDE).all(axis=1)
-        if not crossings.any:
-            return good
-        at = self._descents.closing.kinematics.fold(starts.x)
-        gap, _ = crossings.of(at, starts.x, limits.folded_flat(starts.at_limit))
-        return good & (gap == OPEN)
-
-    def closed(self, x: np.ndarray, *, touching: bool = False) -> Samples:
-        """Return samples at states [K, n] of the scene, closed; those that do not close are dropped.
-
-        touching: hold the contacts that are closed there until they pull, so that the first step runs into none.
-        """
-        x = np.array([self._under(state) for state in x]).reshape(x.shape)
-        x = self._descents.model.fold_limits.clip(x)
-        s = Samples.on(x, source=GIVEN)
-        for k in range(len(x) * touching):
-            for contact in State(self._descents.model, x[k], NEAR_CONTACT).pieces[0]:
-                if contact.is_limit:
-                    contact.hold(s.x[k])
-                    s.at_limit[k, contact.index] = contact.side
-                elif OPEN in s.slots[k]:
-                    slot = s.slots[k].tolist().index(OPEN)
-                    s.slots[k, slot], s.sides[k, slot] = contact.index, contact.side
-        s = self._descents.closing.close(s, 12, ROUNDED)
-        value, _ = self._descents.closing.kinematics.closure(
-            self._descents.closing.kinematics.fold(s.x)
-        )
-        return s[np.abs(value).max(axis=1) <= DUPLICATE_TOL]
-
-    def _file(self, ends: Ends, which: np.ndarray) -> None:
-        """File ends under the answers that they are, and note starts below new saddles."""
-        x, source = ends.samples.x, ends.samples.source
-        drawn, counted = np.isin(source, DRAWN), source != GIVEN
-        number = self.record.drawn + np.cumsum(drawn)  # of random starts up to each
-        while len(which) and time.monotonic() <= self._until:
-            # all ends that are one state as its first, then those that are left
-            same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
-            hit, which = which[same], which[~same]
-            answer, new = self._answer_at(ends.samples, int(hit[0]))
-            if answer.lost:
-                self.record.failed[answer.lost] += len(hit)
-            answer.hits += int(counted[hit].sum())
-            answer.in_rounds += int(drawn[hit].sum())
-            if answer.first == 0 and drawn[hit].any():
-                answer.first = int(number[hit][drawn[hit]].min())
-            if new and answer.what is not None and answer.what.descent is not None:
-                d = DOWN * answer.what.descent
-                at = answer.polished.x
-                self._below += [at + d, at - d]
-
-    def _answer_at(self, s: Samples, k: int) -> tuple[FoundState, bool]:
-        """Return the answer that an end is, and whether it is new."""
-        x = s.x[k]
-        known = len(self._answer_of)
-        if known:
-            apart = np.abs(self._ends[:known] - x).max(axis=1)
-            nearest = int(apart.argmin())
-            if apart[nearest] <= ALIKE:
-                return self._answer_of[nearest], False
-        end = Solve(
-            self._stated(x), "", 0, math.nan, np.abs(self._stated(s.at_limit[k] + 0.0)), None
-        )
-        answer, new = self.record.settle(self.model, end, self._held(s, k))
-        if new:
-            judge(self.record, answer)
-            if answer.is_minimum:
-                close_orbit(self.model, self.record, answer)
-                self._found()
-        if known == len(self._ends):
-            self._ends = np.concatenate([self._ends, np.empty_like(self._ends)])
-        self._ends[known] = x
-        self._answer_of.append(answer)
-        return answer, new
-
-    def _stated(self, x: np.ndarray) -> np.ndarray:
-        """Bring a state to the labels of the scene."""
-        return self._labels.back(x) if self._labels else x
+    def _known(self) -> Iterator[FoundState]:
+        return itertools.chain.from_iterable(record.answers for _, record in self._sides)
 
     def _under(self, x: np.ndarray) -> np.ndarray:
-        """Bring a state of the scene to the labels of the descents."""
+        """Bring a state [n] of the scene to the labels of descents."""
         return self._labels.sign * x[self._labels.creases] if self._labels else x
 
-    def _held(self, s: Samples, k: int) -> tuple[Contact, ...]:
-        """The contacts that an end holds."""
-        at_limit, x = self._stated(s.at_limit[k] + 0.0), self._stated(s.x[k])
-        limits = self.model.fold_limits.contacts(x, at_limit != 0)
-        slots = zip(s.slots[k].tolist(), s.sides[k].tolist(), strict=True)
-        sign = self._labels.sign if self._labels else 1
-        gaps = [
-            Contact("gap", int(self._gap_of[gap]) if self._labels else gap, sign * side)
-            for gap, side in slots
-            if gap != OPEN
-        ]
-        return tuple(dict.fromkeys((*limits, *gaps)))
+    def _at_end(self, x: np.ndarray) -> np.ndarray:
+        """Return numbers of the ends that a state is."""
+        return np.flatnonzero(np.abs(self._ends - x).max(axis=1, initial=0.0) <= DUPLICATE_TOL)
+
+    def _is_end(self, x: np.ndarray) -> bool:
+        return bool(len(self._at_end(x)))
+
+    def _follow(self, x: np.ndarray, deep: int = DEEP) -> None:
+        """Go down from a state under the labels of descents."""
+        start = StartState(x, at_limits(self._problem, x))
+        self._arrive(partial(self._go_down, start, self._along, self._is_end), deep)
+
+    def _arrive(self, way: Way, deep: int = DEEP, *, counted: bool = False) -> bool:
+        """File where a way down ends; return whether it could begin."""
+        record = self.record
+        before = self._go_down.work
+        try:
+            x, why = way()
+        except BREAKDOWNS:
+            record.failed[BREAKDOWN] += 1
+            return False
+        if self._by_ipopt:
+            record.solves += 1
+            record.iterations += self._go_down.work - before
+            record.statuses[why or "Solve_Succeeded"] += 1
+        if why == NO_LOWER and (near := singular_beside(self._problem, x)) is not None:
+            x, why = near, ""  # it is not told from that state, where closure loses rank
+        if why:
+            record.stalled += 1
+            return why != CLOSES_NOT
+        known, new = self._at_end(x), False
+        if len(known):
+            answer = self._answers[known[0]]
+        else:
+            answer, new = self._filed(x)
+            self._ends = np.vstack([self._ends, x])
+            self._answers.append(answer)
+        if answer is None:
+            return True
+        if counted:
+            answer.hits += 1
+            answer.in_rounds += 1
+            answer.first = answer.first or record.drawn + 1
+        if new:
+            self._feed(answer, deep)
+        return True
+
+    def _filed(self, x: np.ndarray) -> tuple[FoundState | None, bool]:
+        """Judge a new end, file it under its winding, and return it; whether it was not known otherwise."""
+        x = self._labels.back(x) if self._labels else x
+        model, record = min(self._sides, key=lambda side: missed(side[0], x))
+        if not closes(model, x) or missed(model, x) > DUPLICATE_TOL:
+            return None, False
+        answer, new = record.file(model, exact_state(model, x))
+        if not new:
+            return answer, False
+        judge(record, answer)
+        what = answer.what
+        assert what is not None
+        # a minimum is known to rounding; what is refuted is looked at once more where it is nearly stationary
+        most = math.inf if what.verdict in ("minimum", "undecided") else ANSWERED
+        if STATIONARY < what.stationarity < most:
+            with record.surviving("a stationary state beside an end"):
+                answer, new = self._exact(model, record, answer)
+        if answer.is_minimum and new:
+            close_orbit(model, record, answer)
+            self._count()
+        return answer, new
+
+    def _exact(self, model: Model, record: Record, answer: FoundState) -> tuple[FoundState, bool]:
+        """Return the stationary state beside an answer in its place, if there is one; whether it was not known."""
+        beside = stationary_beside(record.problem, answer.polished.x)
+        if beside is None or (beside == answer.polished.x).all():
+            return answer, True
+        record.answers.remove(answer)
+        other, new = record.file(model, exact_state(model, beside))
+        if new:
+            judge(record, other)
+        return other, new
+
+    def _feed(self, answer: FoundState, deep: int = DEEP) -> None:
+        """Start from a minimum changed, later; from beside what is none go on now."""
+        x = answer.polished.x
+        if answer.is_minimum and x.any():
+            images = [sign * x[order] for order, sign in self.model.own_symmetries]
+            self._draws.changed.add(*(on_grid(self._problem, self._under(y)) for y in images))
+        elif answer.what is not None and answer.what.lower is not None and deep:
+            self._follow(self._under(answer.what.lower), deep - 1)
 
 
-def _gap_under(model: Model, other: Model, labels: Relabelling) -> np.ndarray:
-    """For each gap of a model under other labels its position in `model`: crease k on facet j is what it says."""
-    at = {gap.index: model.structure.gaps[gap.index].rays for gap in model.gaps}
-    position = {rays: index for index, rays in at.items()}
-    creases, facets = labels.creases.tolist(), labels.facets.tolist()
-    rows = [gap.rays for gap in other.structure.gaps]
-    return np.array([position[creases[k], facets[j]] for k, j in rows], dtype=int)
+def missed(model: Model, x: np.ndarray) -> float:
+    """Return how far a state [n] is from closing with the winding of a model."""
+    return float(np.abs(model.closure(x)[0]).max())

@@ -23,14 +23,17 @@ from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
+from origami_nlp.minima.search import Search, missed
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import SearchOptions
+from origami_nlp.starts import NearFlat, NearFolded, SearchOptions
 
 STOPPED = ("complete", "rule", "cap", "time")
 """Why searches stop, from the best reason to the worst."""
+MOST_TRIED = 10
+"""Draws for each start that is to close, where few do."""
 
 
 def jobs_of(
@@ -61,18 +64,36 @@ def jobs_of(
     return jobs
 
 
-def finish_all(jobs: Sequence[Job], guesses: Sequence[np.ndarray] = (), workers: int = 1) -> None:
+def finish_all(
+    jobs: Sequence[Job], guesses: Sequence[np.ndarray] = (), *, ipopt: bool = False
+) -> None:
     """Bring searches to their ends; guesses [N] go to the winding that they miss least."""
     given: dict[int, list[np.ndarray]] = {id(job): [] for job in jobs}
     for guess in guesses:
         # a state closes in the problem of its own winding only
-        given[id(min(jobs, key=lambda job: _miss(job.model, guess)))].append(guess)
-    for job in sorted(jobs, key=lambda job: job.model.structure.winding):
-        job.work(given[id(job)], workers)
-
-
-def _miss(model: Model, guess: np.ndarray) -> float:
-    return float(np.abs(model.closure(model.reduce(guess))[0]).max())
+        at = min(jobs, key=lambda job: missed(job.model, job.model.reduce(guess)))
+        given[id(at)].append(guess)
+    more = [job for job in jobs if job.work(given[id(job)])]
+    if not more:
+        return
+    first = more[0]
+    search = Search([(job.model, job.record) for job in more], first.seed, ipopt=ipopt)
+    for job in more:
+        for family in (NearFlat(job.model), NearFolded(job.model, job.foldings)):
+            search.from_states(job.record.states_of(family))
+        search.from_states([job.model.reduce(g) for g in given[id(job)]])
+    quiet, _ = first.options.random_starts(None, None, first.model.dof, first.model.size)
+    while True:
+        left = first.most - first.record.drawn
+        made = search.draw(left) if left > 0 and search.made < MOST_TRIED * first.most else 0
+        first.tell()
+        if any([job.late() for job in more]):
+            return
+        done = first.record.starts >= first.fewest and all(job.enough(quiet) for job in more)
+        if done or not made:
+            for job in more:
+                job.stopped_by = "rule" if done else "cap"
+            return
 
 
 def prove_each(
@@ -168,7 +189,7 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         counted[name] = Counter()
         for r in reports:
             counted[name].update(getattr(r, name))
-    drawn = [r for r in reports if r.starts]
+    drawn = [r for r in reports if r.stopped_by != "complete"]
     return SearchReport(
         starts=sum(r.starts for r in reports),
         feasible_starts=sum(r.feasible_starts for r in reports),
@@ -191,14 +212,11 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         interrupted=first.interrupted,
         seen_once=sum(r.seen_once for r in reports),
         quiet=min((r.quiet for r in drawn), default=0),
-        corners=sum(r.corners for r in reports),
-        every_corner=all(r.every_corner for r in drawn) if drawn else first.every_corner,
         complete="; ".join(
             f"winding {w}: {r.complete}" for w, r in zip(windings, reports, strict=True)
         )
         if all(r.complete for r in reports)
         else "",
-        strata=first.strata,
     )
 
 

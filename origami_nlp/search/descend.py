@@ -6,6 +6,7 @@ Nothing is decided by them: where they end is judged by `kkt.classify`.
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -45,6 +46,7 @@ NAMES = {
     "FOLDING": 8,  # steps in which creases are folded
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": LONGEST,  # [rad]
+    "TURN": 2 * math.pi,
     "MOST_CLOSING": 40,
     "MOST_CORRECTIONS": 16,
     "MOST_HALVINGS": 24,

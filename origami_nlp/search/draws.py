@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ class Draws:
         The problem, and the order of its variables in which all that is random is drawn.
     seed
         Of the numbers.
+    more
+        Families of this problem alone.
 
     Attributes
     ----------
@@ -33,12 +36,19 @@ class Draws:
         The family that starts from minima that were found.
     """
 
-    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling, seed: int) -> None:
+    def __init__(
+        self,
+        problem: PatternProblem,
+        labels: CanonicalLabelling,
+        seed: int,
+        more: Sequence[StartKind] = (),
+    ) -> None:
         self.changed = Changed(problem, labels)
         kinds: list[type[Any]] = [Uniform, *[FoldedCreases] * problem.has_limits]
         kinds += [Touch] * problem.contact
         self._labels, self._seed = labels, seed
-        self._families: list[StartKind] = [kind(problem, labels) for kind in kinds] + [self.changed]
+        self._families: list[StartKind] = [kind(problem, labels) for kind in kinds]
+        self._families += [self.changed, *more]
         self.names = [family.name for family in self._families]
         self._shares, self._made = Shares(self.names), dict.fromkeys(self.names, 0)
         self._together = max(1, min(TOGETHER, BATCH // problem.size**2))

@@ -115,7 +115,8 @@ class Follower:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
             # facets that may lie either way go on otherwise the next time
-            either = self._is_level(end.x) and bool(self._level(end.x).open)
+            faces = self._level(end.x) if self._is_level(end.x) else None
+            either = faces is not None and bool(faces.open)
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
             if not either:
                 level.append((end.x, onward, why))

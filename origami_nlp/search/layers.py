@@ -35,38 +35,42 @@ class LevelFaces:
     """Facets that lie face to face at states of a problem, once for all states that are folded flat alike.
 
     Facets that hang together at fully folded creases lie on each other as the signs of these say, wherever they are in
-    space.  Only where others come to lie level with them, each state is asked by itself.
+    space; two of them by themselves are kept apart by the fold limit.  Only where others come to lie level with them,
+    each state is asked by itself.
     """
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self._known = problem, dict[bytes, Faces]()
+        self._blocks = dict[bytes, np.ndarray]()
 
-    def __call__(self, x: np.ndarray) -> Faces:
-        """Return the facets that lie face to face at a state [n], or at one that is folded flat alike."""
-        key = self._kind(x)
-        if key is None:
+    def __call__(self, x: np.ndarray) -> Faces | None:
+        """Return the facets that lie face to face at a state [n], or at one that is folded flat alike.
+
+        None where those are only such as a fold limit keeps apart.
+        """
+        crossings = self.problem.crossings
+        phi, pattern = crossings.poses.copied(x), crossings.pattern
+        folded = np.abs(np.abs(phi) - np.pi) <= OUTSIDE
+        key = np.where(folded, np.sign(phi), 0.0).tobytes()
+        block = self._blocks.get(key)
+        if block is None:
+            joined = np.column_stack([pattern.left, pattern.right])[folded]
+            block = self._blocks[key] = groups(pattern.facets, joined)
+        of_pieces = block[crossings.facet]
+        place = crossings.placed(x)
+        normal = unit_normals(place)
+        off = normal @ place[:, 0].T
+        level = np.abs(off - np.diagonal(off)[:, None]) <= INSIDE * crossings.size
+        level &= 1 - np.abs(normal @ normal.T) <= INSIDE**2
+        if (level & (of_pieces[:, None] != of_pieces)).any():
             return self.problem.faces(x)
+        if np.bincount(block).max() <= 2:
+            return None
         faces = self._known.pop(key, None) or self.problem.faces(x)
         if len(self._known) == MOST_KINDS:
             del self._known[next(iter(self._known))]
         self._known[key] = faces
         return faces
-
-    def _kind(self, x: np.ndarray) -> bytes | None:
-        """Return by sign which creases are fully folded; None where facets are level that do not hang together so."""
-        crossings = self.problem.crossings
-        phi = crossings.poses.copied(x)
-        pattern, place = crossings.pattern, crossings.placed(x)
-        folded = np.abs(np.abs(phi) - np.pi) <= OUTSIDE
-        block = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[folded])
-        height = np.einsum("pqi,ki->pqk", place, unit_normals(place))
-        off = np.abs(height - np.diagonal(height[:, 0])).max(axis=1)
-        one, other = np.nonzero(np.maximum(off, off.T) <= INSIDE * crossings.size)
-        one, other = crossings.facet[one], crossings.facet[other]
-        if ((one != other) & (block[one] != block[other])).any():
-            return None
-        signs: bytes = np.where(folded, np.sign(phi), 0.0).tobytes()
-        return signs
 
 
 def ordered_slots(
@@ -89,6 +93,8 @@ def ordered_slots(
         Orders that hold already; what holds here is added.
     """
     problem, faces = level.problem, level(x)
+    if faces is None:
+        return ()
     if faces.reason:
         return None
     chosen, gaps = dict(faces.known), dict[int, float]()

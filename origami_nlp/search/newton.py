@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import scipy as sp
 
-from origami_nlp.kkt import newton
+from origami_nlp.kkt import State, newton
 from origami_nlp.numerics import (
     BALANCED,
     CLOSURE_TOL,
@@ -312,7 +312,7 @@ def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
 
 
 def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Solve for the stationary state beside a closed one, creases that are fully folded kept so.
+    """Solve for the stationary state beside a closed one, contacts that are closed kept so.
 
     Parameters
     ----------
@@ -326,6 +326,5 @@ def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | 
     """
     if problem.size > MOST_DENSE:
         return None
-    limits = problem.fold_limits
-    better, _ = newton(problem, phi, limits.contacts(phi, np.abs(limits.room(phi)) <= OUTSIDE))
+    better, _ = newton(problem, phi, State(problem, phi).pieces[0])
     return None if better is None or np.abs(better.x - phi).max() >= NEAR_SINGULAR_TOL else better.x

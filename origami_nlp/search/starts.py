@@ -45,9 +45,12 @@ class StartKind(ABC):
         """Return the next starts, so many of them, or none where there are none."""
 
     def _anywhere(self, rng: np.random.Generator, count: int) -> np.ndarray:
-        """Return any states [count, n], up to a random size each."""
-        size = rng.uniform(0.3, self.problem.bound, (count, 1))
-        return self.labels.drawn(size * rng.uniform(-1.0, 1.0, (count, self.problem.size)))
+        """Return any states [count, n], up to a random size each; each fold angle in any of its lifts."""
+        most = min(self.problem.bound, math.pi)
+        x = rng.uniform(0.3, most, (count, 1)) * rng.uniform(-1.0, 1.0, (count, self.problem.size))
+        if self.problem.bound > math.pi:
+            x -= 2 * math.pi * np.sign(x) * (rng.random(x.shape) < 0.5)
+        return self.labels.drawn(x)
 
 
 class Uniform(StartKind):
@@ -141,6 +144,9 @@ class Changed(StartKind):
         elif self._way == 1:
             taken = rng.random(len(x))[np.argsort(self.labels.order)] < 0.5
             x = np.where(taken, x, other)
+        elif self.problem.bound > math.pi:
+            for i in self.labels.order[rng.choice(len(x), min(2, len(x)), replace=False)]:
+                x[i] -= math.copysign(2 * math.pi, x[i])
         else:
             i, sign = self.labels.order[rng.integers(len(x))], self.labels.sign
             x[i] = sign * (-math.pi, 0.0, math.pi, -sign * x[i])[rng.integers(4)]

@@ -14,11 +14,9 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSURE_TOL, DECREASE, DUPLICATE_TOL, NONZERO
+from origami_nlp.numerics import CLOSURE_TOL, DECREASE, NONZERO, OUTSIDE
 from origami_nlp.problem import Model, MomentMap
-from origami_nlp.starts.batch_closure import Closing
-from origami_nlp.starts.batch_states import Samples
-from origami_nlp.starts.family import StartFamily
+from origami_nlp.search import StartKind, StartState
 
 STEPS = 30
 """Steps of Newton; most of those that converge do so in ten."""
@@ -35,8 +33,8 @@ def is_chain(model: Model) -> bool:
     return model.scene.group.is_trivial and not model.structure.gaps
 
 
-class Moments(StartFamily):
-    """Closed states near stationary ones, from random moments.
+class Moments(StartKind):
+    """States near stationary ones, from random moments.
 
     Parameters
     ----------
@@ -46,9 +44,10 @@ class Moments(StartFamily):
 
     name = "moments"
     sentence = "where creases balance a random moment"
+    cost = 40
 
     def __init__(self, model: Model) -> None:
-        self.map, self._closing = MomentMap(model), Closing(model)
+        self.map, self._limits = MomentMap(model), model.fold_limits
 
     def moments(self, rng: np.random.Generator, many: int) -> np.ndarray:
         """Draw moments over `Model.scale`, shape [many, 3]."""
@@ -57,13 +56,12 @@ class Moments(StartFamily):
         length = np.exp(rng.uniform(math.log(low), math.log(high), (many, 1)))
         return np.asarray(u * (length / np.linalg.norm(u, axis=1, keepdims=True)))
 
-    def draw(self, rng: np.random.Generator, many: int) -> Samples:
-        """Return closed states from as many moments; fewer where some do not close."""
-        m, _ = find_zeros(self.map, self.moments(rng, many))
-        x, limits = self.map.shoot(m, slope=False).x, self._closing.model.fold_limits
-        s = self._closing.close(Samples.at_limits(x, limits))
-        value, _ = self._closing.kinematics.closure(self._closing.kinematics.fold(s.x))
-        return s[np.abs(value).max(axis=1) <= DUPLICATE_TOL]
+    def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
+        """Return states from as many moments, the creases held that are at their limits."""
+        m, _ = find_zeros(self.map, self.moments(rng, count))
+        x = self.map.shoot(m, slope=False).x
+        sides = self._limits.near(x, OUTSIDE)
+        return [StartState(*pair, drawn=True) for pair in zip(x, sides, strict=True)]
 
 
 def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

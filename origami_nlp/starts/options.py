@@ -7,37 +7,23 @@ from dataclasses import dataclass
 from origami_nlp.arguments import check_number, check_type, check_whole
 from origami_nlp.errors import OptionError
 
+CHEAP = 15
+"""Variables of a problem below which starts cost so little that more are made."""
+
 
 @dataclass(frozen=True)
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last five of a pattern.
-
     Attributes
     ----------
-    corners
-        Candidates for corners of the state space: all of them up to this many, a sample beyond.
-    interior
-        Starts in the interior in the first round.
-    a_round
-        Starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
-    rounds
-        Rounds at most.
     hits
         How often random starts must have reached every minimum before the search stops.
-    quiet
-        Rounds without a new minimum after which it may stop although one was reached less often.
-    most_with_corners
-        Creases up to which corners are started from: with more there are too many.
-    fewest_for_moments
-        Creases from which moments are started from: with 10 and 12 they found no more in the same time.
-    most_batched
-        Fold angles, with symmetry or full contact, up to which descents are made in batches; IPOPT solves above.
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
-        Random starts of a pattern in a row that find nothing new, for each degree of freedom, then no more are made.
+        Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
+        there are fewer than 15 variables.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -55,20 +41,12 @@ class SearchOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=o.SearchOptions(rounds=1, hits=1), escape=False)
+    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=o.SearchOptions(in_a_row=20, hits=1), escape=False)
     >>> result.search.effort, len(result.minima)
     ('own options', 4)
     """
 
-    corners: int = 8192
-    interior: int = 48
-    a_round: int = 14
-    rounds: int = 16
     hits: int = 2
-    quiet: int = 2
-    most_with_corners: int = 24
-    fewest_for_moments: int = 16
-    most_batched: int = 24
     judging: float = 0.3
     in_a_row: int = 60
     most_drawn: int = 10
@@ -77,30 +55,24 @@ class SearchOptions:
     most_curves: int = 64
 
     def __post_init__(self) -> None:
-        from_zero = (
-            *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_on"),
-            *("most_traced", "most_curves"),
-        )
+        from_zero = "in_a_row", "most_on", "most_traced", "most_curves"
         for name, value in vars(self).items():
             if name == "judging":
                 check_number(name, value, 0.0, 1.0)
             else:
                 check_whole(name, value, 0 if name in from_zero else 1)
-        if self.hits > self.rounds:
-            raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
     def random_starts(
-        self, starts: int | None, max_starts: int | None, dof: int
+        self, starts: int | None, max_starts: int | None, dof: int, size: int
     ) -> tuple[int, int]:
-        """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
+        """Return how many random starts in a row find nothing new, and how many are drawn at most.
 
         Parameters
         ----------
         starts, max_starts
             As asked for; None: what the options say.
-        dof
-            Degrees of freedom.
+        dof, size
+            Degrees of freedom, and variables.
 
         Returns
         -------
@@ -112,26 +84,18 @@ class SearchOptions:
         OptionError
             If one is no such number.
         """
-        starts = self.in_a_row * max(dof, 1) if starts is None else check_whole("starts", starts, 0)
+        if starts is None:
+            starts = int(self.in_a_row * max(dof, 1) * max(1.0, CHEAP / size))
+        check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
         return starts, check_whole("max_starts", max_starts, 1)
 
 
 EFFORTS = {
-    "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
-    ),
+    "quick": SearchOptions(hits=1, in_a_row=10),
     "normal": SearchOptions(),
-    "thorough": SearchOptions(
-        corners=16384,
-        interior=512,
-        a_round=64,
-        rounds=40,
-        hits=4,
-        quiet=4,
-        in_a_row=160,
-    ),
+    "thorough": SearchOptions(hits=4, in_a_row=160),
 }
 """By name."""
 OWN = "own options"

@@ -10,10 +10,11 @@ from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.problem import CreaseChain, Model
 from origami_nlp.starts.family import Listed
-from origami_nlp.starts.projected import BATCH
 
 MOST_FLAT_VARIABLES = 9
 """Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""
+DRAWS = 256
+"""States that are closed to find those that cannot move."""
 
 
 def flat_foldings(model: Model) -> list[np.ndarray]:
@@ -79,7 +80,7 @@ class RigidStates(Listed):
         """Return those that are reached."""
         model = self._model
         flat = flat_foldings(model)
-        x = np.random.default_rng(self._seed).uniform(-math.pi, math.pi, (4 * BATCH, model.size))
+        x = np.random.default_rng(self._seed).uniform(-math.pi, math.pi, (DRAWS, model.size))
         x, residual = project(model, x)
         found: list[np.ndarray] = []
         for state in x[(residual <= CLOSURE_TOL) & model.fold_limits.inside(x).all(axis=1)]:

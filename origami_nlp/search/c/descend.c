@@ -350,10 +350,21 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
       for (int64_t i = 0; i < n; i++) t->work[i] = dot(t->h + n * i, basis + n * a, n);
       for (int64_t b = 0; b < t2; b++) small[t2 * a + b] = dot(t->work, basis + n * b, n);
     }
-    spectrum(t2, small, ways);
     memset(t->d, 0, n * sizeof(double));
     *torque = 0.0, *slope = 0.0, saddles = 0;
+    double *by = t->right;
     for (int64_t a = 0; a < t2; a++) {
+      by[a] = -dot(basis + n * a, t->gradient, n);
+      *torque = fmax(*torque, fabs(by[a]));
+    }
+    memcpy(ways, small, t2 * t2 * sizeof(double));
+    int convex = solve_positive(t2, ways, by, fmax(noise, SOFTEST));
+    if (convex)
+      for (int64_t a = 0; a < t2; a++)
+        for (int64_t i = 0; i < n; i++) t->d[i] += by[a] * basis[n * a + i];
+    else
+      spectrum(t2, small, ways), *torque = 0.0;
+    for (int64_t a = 0; a < t2 && !convex; a++) {
       double *way = t->work, curve = small[t2 * a + a];
       memset(way, 0, n * sizeof(double));
       for (int64_t b = 0; b < t2; b++)
@@ -362,9 +373,9 @@ static int newton(Descent *t, const double *x, int64_t d, int64_t rows, const do
       *torque = fmax(*torque, fabs(pull));
       if (curve < -noise && fabs(pull) < BALANCED)
         by = (dot(way, aside, n) > 0 ? 1.0 : -1.0) * OFF_SADDLE, saddles++;
-      *slope += by * pull;
       for (int64_t i = 0; i < n; i++) t->d[i] += by * way[i];
     }
+    *slope = dot(t->d, t->gradient, n);
     double size = sqrt(dot(t->d, t->d, n));
     int more = 0;
     for (int64_t r = 0; r < rows; r++) {

@@ -113,3 +113,19 @@ static void spectrum(int64_t t, double *a, double *v) {
       }
   }
 }
+
+/* Solve a x = b of a positive definite matrix [n, n] by its Cholesky factor, which takes its place; 0 where a pivot is no more than `least`. */
+static int solve_positive(int64_t n, double *a, double *b, double least) {
+  for (int64_t k = 0; k < n; k++) {
+    double pivot = a[n * k + k] - dot(a + n * k, a + n * k, k);
+    if (!(pivot > least)) return 0;
+    pivot = a[n * k + k] = sqrt(pivot);
+    for (int64_t i = k + 1; i < n; i++) a[n * i + k] = (a[n * i + k] - dot(a + n * i, a + n * k, k)) / pivot;
+  }
+  for (int64_t k = 0; k < n; k++) b[k] = (b[k] - dot(a + n * k, b, k)) / a[n * k + k];
+  for (int64_t k = n - 1; k >= 0; k--) {
+    for (int64_t i = k + 1; i < n; i++) b[k] -= a[n * i + k] * b[i];
+    b[k] /= a[n * k + k];
+  }
+  return 1;
+}

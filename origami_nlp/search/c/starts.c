@@ -1,6 +1,15 @@
 /* Where descents begin: creases brought to their limits, features that face each other brought together; and all ways
    down of some starts, one after the other. */
 
+/* Turn the crease that is bent most by a whole turn to its other side, if its limits allow: the other lift of a shape. */
+static int turn_over(const Sheet *s, double *x) {
+  int64_t most = -1;
+  for (int64_t i = 0; i < s->n; i++)
+    if (s->high[i] - s->low[i] >= 2 * TURN && (most < 0 || fabs(x[i]) > fabs(x[most]))) most = i;
+  if (most >= 0) x[most] -= x[most] > 0 ? TURN : -TURN;
+  return most >= 0;
+}
+
 /* Close x with creases held at their limits; where that fails they go there in steps, each of which closes: so loops
    stay on the lift of paper. */
 static int fold(Descent *t, double *x, const int64_t *side) {
@@ -13,7 +22,7 @@ static int fold(Descent *t, double *x, const int64_t *side) {
     any |= fixed[i] = side[i] != 0;
     if (side[i]) x[i] = side[i] > 0 ? s->high[i] : s->low[i];
   }
-  if (retract(t, x, MOST_CLOSING)) return 1;
+  if (retract(t, x, MOST_CLOSING) || (!any && turn_over(s, x) && retract(t, x, MOST_CLOSING))) return 1;
   memcpy(x, from, n * sizeof(double));
   memset(fixed, 0, n);
   if (!any || !retract(t, x, MOST_CLOSING)) return 0;
@@ -123,7 +132,8 @@ void descend(const Sheet *s, int64_t count, double *xs, int64_t *sides, const in
       else end = OPEN;
       const int64_t *pick = picks + PICKS * one;
       int64_t brought = 0, wanted = 0;
-      for (int c = 0; c < PICKS && pick[c] && end == ARRIVED && ++wanted && touch(&t, xs, pick[c] - 1); c++) brought++;
+      for (int c = 0; c < PICKS && pick[c] && end == ARRIVED && wanted == brought; c++, wanted++)
+        for (int64_t rank = pick[c] - 1, met = 0; rank >= 0 && !met; rank--) brought += met = touch(&t, xs, rank);
       if (wanted && !brought) end = OPEN;
       hold = brought > 0;
       for (int64_t i = 0; i < n; i++) hold |= side[i] != 0;
