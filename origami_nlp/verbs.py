@@ -28,14 +28,11 @@ if TYPE_CHECKING:
 CONTACTS = {"full": True, "fold-limits": False}
 """What a pattern's contact may be: whether facets must not cross; folds end at pi always."""
 _OF_A_PATTERN = {
-    "starts": "the effort says how many starts a vertex gets",
     "contact": "a scene states its contact itself",
 }
 _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
     "guesses": "a state of a pattern is judged by classify",
-    "fewest_starts": "of a pattern, starts says when the search ends",
-    "workers": "a pattern is searched in one process",
 }
 """What only the one or the other takes, and why."""
 
@@ -48,7 +45,6 @@ def find_minima(
     options: SearchOptions | None = None,
     max_starts: int | None = None,
     starts: int | None = None,
-    fewest_starts: int | None = None,
     guesses: Sequence[np.ndarray] | None = None,
     contact: str | None = None,
     full: bool | None = None,
@@ -56,7 +52,6 @@ def find_minima(
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
-    workers: int | None = None,
     method: str = "batch",
     progress: Callable[..., object] | None = None,
     found: Callable[[float, np.ndarray], object] | None = None,
@@ -87,10 +82,10 @@ def find_minima(
         Whether to prove that no minimum is missing: of a vertex, or of a mesh of vertices of degree four.  None: where
         it is cheap.
     starts
-        Of a pattern: random starts in a row that find nothing new, in place of the effort.
+        Random starts in a row that find nothing new, in place of the effort.
     contact
         Of a pattern: ``"full"``, or ``"fold-limits"``: facets may cross.
-    fewest_starts, guesses, full, workers
+    guesses, full
         Of a scene, see `minima.find_minima`; full: judge each without the symmetry (None: up to 12 creases and 64
         states).
     method
@@ -129,15 +124,10 @@ def find_minima(
     from origami_nlp.pattern import Scene, as_origami
 
     stated = as_origami(origami)
-    asked: dict[str, Any] = {"max_starts": max_starts, "prove": prove}
+    asked: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "prove": prove}
     asked |= {"progress": progress, "found": found}
-    of_scene = {
-        "fewest_starts": fewest_starts,
-        "guesses": guesses,
-        "full": full,
-        "workers": workers,
-    }
-    of_pattern: dict[str, Any] = {"starts": starts, "contact": contact}
+    of_scene = {"guesses": guesses, "full": full}
+    of_pattern: dict[str, Any] = {"contact": contact}
     find: Any
     if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, **of_pattern)

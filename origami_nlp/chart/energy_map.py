@@ -29,7 +29,6 @@ from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, CROSSING, NONZERO, OUTSIDE
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model, Problem
-from origami_nlp.starts import Projected
 
 
 @dataclass(frozen=True, repr=False)
@@ -303,8 +302,9 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     """
     model = Model(scene)
     curves: list[np.ndarray] = []
-    for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), STARTS):
-        x, residual = _correct(model, start.x)
+    any_angles = np.random.default_rng(0).uniform(-math.pi, math.pi, (STARTS, model.size))
+    for start in project(model, any_angles)[0]:
+        x, residual = _correct(model, start)
         if residual > CLOSURE_TOL or np.abs(x).max() > math.pi + OUTSIDE:
             continue
         if any(np.linalg.norm(c - x, axis=1).min() < step for c in curves):

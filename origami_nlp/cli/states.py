@@ -37,14 +37,14 @@ def search(
     name: of what has no label.  last: whether the command has nothing more to find.  options: of `find_minima`.
     """
     from origami_nlp.io import screen
-    from origami_nlp.minima import compiled
     from origami_nlp.pattern import Scene
+    from origami_nlp.search import compile_descents
     from origami_nlp.verbs import find_minima
 
     terminal, label = screen("-").is_terminal, origami.name
     if isinstance(origami, Scene):
         label = origami.label
-        if compiled(note if terminal else lambda line: None) is None:
+        if not compile_descents(note if terminal else lambda line: None):
             note(NO_COMPILER)
     energies: list[float] = []
     with progress(label or name) as show:
@@ -68,7 +68,6 @@ def minima(
     effort: str = o.EFFORT,
     max_starts: int | None = o.MAX_STARTS,
     starts: int | None = o.STARTS,
-    workers: int | None = o.WORKERS,
     method: str = o.METHOD,
     full: bool | None = o.FULL,
     noise: float | None = o.NOISE,
@@ -90,7 +89,6 @@ def minima(
     counts: dict[str, Any] = {
         "max_starts": max_starts,
         "starts": starts,
-        "workers": workers,
         "full": full,
     }
     counts |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}

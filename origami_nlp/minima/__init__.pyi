@@ -10,10 +10,8 @@ from .completeness import Added as Added, Completeness as Completeness, Open as 
 from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
-    FEWEST_STARTS as FEWEST_STARTS,
     METHODS as METHODS,
     check_method as check_method,
-    check_options as check_options,
     find_minima as find_minima,
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags

@@ -49,25 +49,8 @@ from origami_nlp.proof import ProofOptions
 from origami_nlp.search import Confirmation, confirm
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
-FEWEST_STARTS = 1
-"""Starts that are made whatever the stopping rule says."""
 METHODS = ("batch", "ipopt")
 """Engines of a search: compiled descents with an active set, or IPOPT."""
-MOST_STARTS = 100_000
-"""Default cap on starts; the report says when the search stopped there."""
-
-
-def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
-    """Raise OptionError unless seed and cap on starts are non-negative integers.
-
-    Raises
-    ------
-    OptionError
-        With the name, the value and what it must be.
-    """
-    check_whole("seed", seed, 0)
-    check_whole("max_starts", max_starts, 1)
-    check_whole("fewest_starts", fewest_starts, 1)
 
 
 def check_method(method: object) -> None:
@@ -92,8 +75,8 @@ def find_minima(
     seed: int = 0,
     effort: str = "normal",
     options: SearchOptions | None = None,
-    max_starts: int = MOST_STARTS,
-    fewest_starts: int = FEWEST_STARTS,
+    max_starts: int | None = None,
+    starts: int | None = None,
     guesses: Sequence[np.ndarray] = (),
     full: bool | None = None,
     prove: bool | float | ProofOptions | None = None,
@@ -116,10 +99,8 @@ def find_minima(
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts, and how often each minimum must have been reached.
     options
         All that steers the search, in place of the effort.
-    max_starts
-        Cap on starts.
-    fewest_starts
-        Starts before the search may stop.
+    starts, max_starts
+        Random starts in a row that find nothing new, and starts in all; None: as `effort` says.
     guesses
         States to start from first, shape [N] each [rad]; they do not enter the stopping rule.  Each is also judged
         where it is: a minimum there is listed, `SearchReport.refused` says why another is not one.
@@ -168,8 +149,12 @@ def find_minima(
     [('interior', 0.009086), ('contact-touching', 1.233701)]
     """
     check_type("scene", scene, Scene)
-    check_options(seed, max_starts, fewest_starts)
+    check_whole("seed", seed, 0)
     wanted = options_of(effort, options)
+    if starts is not None:
+        check_whole("starts", starts, 0)
+    if max_starts is not None:
+        check_whole("max_starts", max_starts, 1)
     if full is not None:
         check_flag("full", full)
     check_prove("prove", prove)
@@ -180,7 +165,7 @@ def find_minima(
     check_callback("found", found)
     check_method(method)
     guesses = _check_guesses(guesses, scene.degree)
-    jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until, found)
+    jobs = jobs_of(scene, seed, wanted, (starts, max_starts), progress, until, found)
     named = effort if options is None else OWN
     try:
         finish_all(jobs, guesses, ipopt=method == "ipopt")

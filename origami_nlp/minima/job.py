@@ -47,14 +47,14 @@ class Job:
         model: Model,
         seed: int,
         options: SearchOptions,
-        starts: tuple[int, int],
+        starts: tuple[int | None, int | None],
         progress: Progress | None,
         until: float = math.inf,
         found: Found | None = None,
         problem: PatternProblem | None = None,
     ) -> None:
         self.model, self.seed, self.options = model, seed, options
-        self.fewest, self.most = starts
+        self.in_a_row, self.most = options.random_starts(*starts, model.dof, model.size)
         self.progress, self.until = progress, until
         self._found, self._told = found, set[int]()
         self.record = Record(problem or pose(model.scene))
@@ -189,12 +189,13 @@ class Job:
         self.complete = traced.reason if whole and self.model.parameters.dead is None else ""
         return whole
 
-    def enough(self, quiet: int) -> bool:
-        """Return whether so many random starts found nothing new, and each minimum was reached often."""
+    @property
+    def is_enough(self) -> bool:
+        """Whether so many random starts in a row found nothing new, and each minimum was reached often."""
         record, hits = self.record, self.record.drawn_hits
         often = min(hits, default=self.options.hits) >= self.options.hits
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
-        return record.quiet >= quiet and (often or chao1(hits) < 0.5)
+        return record.quiet >= self.in_a_row and (often or chao1(hits) < 0.5)
 
     def tell(self) -> None:
         """Tell of minima that are new, and of how far the search is."""

@@ -40,7 +40,7 @@ def jobs_of(
     scene: Scene,
     seed: int,
     options: SearchOptions,
-    starts: tuple[int, int],
+    starts: tuple[int | None, int | None],
     progress: Progress | None,
     until: float = math.inf,
     found: Found | None = None,
@@ -82,14 +82,13 @@ def finish_all(
         for family in (NearFlat(job.model), NearFolded(job.model, job.foldings)):
             search.from_states(job.record.states_of(family))
         search.from_states([job.model.reduce(g) for g in given[id(job)]])
-    quiet, _ = first.options.random_starts(None, None, first.model.dof, first.model.size)
     while True:
         left = first.most - first.record.drawn
         made = search.draw(left) if left > 0 and search.made < MOST_TRIED * first.most else 0
         first.tell()
         if any([job.late() for job in more]):
             return
-        done = first.record.starts >= first.fewest and all(job.enough(quiet) for job in more)
+        done = all(job.is_enough for job in more)
         if done or not made:
             for job in more:
                 job.stopped_by = "rule" if done else "cap"

@@ -5,6 +5,7 @@ from .descend import (
     DescentEnd as DescentEnd,
     Slot as Slot,
     StartState as StartState,
+    compile_descents as compile_descents,
 )
 from .draws import Draws as Draws
 from .escape import (

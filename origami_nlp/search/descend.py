@@ -103,6 +103,12 @@ REASONS = (
 """How a descent ends."""
 
 
+def compile_descents(note: Callable[[str], object] = lambda line: None) -> bool:
+    """Compile descents if they are not yet, which `note` is told before; whether there is a compiler."""
+    line = "descents are compiled, once on this machine (a second)"
+    return compiled("descend", _source, lambda: note(line)) is not None
+
+
 class _SheetInC(ctypes.Structure):
     """A pattern, and room for what is computed."""
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from origami_nlp.arguments import check_number, check_type, check_whole
 from origami_nlp.errors import OptionError
 
-CHEAP = 15
-"""Variables of a problem below which starts cost so little that more are made."""
+CHEAP, MOST_DOF = 18, 12
+"""Variables of a problem below which starts cost so little that more are made; degrees of freedom that count."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
-        there are fewer than 15 variables.
+        there are fewer than 18 variables.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -85,7 +85,7 @@ class SearchOptions:
             If one is no such number.
         """
         if starts is None:
-            starts = int(self.in_a_row * max(dof, 1) * max(1.0, CHEAP / size))
+            starts = int(self.in_a_row * min(max(dof, 1), MOST_DOF) * max(1.0, CHEAP / size))
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts

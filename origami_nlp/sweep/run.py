@@ -63,7 +63,7 @@ def run_scene(sweep: Sweep, index: int) -> Outcome:
         from origami_nlp.minima import find_minima
 
         more = {key: s[key] for key in ("effort", "max_starts", "full")}
-        result = find_minima(scene, fewest_starts=s["starts"], **more, **quick)
+        result = find_minima(scene, starts=s["starts"] or None, **more, **quick)
         rows = tuple(
             row_of(m, m.local_dimension, m.full_space.verdict if m.full_space else None)
             for m in result.minima

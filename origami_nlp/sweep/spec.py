@@ -25,7 +25,7 @@ values = ["pi/4", 1.2]
 [search]
 mode = "grid"                  # every combination (default), or list: axes run together
 effort = "normal"              # quick, normal or thorough
-starts = 1                     # fewest starts a scene
+starts = 0                     # random starts in a row that find nothing new; 0: as the effort says
 max_starts = 100000
 seed = 0
 full = false                   # also decide each state in the full space
@@ -62,7 +62,7 @@ _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _SEARCH = {
     "mode": "grid",
     "effort": "normal",
-    "starts": 1,
+    "starts": 0,
     "max_starts": 100_000,
     "seed": 0,
     "full": False,
@@ -241,7 +241,7 @@ def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
     for number, axis in enumerate(axes, start=1):
         for place in axis.places:
             check_place(place, f"axes[{number}]", base)
-    sweep = Sweep(base, axes, checked_search(data.get("search", {}), _SEARCH, 1))
+    sweep = Sweep(base, axes, checked_search(data.get("search", {}), _SEARCH, 0))
     sweep.scene(0)  # a mistake in the scene is found now, not in every worker
     return sweep
 
