@@ -1,14 +1,4 @@
-from .crossings import (
-    CrossedPairs as CrossedPairs,
-    StackRule as StackRule,
-    find_crossings as find_crossings,
-    pair_depths as pair_depths,
-    pair_rows as pair_rows,
-    row_values as row_values,
-    stack_depths as stack_depths,
-    stack_rule as stack_rule,
-    tip_depths as tip_depths,
-)
+from .crossings import pair_depths as pair_depths
 from .embedding import (
     LARGEST_TOLERANCE as LARGEST_TOLERANCE,
     check_admissible as check_admissible,

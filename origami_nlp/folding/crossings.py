@@ -1,76 +1,17 @@
-"""Which facets of many folded vertices cross, by which row each crossing is undone, and the stack rule.
-
-A *row* (k, j) is ray k on facet j, the arc from ray j to the next: its value is det(c_j, c_{j+1}, c_k) / sin alpha_j,
-0 where the ray lies in the plane of the facet.  For k - j in {0, 1, 2, N - 1} (mod N) there is none: the ray bounds
-the facet, or its neighbour, and meets it only where the crease between is folded to +-pi.
+"""How deep facets of a folded vertex cross, from the heights of rays off the planes of facets.
 
 Two arcs cross where their four ends alternate; each end is off the plane of the other arc by the sine of its distance
-from the common point times that of the angle between the arcs.  So the smallest of the four belongs to the end nearest
-to the common point, its foot lies on the other arc, and its row is the nearest exit.
-
-Where a crease is folded to +-pi the tip of its narrower facet lies *on* the wider one, and the sines of a crossing
-there vanish: the facet that goes on from the tip may leave only to the side that the fold left open (`stack_depths`).
+from the common point times that of the angle between the arcs, so that the smallest of the four is the depth.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics import CONTACT_TOL, NONZERO, cross, first_largest
-
-
-@dataclass(frozen=True, eq=False)
-class CrossedPairs:
-    """CrossedPairs of facet pairs at K states.
-
-    Attributes
-    ----------
-    depth
-        Sine of the smallest angle of an end off the other facet's plane, 0 where a pair does not cross, [K, P].
-    row
-        The row (k, j) that undoes the crossing by the smallest of these, [K, P, 2]; (-1, -1) where the pair has none.
-    value
-        The value of that row, [K, P]: where the pair crosses, the row must change its sign.
-    """
-
-    depth: np.ndarray
-    row: np.ndarray
-    value: np.ndarray
-
-
-def find_crossings(
-    rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray, real: np.ndarray | None = None
-) -> CrossedPairs:
-    """Return which pairs of facets cross at many states, how deep, and by which row each is undone.
-
-    Parameters
-    ----------
-    rays
-        Deformed unit rays of closed vertices in order, shape [K, N, 3].
-    pairs
-        Non-adjacent facets (positions of their first rays), shape [P, 2].
-    real
-        Which of `pair_rows` are rows, shape [P, 4]; None: those of a whole vertex.
-
-    Returns
-    -------
-    CrossedPairs
-        Depth as `pair_depths`, and a row of each pair.
-    """
-    n = rays.shape[1]
-    ends = _ends(_pairs(pairs), n)
-    table, v = ends[0], _off_planes(rays, *ends)
-    a_row = _is_row(table, n) if real is None else real
-    # the smallest of the four belongs to the end nearest to the common point
-    nearest = first_largest(np.where(a_row, -np.abs(v), -np.inf))  # [K, P]
-    at = np.arange(len(table))
-    row = np.where(a_row.any(axis=-1, keepdims=True), table[at, nearest], -1)
-    value = _SIGNS[nearest] * np.take_along_axis(v, nearest[..., None], axis=-1)[..., 0]
-    return CrossedPairs(_depth(v), row, value)
+from origami_nlp.numerics import NONZERO, cross
 
 
 def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
@@ -154,134 +95,3 @@ def pair_rows(pairs: Sequence[tuple[int, int]] | np.ndarray, count: int) -> np.n
     i, j = np.asarray(pairs, dtype=int).reshape(-1, 2).T % count
     ends = ((j, i), (j + 1, i), (i, j), (i + 1, j))
     return np.stack([np.stack([k % count, on], axis=-1) for k, on in ends], axis=1)
-
-
-def _is_row(rows: np.ndarray, count: int) -> np.ndarray:
-    """Return which (k, j) are rows, shape [..., 2] -> [...]."""
-    apart = (rows[..., 0] - rows[..., 1]) % count
-    return np.asarray((apart >= 3) & (apart <= count - 2))
-
-
-@dataclass(frozen=True, eq=False)
-class StackRule:
-    """What follows a closed crease, for the sector angles of one vertex.
-
-    Attributes
-    ----------
-    end
-        The crease e at the tip of the narrower facet at each crease i, [N]; -1 where both are equally wide.
-    row
-        The row (k, j) that is 0 where phi_e = 0, given that crease i is closed, [N, 2]; its open side is that to which
-        crease i is folded.
-    """
-
-    end: np.ndarray
-    row: np.ndarray
-
-
-def stack_rule(sectors: Sequence[float] | np.ndarray) -> StackRule:
-    """Return for each crease i which crease e may not turn on to its side once i is closed, and by which row.
-
-    With crease i at a pi, a = +-1, its two facets lie on each other, the one that is entered later on the side a of the
-    other.  The tip of the narrower one, crease e, lies on the wider one, and the facet that goes on from there
-    passes through it unless a phi_e <= 0, or phi_e = a pi too.
-
-    Parameters
-    ----------
-    sectors
-        Sector angles, shape [N].
-
-    Returns
-    -------
-    StackRule
-        By crease.  Facets whose widths differ by `CONTACT_TOL` at most end on each other, and nothing is said of them.
-    """
-    alpha = np.asarray(sectors, dtype=float)
-    n = len(alpha)
-    i = np.arange(n)
-    later, before = alpha, np.roll(alpha, 1)  # facets i and i - 1 meet at crease i
-    forward = later < before
-    end = np.where(forward, i + 1, i - 1) % n
-    # the facet beyond the tip ends on the wide facet, or the wide facet's far end lies on it
-    fits_forward = later + np.roll(alpha, -1) <= before
-    fits_back = before + np.roll(alpha, 2) <= later
-    k = np.where(forward, np.where(fits_forward, i + 2, i - 1), np.where(fits_back, i - 2, i + 1))
-    j = np.where(forward, np.where(fits_forward, i - 1, i + 1), np.where(fits_back, i, i - 2))
-    end[np.abs(later - before) <= CONTACT_TOL] = -1
-    return StackRule(end, np.stack([k % n, j % n], axis=-1))
-
-
-def stack_depths(rule: StackRule, fold_angles: np.ndarray, at_limit: np.ndarray) -> np.ndarray:
-    """Return how deep facets cross that the stack rule keeps apart; crossings that `find_crossings` cannot see.
-
-    It is a necessary condition on two facets and the one that follows; stacks of more layers are for
-    `check_admissible`.
-
-    Parameters
-    ----------
-    rule
-        Of the vertex.
-    fold_angles
-        Closed states, shape [K, N] [rad].
-    at_limit
-        Which creases are closed, and to which side, shape [K, N], in {-1, 0, 1}.
-
-    Returns
-    -------
-    numpy.ndarray
-        By closed crease, [K, N]: sine of the angle by which the facet beyond the tip goes to the wrong side, 0 where it
-        does not.  Two creases of one facet narrower than both its neighbours, closed to the same side, enclose
-        the wider of them: 1.
-    """
-    e = rule.end
-    depth = np.maximum(at_limit * np.sin(fold_angles[:, e]), 0.0)
-    # folded on to the same side, the next facet is tucked in: that asks for room up to crease i
-    mutual = rule.end[e] == np.arange(len(e))  # e's narrower facet is the same one
-    depth[(at_limit * at_limit[:, e] > 0) & mutual] = 1.0
-    depth[:, e < 0] = 0.0
-    return depth
-
-
-def row_values(rays: np.ndarray, k: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return det(c_j, c_{j+1}, c_k) / sin alpha_j: how far ray k is off the plane of facet j, to its left.
-
-    Parameters
-    ----------
-    rays
-        Deformed unit rays in order, shape [K, N, 3].
-    k, j
-        Rows of each state, shape [K, R].
-
-    Returns
-    -------
-    numpy.ndarray
-        Sines of the angles, shape [K, R].
-    """
-    at = np.arange(len(rays))[:, None]
-    normal = cross(rays[at, j], rays[at, (j + 1) % rays.shape[1]])
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), NONZERO)
-    return (normal * rays[at, k]).sum(axis=-1)
-
-
-def tip_depths(rays: np.ndarray, touches: np.ndarray) -> np.ndarray:
-    """Return how far facets beside a crease that lies on another facet reach through that facet.
-
-    Where the facets are in general position, `find_crossings` sees another crossing of the same facets' neighbours too;
-    in a stack, where these lie in one plane, it may not.
-
-    Parameters
-    ----------
-    rays
-        Deformed unit rays of closed vertices in order, shape [K, N, 3].
-    touches
-        Rows (k, j, side) that are 0, with the ray on the arc, shape [K, S, 3]; side 0 for an empty slot.
-
-    Returns
-    -------
-    numpy.ndarray
-        Sine of the angle by which the far end of facet k - 1 or k is on the wrong side of facet j, shape [K, S].
-    """
-    n = rays.shape[1]
-    k, j, side = np.moveaxis(touches, -1, 0)
-    beside = [row_values(rays, (k + step) % n, j) for step in (-1, 1)]
-    return np.maximum(np.maximum(-side * beside[0], -side * beside[1]), 0.0)

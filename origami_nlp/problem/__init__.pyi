@@ -8,8 +8,6 @@ from .compiled import (
 from .completion import (
     CreaseChain as CreaseChain,
     close_by as close_by,
-    close_three as close_three,
-    complete as complete,
 )
 from .contact import (
     STOP as STOP,
@@ -21,18 +19,14 @@ from .contact import (
 )
 from .gaps import Gap as Gap
 from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
-from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
+from .kinematics import Kinematics as Kinematics
 from .model import Local as Local, Model as Model
-from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap
+from .moment_map import MomentMap as MomentMap
 from .nlp import Nlp as Nlp
 from .parameters import Parameters as Parameters
 from .posed import Energies as Energies
 from .protocol import Problem as Problem, Sparse as Sparse
-from .strata import (
-    random_strata as random_strata,
-    vertex_candidates as vertex_candidates,
-    vertices as vertices,
-)
+from .strata import vertices as vertices
 from .touching import (
     MOST_LISTED as MOST_LISTED,
     ClosedContacts as ClosedContacts,

@@ -32,44 +32,6 @@ Turns = tuple[list[np.ndarray], np.ndarray, np.ndarray]
 """Turns [2, K] each, whether they exist, [2, K] or [K], and whether they are of a family, same shape."""
 
 
-def complete(
-    model: PosedProblem, x: np.ndarray, solve: tuple[int, ...] | np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Close states by as many of their fold angles as there are equations.
-
-    Parameters
-    ----------
-    model
-        Any group, flat vertex or not.
-    x
-        Fold angles [rad], shape [K, n]; what stands at the entries to be solved does not matter.
-    solve
-        The m = `equation_count` variables (0-based) to be solved, the same for all states, or shape [K, m].
-
-    Returns
-    -------
-    states
-        Both completions, shape [K, 2, n]; equal where the root is double.
-    exists
-        Of bool, shape [K, 2]; what `states` holds elsewhere means nothing.
-
-    Notes
-    -----
-    States close on the lift q = +1.  With fold limits they exist only within these; what misses one by rounding is put
-    at it.
-    A crease that closes at +pi may close at -pi as well: one of the two is returned.
-    Without fold limits angles are the principal ones, except that without symmetry, where the lift q = +1 asks for it,
-    the largest of the three makes a whole turn backward.
-    Where a family of states closes (two creases lie on each other, or a turn moves nothing), the first of the turns
-    that only their sum matters of, or the one that moves nothing, is 0; both completions are this one.
-    x -> -x gives the negatives in the other order, but for the choice between +pi and -pi.
-    """
-    states, exists, _ = close_by(CreaseChain(model), model.has_limits, x, solve)
-    if model.has_limits and not model.fold_limits.are_flat:
-        states, exists = within(model, states, exists, solve)
-    return states, exists
-
-
 def within(
     model: PosedProblem, states: np.ndarray, exists: np.ndarray, solve: tuple[int, ...] | np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -89,7 +51,33 @@ def within(
 def close_by(
     piece: CreaseChain, limits: bool, x: np.ndarray, solve: tuple[int, ...] | np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`complete`, with a third array of bool [K, 2]: whether the state is one of a family."""
+    """Close states by as many of their fold angles as there are equations.
+
+    Parameters
+    ----------
+    piece
+        Of any group, flat vertex or not.
+    limits
+        Whether states exist only within +-pi; what misses one by rounding is put at it.
+    x
+        Fold angles [rad], shape [K, n]; what stands at the entries to be solved does not matter.
+    solve
+        The m = `equation_count` variables (0-based) to be solved, the same for all states, or shape [K, m].
+
+    Returns
+    -------
+    states
+        Both completions, shape [K, 2, n]; equal where the root is double.
+    exists, family
+        Of bool, shape [K, 2]: what `states` holds where it does not exist means nothing; of a family of states that
+        close, the first of the turns that only their sum matters of, or the one that moves nothing, is 0.
+
+    Notes
+    -----
+    States close on the lift q = +1.  A crease that closes at +pi may close at -pi as well: one of the two is returned.
+    Without fold limits angles are the principal ones, except that without symmetry, where the lift q = +1 asks for it,
+    the largest of the three makes a whole turn backward.
+    """
     x, m = np.array(x, dtype=float), piece.equation_count
     solve = np.sort(np.broadcast_to(np.asarray(solve, dtype=int), (len(x), m)), axis=1)
     u, end = piece.axes(x, solve)
@@ -110,32 +98,6 @@ def close_by(
         exists &= (np.abs(solved) <= math.pi + OUTSIDE).all(axis=2)
         states = at_limits(piece, states, exists, solve)
     return states, exists, family
-
-
-def close_three(
-    u1: np.ndarray, u2: np.ndarray, u3: np.ndarray, target: np.ndarray, limits: bool = True
-) -> tuple[np.ndarray, np.ndarray]:
-    """Solve Q(u1, a) Q(u2, b) Q(u3, c) = target, with its sign, for the turns a, b, c.
-
-    Parameters
-    ----------
-    u1, u2, u3
-        Unit axes, shape [K, 3]; parallel ones are allowed.
-    target
-        Unit quaternions (w, x, y, z), shape [K, 4].
-    limits
-        Whether turns must lie within +-pi (up to `OUTSIDE` beyond, not rounded to it); else the largest of the three
-        makes a whole turn backward where the sign of the target asks for it.
-
-    Returns
-    -------
-    angles
-        Both solutions [rad], shape [K, 2, 3].
-    exists
-        Of bool, shape [K, 2].
-    """
-    angles, exists, _ = _three_turns(u1.T, u2.T, u3.T, target.T, limits)
-    return np.stack(angles, axis=-1).transpose(1, 0, 2), np.ascontiguousarray(exists.T)
 
 
 class CreaseChain:

@@ -185,7 +185,7 @@ class Model(PosedProblem):
         if name == "rays":
             return [at.axes.swapaxes(1, 2)]
         if name == "lift":
-            return [at.lift[:, None, None]]
+            return [at.end[:, :1, None]]
         if name == "hessian":
             weight, lam, _ = more
             h = chain.closure_hessian(at, np.broadcast_to(lam, (k, 3)))

@@ -1,6 +1,6 @@
-"""Closed states with creases at their fold limits: all rigid ones, and random ones with degrees of freedom left.
+"""Closed states that creases at their fold limits leave no degree of freedom.
 
-Creases at +-pi and what closes them (`complete`) cut the closed states into strata; where most of them are closed,
+Creases at +-pi and what closes them (`close_by`) cut the closed states into strata; where most of them are closed,
 minima hide that no start from the interior finds.
 """
 
@@ -12,11 +12,8 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import OUTSIDE, ROUNDED, SETTLED, distinct
-from origami_nlp.problem.completion import CreaseChain, at_limits, close_by, complete, within
+from origami_nlp.problem.completion import CreaseChain, at_limits, close_by, within
 from origami_nlp.problem.posed import PosedProblem
-
-TRIES = 32
-"""Batches of random strata that are drawn before fewer states than asked for are returned."""
 
 
 def _numbers(model: PosedProblem) -> list[int]:
@@ -25,22 +22,6 @@ def _numbers(model: PosedProblem) -> list[int]:
     if not model.has_limits or n < m:
         return []
     return [math.comb(n, k) * 2 ** (n - k) for k in range(m + 1)]
-
-
-def vertex_candidates(model: PosedProblem) -> int:
-    """Count the candidates of `vertices`: with as many as this asked for, it lists all of its states.
-
-    Parameters
-    ----------
-    model
-        Any group.
-
-    Returns
-    -------
-    int
-        Choices of at most m = `equation_count` variables and of signs of the others; 0 without fold limits.
-    """
-    return sum(_numbers(model))
 
 
 def vertices(model: PosedProblem, most: int, rng: np.random.Generator) -> np.ndarray:
@@ -120,78 +101,6 @@ def _solved(
     if not model.fold_limits.are_flat:
         x = within(model, x[:, None], inside[:, None], solve)[0][:, 0]
     return x, inside & (piece.misses(x) <= ROUNDED), family
-
-
-def random_strata(
-    model: PosedProblem, rng: np.random.Generator, count: int, closed: int | None = None
-) -> np.ndarray:
-    """Draw closed states with random variables at +-pi.
-
-    Which variables are at +-pi, on which side, and which m of the others are solved is drawn without preference; what
-    is left is uniform.  A state and its image under x -> -x or another numbering are equally likely.
-
-    Parameters
-    ----------
-    model
-        Any group.  Without fold limits no variable is held, and fold angles are drawn from [-2 pi, 2 pi], the solved
-        ones with a random choice of the whole turns that keep q = +1.
-    rng
-        Of the draws.
-    count
-        States wanted.
-    closed
-        How many variables are at +-pi, 0 to `dof`; None: equally many states of each number.
-
-    Returns
-    -------
-    numpy.ndarray
-        At most `count` states, shape [K, n], in random order; fewer where closed states are rare.
-    """
-    n, m = model.size, model.equation_count
-    most = model.dof if model.has_limits else 0
-    numbers = range(max(most, 0) + 1) if closed is None else (closed,)
-    if n < m:
-        return np.zeros((0, n))
-    drawn = []
-    for number, share in zip(numbers, np.array_split(np.arange(count), len(numbers)), strict=True):
-        found = [np.zeros((0, n))]
-        for _ in range(TRIES):
-            missing = len(share) - sum(map(len, found))
-            if missing <= 0:
-                break
-            found.append(_draw(model, rng, 2 * missing + 8, number))
-        drawn.append(np.concatenate(found)[: len(share)])
-    return rng.permutation(np.concatenate(drawn))
-
-
-def _draw(model: PosedProblem, rng: np.random.Generator, count: int, closed: int) -> np.ndarray:
-    """Draw `count` candidates and return a random completion of each that closes."""
-    n, m = model.size, model.equation_count
-    # the first m are solved, the next `closed` are at +-pi, the others stay uniform
-    order = rng.permuted(np.tile(np.arange(n), (count, 1)), axis=1)
-    limits = model.fold_limits
-    x = rng.uniform(limits.low, limits.high, (count, n))
-    held = np.zeros((count, n))
-    np.put_along_axis(held, order[:, m : m + closed], _random_signs(rng, count, closed), axis=1)
-    x = limits.hold(x, held)
-    states, exists = complete(model, x, order[:, :m])
-    side = np.where(exists.all(axis=1), rng.integers(2, size=count), exists.argmax(axis=1))
-    rows = np.arange(count)
-    some = exists.any(axis=1)
-    x, solve = states[rows, side][some], order[some, :m]
-    return x if model.has_limits else _whole_turns(model, x, solve, rng)
-
-
-def _whole_turns(
-    model: PosedProblem, x: np.ndarray, solve: np.ndarray, rng: np.random.Generator
-) -> np.ndarray:
-    """Turn random ones of the solved fold angles [K, m] by a whole turn that keeps |phi| <= 2 pi and q."""
-    other = x - np.copysign(2 * math.pi, x)
-    chosen = np.zeros(x.shape, dtype=bool)
-    np.put_along_axis(chosen, solve, rng.random(solve.shape) < 0.5, axis=1)
-    turned = np.where(chosen, other, x)
-    closes = CreaseChain(model).misses(turned) <= 2 * ROUNDED
-    return np.where(closes[:, None], turned, x)
 
 
 def _random_subsets(rng: np.random.Generator, count: int, n: int, m: int) -> np.ndarray:
