@@ -202,7 +202,7 @@ def measure_search(
         model = Model(scene)
         known = Known(model)
         progress(scene.name or "")
-        find_minima(scene, max_starts=1, fewest_starts=1, prove=False, escape=False)  # warm-up
+        find_minima(scene, max_starts=1, prove=False, escape=False)  # warm-up
         runs = {OURS: [run_ours(model, known, seed) for seed in range(SEEDS)]}
         for seed in range(SEEDS, SEEDS + KNOWN):
             run_ours(model, known, seed, effort="thorough")

@@ -71,7 +71,7 @@ ANGLES = (None, True, [], *but(1.5, -1))
 def made(tmp_path_factory):
     """Arguments that are right, by name; each case takes those it needs."""
     folder = tmp_path_factory.mktemp("arguments")
-    result = o.find_minima(SCENE, max_starts=4, fewest_starts=4)
+    result = o.find_minima(SCENE, max_starts=4)
     pattern = {
         "vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
         "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
@@ -118,7 +118,6 @@ CASES = [
     case(o.find_minima, "origami", (None, 0, True, [])),
     case(find_minima, "seed", SEEDS, "scene"),
     case(find_minima, "max_starts", (0, *SEEDS), "scene"),
-    case(find_minima, "fewest_starts", (0, *SEEDS), "scene"),
     case(find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
     case(find_minima, "full", tuple(v for v in FLAGS if v is not None), "scene"),
     case(find_minima, "progress", CALLS, "scene"),

@@ -28,7 +28,7 @@ def test_a_scene_and_a_pattern_are_searched_by_one_function(found):
     assert [m.energy for m in found.minima] == [m.energy for m in same]
 
 
-@pytest.mark.parametrize("name, value", [("full", True), ("fewest_starts", 3)])
+@pytest.mark.parametrize("name, value", [("full", True)])
 def test_what_a_pattern_does_not_take_is_named(name, value):
     with pytest.raises(o.OrigamiError, match=rf"^{name} = .* is not for a pattern: "):
         o.find_minima(PATTERN, **{name: value})

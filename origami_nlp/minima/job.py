@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from origami_nlp.kkt import Polished, Solve, Verdict, polish, polished_nearby, project
-from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.account import OPEN_FROM, SearchReport
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
@@ -191,11 +191,8 @@ class Job:
 
     @property
     def is_enough(self) -> bool:
-        """Whether so many random starts in a row found nothing new, and each minimum was reached often."""
-        record, hits = self.record, self.record.drawn_hits
-        often = min(hits, default=self.options.hits) >= self.options.hits
-        # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
-        return record.quiet >= self.in_a_row and (often or chao1(hits) < 0.5)
+        """Whether so many random starts in a row found nothing new, and none is expected that nothing has reached."""
+        return self.record.quiet >= self.in_a_row and chao1(self.record.drawn_hits) < OPEN_FROM
 
     def tell(self) -> None:
         """Tell of minima that are new, and of how far the search is."""

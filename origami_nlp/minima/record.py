@@ -14,18 +14,15 @@ from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import (
     Classification,
     Polished,
-    Solve,
     State,
     classify,
     exact_beside,
     not_told_apart,
     of_image,
-    polish,
-    project,
 )
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact, Model, Problem
+from origami_nlp.problem import Model, Problem
 from origami_nlp.starts import Listed
 
 BREAKDOWNS = (np.linalg.LinAlgError, ArithmeticError)
@@ -135,27 +132,6 @@ class Record:
         with self.surviving(family.name):
             return list(family.states())
         return []
-
-    def settle(
-        self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None
-    ) -> tuple[FoundState, bool]:
-        """Polish an end and file it; return whether it has to be judged.
-
-        One that does not close is polished once more from the closed state next to it; what does not close then either,
-        or breaks linear algebra, is lost: no state, and on no list.
-        """
-        try:
-            polished = polish(model, end, guess)
-            if not closes(model, polished.x):
-                beside, _ = project(model, end.x, guess or ())
-                polished = polish(model, replace(end, x=beside), guess)
-            if closes(model, polished.x):
-                return self.file(model, polished)
-            why = "does not close"
-        except BREAKDOWNS as error:
-            polished = Polished(end.x, (), math.nan, math.nan, False)
-            why = str(error)
-        return FoundState(polished, lost=why), False
 
     def file(self, model: Problem, polished: Polished) -> tuple[FoundState, bool]:
         """File a polished state under the answer that it is, or as a new one; return whether it has to be judged.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
@@ -181,9 +180,8 @@ class Search:
         judge(record, answer)
         what = answer.what
         assert what is not None
-        # a minimum is known to rounding; what is refuted is looked at once more where it is nearly stationary
-        most = math.inf if what.verdict in ("minimum", "undecided") else ANSWERED
-        if STATIONARY < what.stationarity < most:
+        # a minimum is polished to rounding; what else is nearly stationary is looked at once more
+        if answer.is_minimum or STATIONARY < what.stationarity < ANSWERED:
             with record.surviving("a stationary state beside an end"):
                 answer, new = self._exact(model, record, answer)
         if answer.is_minimum and new:

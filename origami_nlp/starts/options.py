@@ -17,8 +17,6 @@ class SearchOptions:
 
     Attributes
     ----------
-    hits
-        How often random starts must have reached every minimum before the search stops.
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
@@ -41,12 +39,11 @@ class SearchOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=o.SearchOptions(in_a_row=20, hits=1), escape=False)
+    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=o.SearchOptions(in_a_row=20), escape=False)
     >>> result.search.effort, len(result.minima)
     ('own options', 4)
     """
 
-    hits: int = 2
     judging: float = 0.3
     in_a_row: int = 60
     most_drawn: int = 10
@@ -93,9 +90,9 @@ class SearchOptions:
 
 
 EFFORTS = {
-    "quick": SearchOptions(hits=1, in_a_row=10),
+    "quick": SearchOptions(in_a_row=10),
     "normal": SearchOptions(),
-    "thorough": SearchOptions(hits=4, in_a_row=160),
+    "thorough": SearchOptions(in_a_row=160),
 }
 """By name."""
 OWN = "own options"

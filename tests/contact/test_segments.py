@@ -147,7 +147,7 @@ def test_a_curve_with_more_dof_is_a_geodesic_in_the_softest_direction() -> None:
         (2.8, -1.0, 1.3, -2.9, 1.0, 0.4),
         "none",
     )
-    result = o.find_minima(scene, max_starts=16, fewest_starts=16, prove=False, escape=False)
+    result = o.find_minima(scene, max_starts=16, prove=False, escape=False)
     model = result.model
     pinned = [m for m in result.minima if m.kind == "contact-pinned"]
     assert pinned, [m.kind for m in result.minima]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.minima import find, job, record
+from origami_nlp.minima import find, job, record, windings
 from origami_nlp.minima.windings import join_reports
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
@@ -40,8 +40,8 @@ def whole(scene):
     [
         (job.HingeSets, "states", "hinge sets", TWO_DOF),
         (job.FlatFoldings, "states", "flat foldings", TWO_DOF),
-        (job.NearFlat, "states", "starts beside the flat state", TWO_DOF),
-        (job.NearFolded, "states", "starts beside flat foldings", TWO_DOF),
+        (windings.NearFlat, "states", "starts beside the flat state", TWO_DOF),
+        (windings.NearFolded, "states", "starts beside flat foldings", TWO_DOF),
         (job, "trace", "curves of one degree of freedom", ONE_DOF),
         (job, "polish", "a candidate on a curve", ONE_DOF),
         (find, "confirm", "a confirmation by IPOPT", TWO_DOF),

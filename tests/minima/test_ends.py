@@ -1,6 +1,5 @@
 """Ends of descents that are no states, states that break linear algebra, guesses: counted, named, listed or refused."""
 
-import itertools
 import math
 from functools import cache
 from pathlib import Path
@@ -11,12 +10,9 @@ import pytest
 from origami_nlp import Scene, State, Vertex, classify, find_minima, read_scene
 from origami_nlp.kkt import Solve, polish
 from origami_nlp.minima import record
-from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.search import Search
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
-from origami_nlp.starts import Rounds, contact_starts, model_strata, options_of
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 
@@ -142,18 +138,6 @@ def unclosed():
     return find_minima(UNCLOSED, escape=False)
 
 
-def test_descents_end_closed_and_at_the_limits_that_they_hold():
-    """A step wrote into the state that was kept for a contact let go: ends held limits 4 degrees away."""
-    model = Model(UNCLOSED)
-    descents = Descents(model)
-    for samples in itertools.islice(Rounds(model, 0, options_of("normal")), 2):
-        ends = descents.run(samples)
-        s = ends.samples
-        done = ends.converged | ends.settled
-        assert (np.abs(s.x)[s.at_limit != 0] == pi).all()
-        assert max(np.abs(model.closure(x)[0]).max() for x in s.x[done]) <= CLOSURE_TOL
-
-
 def test_the_polish_sees_a_fold_limit_that_newton_went_beyond():
     """It set the fold angle back to the limit, 4 degrees, and called what did not close any more converged."""
     model = Model(UNCLOSED)
@@ -182,25 +166,6 @@ def test_whatever_a_search_names_closes_by_a_product_of_its_own():
             assert float(np.abs(whole - np.eye(3)).max()) < 3 * CLOSURE_TOL
 
 
-def test_an_end_off_closure_is_counted_and_no_state(monkeypatch):
-    """Also where the polish, asked twice, returns what does not close."""
-    true, x = record.polish, np.array(unclosed().minima[1].fold_angles)
-
-    def off(model, end, guess=None):
-        state = true(model, end, guess)
-        near = np.abs(state.x - x).max() < 1e-6
-        return record.replace(state, x=state.x + 1e-2) if near else state
-
-    monkeypatch.setattr(record, "polish", off)
-    result = find_minima(UNCLOSED, prove=False, escape=False)
-    assert result.search.failed["does not close"] >= 5
-    assert "does not close" in result.report(verbose=True)
-    assert not result.search.undecided
-    assert [m.energy for m in result.minima] == pytest.approx(
-        [m.energy for k, m in enumerate(unclosed().minima) if k != 1]
-    )
-
-
 def test_a_state_that_does_not_close_has_no_certificate():
     model, found = Model(UNCLOSED), record.Record(pose(UNCLOSED))
     x = np.array(unclosed().minima[0].fold_angles)
@@ -226,20 +191,6 @@ def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypa
     assert named.fold_angles == pytest.approx(x)
 
 
-def test_one_polish_that_breaks_down_is_counted_and_the_search_goes_on(monkeypatch):
-    true, x = record.polish, np.array(unclosed().minima[2].fold_angles)
-
-    def breaks(model, end, guess=None):
-        if np.abs(end.x - x).max() < 1e-3:
-            raise np.linalg.LinAlgError("Singular matrix")
-        return true(model, end, guess)
-
-    monkeypatch.setattr(record, "polish", breaks)
-    result = find_minima(UNCLOSED, prove=False, escape=False)
-    assert len(result.minima) == 3
-    assert result.search.failed["Singular matrix"] > 0
-
-
 def test_a_state_with_contacts_of_almost_no_slope_is_judged():
     """The linear program for the ranges of multipliers raised LinAlgError: Singular matrix."""
     small = 1.4241416274299255e-07
@@ -253,14 +204,6 @@ def test_a_minimum_that_is_handed_over_is_listed():
         result = find_minima(LOST, guesses=[guess], max_starts=8, prove=False, escape=False)
         assert holds(result, GUESS)
         assert not result.search.refused
-
-
-def test_a_guess_is_descended_from_with_its_contacts_held():
-    """Free, its first step ran into two facets at once, and none shorter was better."""
-    one = Search(Model(LOST), record.Record(pose(LOST)), None)
-    ends = one._descents.run(one.closed(GUESS[None], touching=True))
-    assert ends.converged.all()
-    assert np.abs(ends.samples.x - GUESS).max() < 1e-9
 
 
 def test_other_guesses_are_refused_by_name():
@@ -280,15 +223,6 @@ def test_other_guesses_are_refused_by_name():
 def test_the_minimum_with_two_touches_is_found_by_default():
     """Its stratum closes in one draw of 430, and was drawn 32 times: 7 of 12 seeds missed it."""
     assert holds(find_minima(LOST, prove=False, escape=False), GUESS)
-
-
-def test_strata_with_touches_that_are_hard_to_hit_are_drawn_on():
-    model = Model(LOST)
-    drawn = contact_starts(model, np.random.default_rng(0), 200)
-    (rare,) = model_strata(model).numbers([(5, 0), (4, 1)], [])
-    assert drawn.tried[rare] > 1000
-    assert drawn.started[rare] > 0
-    assert set(drawn.stratum) >= {rare}
 
 
 def given_back(number, seeds):

@@ -85,7 +85,7 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
     scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(5), rest, "none", contact)
     claim = PatternProblem.of(scene)
     refuted = 0
-    for m in find_minima(scene, max_starts=12, fewest_starts=6, prove=False, escape=False).minima:
+    for m in find_minima(scene, max_starts=12, prove=False, escape=False).minima:
         assert not judge(claim, m.fold_angles, 600).false
         x = base(claim, np.array(m.fold_angles))
         for distance in (1e-4, 1e-2):
@@ -202,7 +202,7 @@ def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
     for d in distances:
         h = pi / 2
         scene = Scene(Vertex((h + d, h - d, h + d, h - d)), **COLLAPSING, symmetry="none")
-        result = find_minima(scene, max_starts=64, fewest_starts=64, prove=False, escape=False)
+        result = find_minima(scene, max_starts=64, prove=False, escape=False)
         assert not failures(result, 300), d
         resolved = bool(np.ptp(scene.vertex.sector_angles) > 1e-14)
         counts.setdefault(resolved, {})[d] = len(result.minima)
@@ -271,7 +271,7 @@ SMALL = [seed for kind in KINDS for seed in [k for k in range(200) if of_kind(k,
 
 @pytest.mark.parametrize("seed", thinned(SMALL, 4))
 def test_every_minimum_of_a_nearly_singular_scene_stands(seed):
-    assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32, fewest_starts=16)
+    assert check_nearly_singular(seed, [seed % 3], 600, max_starts=32)
 
 
 @pytest.mark.slow

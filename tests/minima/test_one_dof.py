@@ -77,9 +77,7 @@ def nearest(x, states):
 def found_by_starts(scene, seeds=2, starts=64):
     model, out = Model(scene), []
     for seed in range(seeds):
-        for m in find_minima(
-            scene, seed=seed, fewest_starts=starts, prove=False, escape=False
-        ).minima:
+        for m in find_minima(scene, seed=seed, starts=starts, prove=False, escape=False).minima:
             out.append(model.reduce(np.array(m.fold_angles)))
     return out
 

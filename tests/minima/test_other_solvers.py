@@ -10,7 +10,7 @@ OURS = """
 import origami_nlp
 scene = origami_nlp.examples.degree6("pi/3")
 states = origami_nlp.find_minima(
-    scene, fewest_starts=16, max_starts=16, prove=False, escape=False
+    scene, max_starts=16, prove=False, escape=False
 ).minima
 """
 PROGRAMME = """

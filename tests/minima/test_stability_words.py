@@ -21,7 +21,7 @@ def free():
     scene = o.Scene(vertex, (1.0,) * 4, (1.0, -1.0, 1.0, 1.0), "none", "full")
     return once(
         "free",
-        lambda: o.find_minima(scene, fewest_starts=16, max_starts=16, prove=False, escape=False),
+        lambda: o.find_minima(scene, max_starts=16, prove=False, escape=False),
     )
 
 
@@ -40,7 +40,7 @@ def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
 @pytest.mark.parametrize("contact", ["fold-limits", "none"])
 def test_with_less_than_full_contact_a_minimum_is_a_minimum(contact):
     scene = dataclasses.replace(SCENE, symmetry="none", contact=contact)
-    result = o.find_minima(scene, fewest_starts=4, max_starts=4, prove=False, escape=False)
+    result = o.find_minima(scene, max_starts=4, prove=False, escape=False)
     assert count_words(result.scene, result.minima, "no").endswith(("minima", "minimum"))
     assert "stable" not in count_words(result.scene, result.minima) and not not_asked_words(
         result.scene, result.minima

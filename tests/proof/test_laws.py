@@ -278,7 +278,7 @@ def test_kinks_are_proved_too():
 def test_what_the_search_lacks_the_proof_adds():
     scene = five(np.random.default_rng(4))[0]
     whole = o.find_minima(scene, prove=False).minima
-    poor = {"max_starts": 1, "fewest_starts": 1}
+    poor = {"max_starts": 1}
     assert len(o.find_minima(scene, prove=False, **poor).minima) < len(whole)
     found = o.find_minima(scene, prove=True, **poor)
     assert found.completeness.status == "proved"

@@ -26,9 +26,7 @@ def test_a_report_says_what_was_made_exact() -> None:
     d, h = 1e-9, math.pi / 2
     vertex = origami_nlp.Vertex((h + d, h - d, h + d, h - d))
     scene = origami_nlp.Scene(vertex, (1.0,) * 4, (1.0, 0.3, 0.4, -0.2), symmetry="none")
-    result = origami_nlp.find_minima(
-        scene, max_starts=4, fewest_starts=4, prove=False, escape=False
-    )
+    result = origami_nlp.find_minima(scene, max_starts=4, prove=False, escape=False)
     assert "sector angles moved by up to 1.0e-09 rad" in str(result)
     data = result.to_dict()
     assert data["relations"]["made_exact"] and data["search"]["undecided"] == []
@@ -87,9 +85,7 @@ def test_rounding_of_the_sectors_makes_no_states(ulps: tuple[int, ...]) -> None:
 
 def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     scene = origami_nlp.examples.degree6("pi/4", 1.0)
-    result = origami_nlp.find_minima(
-        scene, max_starts=8, fewest_starts=8, prove=False, escape=False
-    )
+    result = origami_nlp.find_minima(scene, max_starts=8, prove=False, escape=False)
     state = result.minima[0]
     what = classify(State(result.model, result.model.reduce(state.fold_angles)), polished=False)
     assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason

@@ -29,13 +29,8 @@ def searched(**changed):
 def test_fields_of_a_search_have_their_effect():
     plain = searched()
     assert plain.search.effort == "own options"
-    assert "interior" in plain.search.by_source
-    assert "interior" not in searched(interior=0).search.by_source
-    assert searched(a_round=16).search.by_source["strata"] > plain.search.by_source["strata"]
-    assert "corners" not in searched(most_with_corners=3).search.by_source
-    assert searched(corners=1).search.every_corner is False
-    # one start after the other by IPOPT
-    assert searched(most_batched=1, hits=1).search.solves > 2 * plain.search.solves
+    assert searched(in_a_row=40).search.starts > plain.search.starts
+    assert searched(most_drawn=1).search.starts < plain.search.starts
 
 
 def test_an_effort_is_its_options():
@@ -88,10 +83,8 @@ def test_fields_of_a_proof_have_their_effect():
 @pytest.mark.parametrize(
     ("make", "name", "value"),
     [
-        (SearchOptions, "rounds", 0),
-        (SearchOptions, "corners", 2.5),
+        (SearchOptions, "most_drawn", 2.5),
         (SearchOptions, "judging", 1.5),
-        (SearchOptions, "hits", 17),
         (SearchOptions, "in_a_row", -1),
         (ContinuationOptions, "longest", -1.0),
         (ContinuationOptions, "turn", math.nan),
