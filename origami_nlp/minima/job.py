@@ -54,10 +54,10 @@ class Job:
         problem: PatternProblem | None = None,
     ) -> None:
         self.model, self.seed, self.options = model, seed, options
-        self.in_a_row, self.most = options.random_starts(*starts, model.dof, model.size)
         self.progress, self.until = progress, until
         self._found, self._told = found, set[int]()
         self.record = Record(problem or pose(model.scene))
+        self.in_a_row, self.most = options.random_starts(*starts, self.record.problem)
         self.stopped_by = "rule"
         self.complete = ""
         self.foldings: list[np.ndarray] = []

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
-from origami_nlp.kkt import project, singular_beside
+from origami_nlp.kkt import Polished, Solve, State, polish, project, singular_beside
 from origami_nlp.minima.record import (
     BREAKDOWNS,
     FoundState,
@@ -18,9 +19,9 @@ from origami_nlp.minima.record import (
     exact_state,
     judge,
 )
-from origami_nlp.numerics import ANSWERED, DUPLICATE_TOL, STATIONARY
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL
 from origami_nlp.pattern import canonical_labels
-from origami_nlp.pattern_problem import CanonicalLabelling, pose
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
 from origami_nlp.search import (
     CLOSES_NOT,
@@ -31,7 +32,6 @@ from origami_nlp.search import (
     StartState,
     at_limits,
     on_grid,
-    stationary_beside,
 )
 from origami_nlp.starts import Moments, is_chain
 
@@ -155,7 +155,9 @@ class Search:
         if len(known):
             answer = self._answers[known[0]]
         else:
-            answer, new = self._filed(x)
+            answer, new = None, False
+            with record.surviving("the end of a descent"):
+                answer, new = self._filed(x)
             self._ends = np.vstack([self._ends, x])
             self._answers.append(answer)
         if answer is None:
@@ -174,31 +176,15 @@ class Search:
         model, record = min(self._sides, key=lambda side: missed(side[0], x))
         if not closes(model, x) or missed(model, x) > DUPLICATE_TOL:
             return None, False
-        answer, new = record.file(model, exact_state(model, x))
-        if not new:
-            return answer, False
-        judge(record, answer)
-        what = answer.what
-        assert what is not None
-        # a minimum is polished to rounding; what else is nearly stationary is looked at once more
-        if answer.is_minimum or STATIONARY < what.stationarity < ANSWERED:
-            with record.surviving("a stationary state beside an end"):
-                answer, new = self._exact(model, record, answer)
-        if answer.is_minimum and new:
-            close_orbit(model, record, answer)
-            self._count()
-        return answer, new
-
-    def _exact(self, model: Model, record: Record, answer: FoundState) -> tuple[FoundState, bool]:
-        """Return the stationary state beside an answer in its place, if there is one; whether it was not known."""
-        beside = stationary_beside(record.problem, answer.polished.x)
-        if beside is None or (beside == answer.polished.x).all():
-            return answer, True
-        record.answers.remove(answer)
-        other, new = record.file(model, exact_state(model, beside))
+        if not model.has_limits and np.abs(x).max() >= self._problem.bound:
+            return None, False  # folds beyond whole turns are not modelled
+        answer, new = record.file(model, polished(record.problem, x))
         if new:
-            judge(record, other)
-        return other, new
+            judge(record, answer)
+            if answer.is_minimum:
+                close_orbit(model, record, answer)
+                self._count()
+        return answer, new
 
     def _feed(self, answer: FoundState, deep: int = DEEP) -> None:
         """Start from a minimum changed, later; from beside what is none go on now."""
@@ -208,6 +194,15 @@ class Search:
             self._draws.changed.add(*(on_grid(self._problem, self._under(y)) for y in images))
         elif answer.what is not None and answer.what.lower is not None and deep:
             self._follow(self._under(answer.what.lower), deep - 1)
+
+
+def polished(problem: PatternProblem, x: np.ndarray) -> Polished:
+    """Return the end of a descent [n] as Newton leaves it, what is closed there held."""
+    end = Solve(x, "", 0, math.nan, np.abs(at_limits(problem, x)), None)
+    state = polish(problem, end, State(problem, x).pieces[0])
+    if state.converged:
+        return state
+    return exact_state(problem, state.x if problem.residual(state.x) <= CLOSURE_TOL else x)
 
 
 def missed(model: Model, x: np.ndarray) -> float:

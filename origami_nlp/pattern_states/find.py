@@ -174,7 +174,7 @@ def find_states(
     search = _Search(pattern, contact, begin + seconds, asked, seed)
     if method == "ipopt":
         search.go_down = ByIpopt(search.problem)
-    starts, most = asked.random_starts(starts, max_starts, search.dof, search.problem.size)
+    starts, most = asked.random_starts(starts, max_starts, search.problem)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False

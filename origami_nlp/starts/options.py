@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 from origami_nlp.arguments import check_number, check_type, check_whole
 from origami_nlp.errors import OptionError
+from origami_nlp.pattern_problem import PatternProblem
 
-CHEAP, MOST_DOF = 18, 12
-"""Variables of a problem below which starts cost so little that more are made; degrees of freedom that count."""
+CHEAP, CHEAPER = 18, 36
+"""Variables of a problem below which starts cost so little that more are made; of one whose facets may cross."""
+MOST_DOF = 12
+"""Degrees of freedom that count."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
-        there are fewer than 18 variables.
+        there are few variables.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -60,7 +63,7 @@ class SearchOptions:
                 check_whole(name, value, 0 if name in from_zero else 1)
 
     def random_starts(
-        self, starts: int | None, max_starts: int | None, dof: int, size: int
+        self, starts: int | None, max_starts: int | None, problem: PatternProblem
     ) -> tuple[int, int]:
         """Return how many random starts in a row find nothing new, and how many are drawn at most.
 
@@ -68,8 +71,8 @@ class SearchOptions:
         ----------
         starts, max_starts
             As asked for; None: what the options say.
-        dof, size
-            Degrees of freedom, and variables.
+        problem
+            Whose degrees of freedom and variables count.
 
         Returns
         -------
@@ -82,7 +85,10 @@ class SearchOptions:
             If one is no such number.
         """
         if starts is None:
-            starts = int(self.in_a_row * min(max(dof, 1), MOST_DOF) * max(1.0, CHEAP / size))
+            cheap = CHEAP if problem.contact else CHEAPER
+            starts = int(
+                self.in_a_row * min(max(problem.dof, 1), MOST_DOF) * max(1.0, cheap / problem.size)
+            )
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
