@@ -198,8 +198,11 @@ class Search:
 
 def polished(problem: PatternProblem, x: np.ndarray) -> Polished:
     """Return the end of a descent [n] as Newton leaves it, what is closed there held."""
+    at = State(problem, x)
+    if at.refused:
+        return exact_state(problem, x)
     end = Solve(x, "", 0, math.nan, np.abs(at_limits(problem, x)), None)
-    state = polish(problem, end, State(problem, x).pieces[0])
+    state = polish(problem, end, at.pieces[0])
     if state.converged:
         return state
     return exact_state(problem, state.x if problem.residual(state.x) <= CLOSURE_TOL else x)

@@ -8,8 +8,8 @@ from origami_nlp.arguments import check_number, check_type, check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import PatternProblem
 
-CHEAP, CHEAPER = 18, 36
-"""Variables of a problem below which starts cost so little that more are made; of one whose facets may cross."""
+CHEAP, CHEAPER = 15, 24
+"""Creases of a problem below which starts cost so little that more are made; of one whose facets may cross."""
 MOST_DOF = 12
 """Degrees of freedom that count."""
 
@@ -24,7 +24,7 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
-        there are few variables.
+        there are few creases.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -72,7 +72,7 @@ class SearchOptions:
         starts, max_starts
             As asked for; None: what the options say.
         problem
-            Whose degrees of freedom and variables count.
+            Whose degrees of freedom and creases count.
 
         Returns
         -------
@@ -87,7 +87,9 @@ class SearchOptions:
         if starts is None:
             cheap = CHEAP if problem.contact else CHEAPER
             starts = int(
-                self.in_a_row * min(max(problem.dof, 1), MOST_DOF) * max(1.0, cheap / problem.size)
+                self.in_a_row
+                * min(max(problem.dof, 1), MOST_DOF)
+                * max(1.0, cheap / problem.pattern.creases)
             )
         check_whole("starts", starts, 0)
         if max_starts is None:
