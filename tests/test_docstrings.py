@@ -57,6 +57,12 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 DEAR = {
     f"origami_nlp.{name}"
     for name in (
+        "barriers.result",
+        "bifurcation.boundary",
+        "bifurcation.find",
+        "contact.segments",
+        "critical.result",
+        "inverse_design.result",
         "landscape.exact",
         "critical.find",
         "results",
@@ -224,6 +230,7 @@ def check_types(folder: Path, config, script: str) -> tuple[int, str]:
     return run.returncode, run.stdout
 
 
+@pytest.mark.slow  # half a minute on a new machine; .ci/run runs mypy
 def test_a_type_checker_outside_sees_types_through_the_faces(tmp_path, pytestconfig):
     pytest.importorskip("mypy")
     code, said = check_types(tmp_path, pytestconfig, SCRIPT + "o.find_minima(result)\n")

@@ -67,20 +67,6 @@ def test_paper_beyond_the_sectors_makes_another_sheet():
         as_scene(replace(pattern, polygons=((0, 1, 2, 4), *pattern.polygons[1:])))
 
 
-def test_boundaries_of_a_pattern_of_one_vertex_are_those_of_the_vertex():
-    scene = o.Scene(
-        o.Vertex.from_degrees([70, 110, 80, 100]), (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6)
-    )
-    scene = replace(scene, symmetry="none")
-    asked = {"lines": 1, "across": 0, "effort": "quick"}
-    one, same = (
-        o.find_bifurcation_set(it, "stiffness[1]=0.1:30", "stiffness[2]=0.6:0.61", **asked)
-        for it in (scene, scene_pattern(scene))
-    )
-    assert len(one.curves) == len(same.curves) > 0
-    assert [c.type for c in one.curves] == [c.type for c in same.curves]
-
-
 def test_commands_of_one_vertex_say_so():
     done = run(
         "boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--parameter", "alpha=50deg:60deg"

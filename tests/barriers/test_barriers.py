@@ -17,7 +17,7 @@ from origami_nlp.numerics import CLOSURE_TOL, merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.problem import Model
 from origami_nlp.starts import Projected
-from tests.computed_once import once, panel_result
+from tests.computed_once import once, panel_result, thinned
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
 
@@ -249,7 +249,7 @@ def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
     assert energy_at(math.pi - 1e-3, phi_3) > p.energy
 
 
-@pytest.mark.parametrize("which", ["saddle_barriers", "contact_barriers"])
+@pytest.mark.parametrize("which", thinned(["saddle_barriers", "contact_barriers"], 2))
 def test_paths_can_be_replayed(which, request):
     found = request.getfixturevalue(which)
     model = Model(found.scene)
@@ -340,6 +340,7 @@ def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
     assert all(State(model, state, 0.6).pieces for state in x)
 
 
+@pytest.mark.slow  # paths of contacts
 def test_paths_to_fold_along_are_those_over_the_passes(contact_barriers):
     """Each goes from its state over its pass to its state, and lies where the chart has its states."""
     content = contact_barriers.view_content()

@@ -33,10 +33,12 @@ def of_laws(plain):
     [
         quadrilateral(),
         quadrilateral(limits=((-1.6, 1.6),) * 4),
-        pytest.param(o.examples.degree6("5*pi/12", 100), marks=pytest.mark.slow),
-        replace(o.examples.degree6("5*pi/12", 100), limits=((-2.0, 2.0),) * 6),
+        pytest.param(
+            replace(o.examples.degree6("5*pi/12", 100), limits=((-2.0, 2.0),) * 6),
+            marks=pytest.mark.slow,
+        ),
     ],
-    ids=["degree 4", "degree 4, stops", "panel", "panel, stops"],
+    ids=["degree 4", "degree 4, stops", "panel, stops"],
 )
 def test_linear_laws_have_the_barriers_of_springs(scene):
     one, two = (

@@ -5,7 +5,6 @@ import math
 import time
 
 import numpy as np
-import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import as_pattern
@@ -13,7 +12,7 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import ways_between
 from origami_nlp.search import DescentTerrain
 from tests.barriers.test_patterns import checked
-from tests.independent.elastic_bands import Facets, Springs, admissible, passes
+from tests.independent.elastic_bands import Facets, admissible
 from tests.independent.search_sheets import sheet_of
 
 
@@ -35,23 +34,6 @@ def test_all_states_are_joined():
         assert p.energy >= max(ends)
     high = [p for p in found.passes if not p.is_lowest and p.pass_kind == "saddle"]
     assert len(high) == 3 and max(p.residual for p in high) < 1e-9
-    assert "an upper bound" in str(found)
-
-
-def test_a_string_of_others_climbs_no_less():
-    """Up to what its steps of 0.06 rad miss of a saddle's height."""
-    found = of_a_waterbomb()
-    pattern, p = found.result.pattern, found.passes[-1]
-    sheet, springs = sheet_of(pattern), Springs(pattern.stiffness, pattern.rest)
-    facets = Facets(pattern.corners, [list(x) for x in pattern.polygons], pattern.ends.tolist())
-    ends = (found.result.minima[k - 1].phi for k in (p.from_state, p.to_state))
-    rng = np.random.default_rng(0)
-    heights = [
-        springs.energy(x).max()
-        for x in passes(sheet, facets, springs, *ends, rng, drawn=0, rounds=20)
-    ]
-    assert heights
-    assert p.energy - springs.stiffness.max() * 0.06**2 / 8 <= min(heights)
 
 
 def test_paths_are_looked_at_closely_where_they_are_highest():
@@ -68,9 +50,8 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
     assert {x.tobytes() for x in path} <= {x.tobytes() for x in fine}
 
 
-@pytest.mark.parametrize("seconds", [0.3, 1.0])
-def test_the_limit_of_time_is_kept(seconds):
-    result = of_a_waterbomb().result
+def test_the_limit_of_time_is_kept():
+    seconds, result = 0.3, of_a_waterbomb().result
     begin = time.monotonic()
     o.find_barriers(result.pattern, result, seconds=seconds)
     assert time.monotonic() - begin < seconds + 1.0

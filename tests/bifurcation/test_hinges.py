@@ -113,6 +113,7 @@ def test_a_crease_that_is_named_twice_is_changed_once():
     assert made.energy(x) == pytest.approx(3.0 * sheet.energy(x))
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_the_depth_of_wells_against_scans():
     """How many minima there are over the depth of a double well beside springs, and where that changes."""
     law = double_well(1.0, 1.0)

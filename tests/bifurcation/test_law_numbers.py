@@ -70,23 +70,6 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
     assert mine == pytest.approx(theirs, abs=1e-5 * np.abs(theirs).max())
 
 
-@pytest.mark.parametrize(
-    ("number", "like"),
-    [("energy", "law_scale"), pytest.param("centre", "law_shift", marks=pytest.mark.slow)],
-)
-def test_what_is_a_factor_or_a_shift_is_followed_alike(number, like):
-    stops = ((-2.0, 2.0),) * 4
-    plain = scene((double_well(1.0, 1.0), None, None, None), seed=2, limits=stops)
-    low, high = (0.25, 2.0) if number == "energy" else (-0.4, 0.4)
-    one = o.follow(plain, f"laws.double well.{number}={low}:{high}", checks=2)
-    two = o.follow(plain, f"{like}[1]={low}:{high}", checks=2)
-    assert [e.type for e in one.events] == [e.type for e in two.events]
-    assert [e.t for e in one.events] == pytest.approx([e.t for e in two.events], abs=1e-6)
-    for t in (0.3 * low + 0.7 * high, 0.8 * low + 0.2 * high):
-        a, b = (sorted(s.energy for s in atlas.at(t)) for atlas in (one, two))
-        assert len(a) and a == pytest.approx(b, rel=1e-6)
-
-
 def folds_against_scans(law, number, low, high, energy, seed=2):
     """Numbers of minima on either side of each fold, and at both ends, are those of scans of the closed forms."""
     stated = scene((None, law, None, law), seed=seed)

@@ -61,6 +61,7 @@ def miura_torque(alpha, k, rest, large, t):
     return float(torques.sum())
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_angles_of_a_miura_are_those_of_its_closed_form(tmp_path):
     """Its vertices move: closure itself changes along the family."""
     atlas = o.follow("miura:2x3", "alpha=57deg:61deg", **FEW)

@@ -48,6 +48,7 @@ def test_a_load_path_keeps_the_winding_of_its_first_state():
     assert len(x) > 1 and np.abs(np.degrees(x) - 131.06).max() < 10
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_contacts_and_barriers_are_those_of_the_winding():
     result = find_minima(STAR, prove=False, escape=False)
     (pinned,) = [k for k, m in enumerate(result.minima, 1) if m.contacts]

@@ -128,32 +128,6 @@ def test_no_admissible_state_is_left_white(scene):
         assert near_finite(branch, *place.point), (phi, place)
 
 
-@pytest.mark.slow
-def test_white_cells_have_no_admissible_state():
-    """Newton from many completions of an excluded cell finds only crossing or overfolded states."""
-    rng = np.random.default_rng(3)
-    for scene in (o.examples.degree6("pi/4", 1), o.examples.degree6("pi/3", 1)):
-        chart, model = landscape(scene, 41), Model(scene)
-        branch = chart.branches[0]
-        rows, columns = np.nonzero(np.isnan(branch.energy))
-        for pick in rng.integers(len(rows), size=12):
-            x, y = branch.axes[0][columns[pick]], branch.axes[1][rows[pick]]
-            if math.hypot(x, y) < 1e-9:
-                continue  # the chart point of the book-fold family
-            for first in np.linspace(-2.8, 2.8, 7):
-                for last in np.linspace(-2.8, 2.8, 7):
-                    phi = np.array([first, x, y, last])
-                    for _ in range(30):
-                        g, jac = model.closure(phi)
-                        step = np.linalg.lstsq(jac[:, [0, 3]], -g, rcond=None)[0]
-                        phi[[0, 3]] += np.clip(step, -0.5, 0.5)
-                    if np.abs(model.closure(phi)[0]).max() > 1e-12:
-                        continue
-                    if np.abs(phi).max() > math.pi:
-                        continue
-                    assert not check_admissible(scene.vertex, model.expand(phi)).admissible
-
-
 @settings(max_examples=30)
 @given(
     n=st.sampled_from([2, 3, 5]),

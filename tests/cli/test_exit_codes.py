@@ -138,7 +138,7 @@ def test_what_was_found_before_the_time_was_over_is_written(here, monkeypatch):
         time.sleep(60)
 
     monkeypatch.setattr("origami_nlp.barriers.find_barriers", wait)
-    done = run("barriers", "six.toml", "--seconds", 5, "-o", "out.json", "-o", "out.png")
+    done = run("barriers", "miura.toml", "--seconds", 2, "-o", "out.json", "-o", "out.png")
     assert done.code == Ended.OUT_OF_TIME and (here / "out.png").exists()
     assert json.loads((here / "out.json").read_text())["minima"]
 
@@ -158,7 +158,7 @@ def test_what_was_found_is_kept_by_ctrl_c_and_by_a_verb_that_is_late(here, monke
             raise Interrupted(result) from None
 
     monkeypatch.setattr("origami_nlp.verbs.find_minima", late)
-    done = run("minima", "miura.toml", "--prove", 0, "--seconds", 5, "-o", "out.json")
+    done = run("minima", "miura.toml", "--prove", 0, "--seconds", 2, "-o", "out.json")
     assert done.code == (Ended.INTERRUPTED if stop else Ended.OUT_OF_TIME)
     assert json.loads((here / "out.json").read_text())["minima"]
 

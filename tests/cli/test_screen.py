@@ -11,7 +11,6 @@ import time
 import types
 
 import pytest
-from typer.main import get_command
 from typer.testing import CliRunner
 
 import origami_nlp
@@ -31,28 +30,6 @@ def bare(text):
 
 
 # ---------------------------------------------------------------- help
-
-
-def commands(command=None, path=()):
-    """Every command with the words that call it."""
-    command = command or get_command(app)
-    yield path, command
-    for name, inner in getattr(command, "commands", {}).items():
-        yield from commands(inner, (*path, name))
-
-
-@pytest.mark.parametrize(
-    ("path", "command"), [pytest.param(p, c, id=" ".join(p)) for p, c in commands()]
-)
-def test_help_loses_nothing(path, command):
-    done = RUN.invoke(app, [*path, "--help"], terminal_width=80)
-    assert done.exit_code == 0
-    shown = bare(done.output)
-    for one in (command, *command.params):
-        stated = one.help or ""
-        assert bare(stated.replace("\b", "")) in shown, (path, stated)
-    for inner in getattr(command, "commands", {}).values():  # whole sentences, not their beginning
-        assert bare(inner.help.splitlines()[0]) in shown
 
 
 # ---------------------------------------------------------------- tables

@@ -29,9 +29,12 @@ DEAR = {
     "check",
     "check_a_claim",
     "design",
+    "export",
     "files",
     "loads",
     "many_scenes",
+    "noise",
+    "others",
     "pattern",
     "periodic",
 }

@@ -8,10 +8,14 @@ from tests import gallery
 from tests.documentation import shell
 
 NAMES = " ".join(gallery.ORDER.values()).split()
+DEAR = "waterbomb_snap square_twist kresling_tube resch bistable_strip map_two_parameters noise paper_panel"
+"""Scripts of several seconds wait for the long studies."""
 MOST_LINES = 15
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in DEAR.split())) for n in NAMES]
+)
 def test_a_script_prints_and_draws_what_is_shown(name):
     shown = json.loads(gallery.RECORD.read_text())[name]
     printed, picture = gallery.run(name)

@@ -18,7 +18,6 @@ from origami_nlp.folding import (
 from tests.independent.arcs import corner_determinants, crossing_margin, facet_pairs
 from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project, spin_sign
-from tests.independent.stationary import Stratum, retract
 
 
 def problem(rng, n):
@@ -63,43 +62,6 @@ def test_depths_are_those_of_the_pairs():
         )
         assert named.all() == (n > 4)  # a vertex of degree 4 has fold limits only
         assert set(((k - j) % n)[named].tolist()) <= set(range(3, n - 1))
-
-
-@pytest.mark.slow
-def test_a_crossing_ends_where_its_row_changes_sign():
-    # crossed states are pushed across the row that is named, by Gauss-Newton on closure and the determinant
-    rng = np.random.default_rng(2)
-    tried = undone = on_arc = 0
-    for n in (5, 6, 7, 8):
-        for _ in range(2):
-            p = problem(rng, n)
-            x, _ = closed_states(rng, p, 600)
-            rays, _ = fold(p.sectors, x)
-            pairs = facet_pairs(n)
-            found = find_crossings(rays, pairs)
-            some = np.argwhere((found.depth > 0) & (found.depth < 0.05))
-            for q, row in {(q, tuple(found.row[s, q].tolist())) for s, q in some}:
-                k, j = row
-                own = [s for s, pair in some if pair == q and (found.row[s, q] == row).all()]
-                y, residual = retract(p, Stratum(gaps=((j, k),)), x[own])
-                moved = np.abs(y - x[own]).max(axis=1)
-                good = (residual <= 1e-12) & (moved < 0.3)
-                y, before, moved = y[good], x[own][good], moved[good, None]
-                beyond, residual = project(p.sectors, p.orbit, y + 1e-3 * (y - before) / moved)
-                after, _ = fold(p.sectors, beyond)
-                assert (corner_determinants(after)[:, j, k] * found.value[own, q][good] < 0).all()
-                tried += len(y)
-                undone += int((find_crossings(after, pairs[q][None]).depth[:, 0] == 0).sum())
-                at, _ = fold(p.sectors, y)
-                a, b, c = at[:, j], at[:, (j + 1) % n], at[:, k]
-                normal = np.cross(a, b)
-                on = (np.cross(a, c) * normal).sum(axis=1) > -1e-9
-                on_arc += int((on & ((np.cross(c, b) * normal).sum(axis=1) > -1e-9)).sum())
-    assert tried > 100
-    assert undone == tried
-    assert (
-        on_arc > 0.9 * tried
-    )  # crossings this small end at the tip, but where another moves faster
 
 
 def test_names_of_the_ends_of_a_pair():

@@ -21,7 +21,7 @@ def draw(n, seed=0, contact="fold-limits"):
 
 @pytest.mark.parametrize("n", [26, pytest.param(50, marks=pytest.mark.slow)])
 def test_polished_as_with_all_rows(n, monkeypatch):
-    found = find_minima(draw(n, 1), max_starts=120, effort="quick", prove=False, escape=False)
+    found = find_minima(draw(n, 1), max_starts=40, effort="quick", prove=False, escape=False)
     model, many = found.model, 0
     for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
         x = np.array(minimum.fold_angles)

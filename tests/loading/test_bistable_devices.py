@@ -166,6 +166,7 @@ def test_the_stiffness_at_the_start_is_drawn_through_the_start():
     assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
 
 
+@pytest.mark.slow  # three load paths of a vertex with 8 creases
 @pytest.mark.parametrize("growth", [1.5, 3.0])
 def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(
     growth,

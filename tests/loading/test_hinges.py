@@ -11,7 +11,6 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import double_well, linear
-from origami_nlp.pattern_problem import Torque
 from tests.independent import scan_four
 
 SECTORS = (70, 80, 120, 90)
@@ -102,17 +101,3 @@ def test_stops_close_under_a_load_where_a_scan_reaches_them():
     event = reached[0]
     phi = np.array(event.fold_angles)
     assert not held(0.97 * event.t, phi) and held(1.03 * event.t, phi)
-
-
-def test_a_torque_on_a_pattern_with_laws_is_added_to_them():
-    """The searches that confirm a snap know the state of the path; its energy is U - t phi."""
-    law = double_well(1.0, 0.9)
-    sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
-    torque = Torque(sheet, (1,))
-    path = o.load_path(sheet, torque, to=0.4)
-    assert path.legs[0].why == "range"
-    last = path.legs[0].points[-1]
-    found = o.find_minima(torque.loaded(last.t), escape=False)
-    apart = [np.abs(np.array(m.fold_angles) - last.fold_angles).max() for m in found.minima]
-    assert min(apart) < 1e-7
-    assert path.legs[0].points[0].t == 0

@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
-from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern_problem import PatternProblem, Torque
 from origami_nlp.pattern_states import contact_descent, judge
@@ -192,19 +191,6 @@ def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
     assert path.legs[1].points[-1].fold_angles == pytest.approx(pattern.rest, abs=1e-9)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("longest", [0.03, 0.3])
-def test_steps_of_other_lengths_find_the_same_events(longest):
-    _, path = pressed_path()
-    _, other = pressed_path(
-        ContinuationOptions(1e-3, longest, 1e-9, turn=longest, sharpest=3 * longest)
-    )
-    assert len(other.legs[0].points) != len(path.legs[0].points)
-    for a, b in zip(path.events, other.events, strict=True):
-        assert a.type == b.type and a.t == pytest.approx(b.t, abs=1e-10)
-        assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-10)
-
-
 # ---------------------------------------------------------------- several degrees of freedom
 
 
@@ -292,21 +278,6 @@ def test_a_side_rolls_over_a_facet():
     assert set(many) == {1, 2}
 
 
-@pytest.mark.slow
-def test_the_way_back_meets_the_same_events():
-    path = loaded(35, 1.2, unload=True)
-    assert [leg.why for leg in path.legs] == ["range", "range"]
-    closes, leaves = path.events
-    for leg in path.legs:
-        for a, b in ((0.0, closes.t), (closes.t, leaves.t), (leaves.t, 1.2)):
-            assert any(a < p.t < b for p in leg.points)
-    there, back = ([p.fold_angles for p in leg.points] for leg in path.legs)
-    assert len(back) == len(there)
-    assert np.array(back) == pytest.approx(np.array(there[::-1]), abs=1e-12)
-    first, last = path.legs[0].points[0], path.legs[1].points[-1]
-    assert last.t == 0.0 and last.fold_angles == pytest.approx(first.fold_angles, abs=1e-9)
-
-
 def test_springs_take_up_the_work_of_the_load_in_contact():
     path = loaded(35, 1.2)
     (leg,) = path.legs
@@ -344,15 +315,6 @@ def test_a_snap_lands_in_contact_and_goes_on():
     assert beyond and all(pushes(p)[0].value > 0 for p in beyond)
     for phi in (snap.before, snap.after, beyond[-1].fold_angles):
         assert not rigid.crossing(np.array(phi))
-
-
-@pytest.mark.slow
-def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
-    """That before the snap (nine degrees of freedom) is certified on its branch; 40 starts do not find it."""
-    pattern, start, crease = sprung(3)
-    path = o.load_path(pattern, crease, state=start, to=3.6)
-    assert path.snaps[0].confirmed.found[1]
-    assert path.branches[0].kind_ranges[0].kind == "contact-pinned"
 
 
 def by_small_steps(seed, to, count=60):

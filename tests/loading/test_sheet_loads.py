@@ -18,7 +18,6 @@ from origami_nlp.search import descend_by_newton
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
 from tests.patterns import miura, miura_angles, strip, wheel
-from tests.relabelled import relabelled
 
 GAMMA, REST = math.radians(70), 1.2
 
@@ -316,20 +315,6 @@ def test_a_pull_knows_no_facet_that_is_held():
 
 
 # ---------------------------------------------------------------- whoever states it, however
-
-
-@pytest.mark.slow
-def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
-    pattern, start = folded_miura(3, 2, *SNAPPING)
-    other, place, _ = relabelled(pattern, 7)
-    again = settled(other, start.phi[place])
-    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    one = o.load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
-    two = o.load_path(other, place.tolist().index(i) + 1, to=30.0, state=again, confirm=False)
-    assert two.snaps[0].t == pytest.approx(one.snaps[0].t, rel=1e-11)
-    assert np.array(two.snaps[0].before) == pytest.approx(
-        np.array(one.snaps[0].before)[place], abs=1e-9
-    )
 
 
 def test_what_is_refused_is_named():

@@ -39,11 +39,7 @@ def whole(scene):
     ("room", "name", "reported", "scene"),
     [
         (job.HingeSets, "states", "hinge sets", TWO_DOF),
-        (job.FlatFoldings, "states", "flat foldings", TWO_DOF),
-        (job.NearFlat, "states", "starts beside the flat state", TWO_DOF),
-        (job.NearFolded, "states", "starts beside flat foldings", TWO_DOF),
         (job, "trace", "curves of one degree of freedom", ONE_DOF),
-        (job, "polish", "a candidate on a curve", ONE_DOF),
         (find, "confirm", "a confirmation by IPOPT", TWO_DOF),
     ],
 )

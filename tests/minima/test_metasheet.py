@@ -4,9 +4,6 @@ A second way throughout: fold angles of one vertex by spherical trigonometry, re
 Flexible Collision Library on facets placed by rotation matrices; the state that is none in 50 digits.
 """
 
-import itertools
-import math
-
 import mpmath
 import numpy as np
 import pytest
@@ -15,15 +12,13 @@ import origami_nlp as o
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge
-from tests.independent.trigonometry import quadrilateral, sectors
+from tests.independent.trigonometry import sectors
 from tests.patterns import QUAD, metasheet
 
 STIFFNESS, REST = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
 """Of creases along each side of the quadrilateral."""
 AROUND = (2, 1, 0, 3)
 """Sides round a vertex, counter-clockwise."""
-SAMPLES = 120
-"""Of fold angles of a side, to either side of flat."""
 slow = pytest.mark.slow
 
 
@@ -77,118 +72,6 @@ def test_without_contact_a_sheet_has_the_states_of_its_vertex(size):
         assert crossed.verdict == ("not admissible" if crossed.crossings else "minimum")
         collide = sorted((a + 1, b + 1) for a, b in body.collide(state.phi))
         assert sorted(crossed.crossings) == collide  # a judged state counts facets from 1
-
-
-class Curves:
-    """States of a metasheet over the fold angle of one side, by spherical trigonometry alone."""
-
-    def __init__(self, size):
-        from tests.independent.rigid import Rigid
-
-        self.pattern, self.classes = sprung(size)
-        self.sectors = vertex_sectors(self.pattern, self.classes)
-        self.body = Rigid(self.pattern)
-
-    def at(self, fold, dart):
-        """Fold angles [n] at a fold angle of the first of the sides; None where there are none."""
-        folds = quadrilateral(self.sectors, fold, dart)
-        if folds is None:
-            return None
-        of_side = dict(zip(AROUND, (fold, *folds), strict=True))
-        return np.array([of_side[int(c)] for c in self.classes])
-
-    def energy(self, phi):
-        return float(0.5 * self.pattern.stiffness @ (phi - self.pattern.rest) ** 2)
-
-    def open(self, fold, dart):
-        phi = self.at(fold, dart)
-        return phi is not None and not self.body.collide(phi)
-
-    def survivors(self, samples):
-        """Lowest states of every stretch without crossings, flat excepted: fold angle, dart, touching or not."""
-        found = []
-        for dart, sense in itertools.product((False, True), (1.0, -1.0)):
-            folds = sense * np.linspace(0.0, math.pi, samples)[1:-1]
-            here = [(t, self.at(t, dart)) for t in folds]
-            here = [(t, phi, not self.body.collide(phi)) for t, phi in here if phi is not None]
-            energy = [self.energy(phi) for _, phi, _ in here]
-            for i in range(1, len(here) - 1):
-                if not here[i][2]:
-                    continue
-                for j, k in ((i - 1, i + 1), (i + 1, i - 1)):
-                    if not here[j][2] and energy[j] < energy[i] < energy[k]:
-                        found.append((self.touch(here[i][0], here[j][0], dart), dart, True))
-                if (
-                    here[i - 1][2]
-                    and here[i + 1][2]
-                    and energy[i] < min(energy[i - 1], energy[i + 1])
-                ):
-                    found.append((here[i][0], dart, False))
-        return found
-
-    def touch(self, free, crossed, dart):
-        """By halves."""
-        for _ in range(50):
-            middle = 0.5 * (free + crossed)
-            free, crossed = (middle, crossed) if self.open(middle, dart) else (free, middle)
-        return free
-
-
-@slow
-@pytest.mark.parametrize(
-    ("size", "kinds"),
-    [
-        (3, ("interior", "interior")),
-        (4, ("interior", "contact-pinned")),
-        (8, ("contact-pinned", "contact-pinned")),
-    ],
-)
-def test_with_contact_those_survive_that_a_scan_finds(size, kinds):
-    """On the curves of the vertex, scanned for crossings by another library: the same states, free or touching."""
-    pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-    curves = Curves(size)
-    expected = sorted(
-        (
-            (curves.energy(curves.at(t, dart)), t, dart, held)
-            for t, dart, held in curves.survivors(SAMPLES)
-        )
-    )
-    found = find_states(curves.pattern, starts=2, escape=False).minima
-    assert tuple(s.kind for s in found) == kinds
-    assert len(expected) == len(found)
-    for state, (energy, fold, dart, held) in zip(found, expected, strict=True):
-        driven = curves.classes == AROUND[0]
-        assert held == (state.kind == "contact-pinned")
-        if not held:
-            assert state.phi[driven] == pytest.approx(fold, abs=math.pi / SAMPLES)
-            continue
-        assert state.phi == pytest.approx(curves.at(fold, dart), abs=1e-6)
-        assert state.energy == pytest.approx(energy, abs=1e-5)
-        # what contacts carry: forces times the opening of their gaps are what the springs lose
-        step, t = 1e-4, float(state.phi[driven][0])
-        outward = -step * np.sign(t)  # back to where facets part
-        ways = [curves.at(t + k * outward, dart) for k in (1, 2)]
-        lost = (curves.energy(ways[1]) - curves.energy(ways[0])) / step
-        opening = [
-            (distance(curves, ways[1], c) - distance(curves, ways[0], c)) / step
-            for c in state.contacts
-        ]
-        assert lost > 0 and min(opening) > 0
-        work = sum(c.force * d for c, d in zip(state.contacts, opening, strict=True))
-        assert work == pytest.approx(lost, rel=1e-3)
-
-
-def distance(curves, phi, contact):
-    """Of the two facets that touch: the least over their sides, brute force."""
-    x = curves.body.polygons(phi)
-    one, other = (x[f - 1] for f in contact.facets)
-    best = math.inf
-    for p, q in zip(one, np.roll(one, -1, axis=0), strict=True):
-        for r, s in zip(other, np.roll(other, -1, axis=0), strict=True):
-            m = np.column_stack([q - p, r - s])
-            a, b = np.clip(np.linalg.lstsq(m, r - p, rcond=None)[0], 0, 1)
-            best = min(best, float(np.linalg.norm(p + a * (q - p) - r - b * (s - r))))
-    return best
 
 
 class FiftyDigits:

@@ -157,7 +157,7 @@ def test_minima_of_many_vertices_that_are_not_flat(seed):
     check(scene, 600, 300)
 
 
-@pytest.mark.parametrize(("order", "name"), [(3, "D3"), (5, "D5"), (2, "D2"), (1, "D1"), (4, "D4")])
+@pytest.mark.parametrize(("order", "name"), [(3, "D3"), (2, "D2"), (1, "D1")])
 @pytest.mark.parametrize("share", thinned([-0.2, 0.2], 2))
 def test_symmetric_states_of_vertices_that_are_not_flat(order, name, share):
     """The wedge of D_n, unrolled at another angle, gives states that close all around."""

@@ -65,7 +65,7 @@ def test_what_is_off_by_more_stays_where_it_is():
 def test_a_command_names_both_ways_on(tmp_path):
     path = tmp_path / "drawn.fold"
     path.write_text(json.dumps(noisy(3e-4)[0]))
-    for words in (("inspect", path), ("minima", path, "--starts", 0, "--seconds", 20)):
+    for words in (("inspect", path), ("minima", path, "--starts", 0, "--seconds", 2)):
         plain, snapped = run(*words), run(*words, "--snap", 3e-3)
         assert "--snap" in plain.err and "--bend" in plain.err
         assert "--snap" not in snapped.err and snapped.code == 0

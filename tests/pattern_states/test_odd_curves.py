@@ -21,7 +21,7 @@ def distance(curve, x):
     return min(curve.nearest(step, x)[1] for step in range(len(curve.control)))
 
 
-@pytest.mark.parametrize("name", thinned(["metasheet:3x3", "miura:2x3", "squaretwist"], 3))
+@pytest.mark.parametrize("name", thinned(["miura:2x3", "metasheet:3x3", "squaretwist"], 3))
 def test_half_of_a_curve_says_what_the_whole_does(name):
     problem, asked = PatternProblem(as_pattern(name)), 0
     clearance = Clearance(problem)
@@ -70,7 +70,7 @@ def test_barriers_over_the_flat_state_are_those_of_walks_that_share_no_code(name
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")
     from tests.independent.rigid import Rigid
 
-    found = o.find_minima(name)
+    found = o.find_minima(name, prove=False)
     rigid, asked = Rigid(found.pattern), 0
     for m in found.minima:
         if m.kind != "interior" or m.dof != 1:

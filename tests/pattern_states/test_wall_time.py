@@ -30,13 +30,13 @@ def warm():
     """Import and compile what the searches use: that is none of their time."""
     for search in SEARCHES.values():
         with suppress(OptionError):  # 4 s of a busy machine may not do for a path
-            search(as_pattern("metasheet:2x3"), 4.0)
+            search(as_pattern("miura:2x2"), 4.0)
 
 
 @pytest.mark.parametrize(
     ("search", "sheet"),
-    thinned([("minima", WIDE), ("minima", LONG), ("barriers", LONG), ("barriers", WIDE)], 2)
-    + thinned([("follow", WIDE), ("follow", LONG), ("load", WIDE), ("load", LONG)], 2),
+    thinned([("minima", WIDE), ("minima", LONG), ("barriers", LONG), ("barriers", WIDE)], 4)
+    + thinned([("load", LONG), ("load", WIDE), ("follow", WIDE), ("follow", LONG)], 4),
 )
 def test_limits_of_wall_time_are_kept_on_large_sheets(warm, search, sheet):
     pattern = as_pattern(sheet)
@@ -56,7 +56,7 @@ def test_limits_of_wall_time_are_kept_on_large_sheets(warm, search, sheet):
 def test_searches_of_sheets_say_where_they_are():
     said, energies = [], []
     result = find_minima(
-        "metasheet:2x3",
+        "miura:2x2",
         starts=2,
         progress=lambda starts, minima, at: said.append((starts, minima, at)),
         found=lambda energy, phi: energies.append((energy, phi)),
@@ -66,7 +66,7 @@ def test_searches_of_sheets_say_where_they_are():
     assert said[-1][:2] == (result.search.starts, len(result.minima))
     assert "random starts" in {at for *_, at in said}
     words = []
-    follow("metasheet:2x3", "ratio=0.5:2", checks=1, starts=1, progress=words.append)
+    follow("miura:2x2", "ratio=0.5:2", checks=1, starts=1, progress=words.append)
     assert words[0] == "search at ratio = 1" and "arcs followed, now from ratio" in words[-1]
 
 

@@ -14,8 +14,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
-from origami_nlp.space.chain import chain_of
-from origami_nlp.space.mesh import SEAM, mesh_cover
 from tests.computed_once import once, thinned
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -24,8 +22,6 @@ from tests.independent.search_manifold import Piece
 SCENES = {
     "6, pi/4": degree6("pi/4"),
     "6, pi/3": degree6("pi/3"),
-    "6, 5 pi/12": degree6("5*pi/12"),
-    "8, pi/12": degree8("pi/12"),
     "8, pi/6": degree8("pi/6"),
     "8, pi/4": degree8("pi/4"),
 }
@@ -42,15 +38,6 @@ def test_topology_does_not_depend_on_the_mesh(spaces, name):
     coarse, middle = find_space(SCENES[name], rings=11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_topology_does_not_depend_on_fine_meshes(spaces, name):
-    for size in (65, 128):
-        fine = find_space(SCENES[name], rings=size)
-        assert fine.signature == spaces[name].signature
-        assert fine.picture_holes == spaces[name].picture_holes
 
 
 @pytest.mark.slow
@@ -223,14 +210,6 @@ def test_states_negate(spaces, name):
         turned = tuple(sorted(c.translate(swap) if c.startswith("phi_") else c for c in contacts))
         if not space.handles:
             assert corners[turned] == count
-
-
-@pytest.mark.slow
-def test_mesh_of_closed_states_is_a_surface():
-    cover = mesh_cover(chain_of(degree6(0.9)), 20)
-    _, of_triangle = topology.edges_of(cover.triangles)
-    assert np.bincount(of_triangle.ravel()).max() == 2
-    assert (cover.leaf[cover.on >> SEAM & 1 == 1] == 0).all()
 
 
 def test_topology_of_known_complexes():

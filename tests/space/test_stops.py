@@ -74,6 +74,7 @@ def check_count(scene, rings=16):
     return found
 
 
+@pytest.mark.slow  # a fine mesh
 @pytest.mark.parametrize("seed", [1])
 def test_pieces_are_those_of_pixels(seed):
     check_pixels(stopped(seed, without_flat=True))
@@ -103,6 +104,7 @@ def test_critical_points_of_many_count_the_euler_characteristic(seed):
     assert not o.critical.compare_minima(found, search).comparison.only_search
 
 
+@pytest.mark.slow  # a fine mesh
 def test_stops_that_are_not_reached_change_nothing():
     plain = o.examples.degree6("pi/3")
     most = np.abs(o.find_space(plain, rings=8).mesh.fold_angles).max(axis=0)

@@ -305,6 +305,7 @@ def alive(numbers):
     return found
 
 
+@pytest.mark.slow  # kills processes of a sweep
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     spec, out = tmp_path / "sweep.toml", tmp_path / "out"
     spec.write_text(MANY)

@@ -35,6 +35,7 @@ def test_every_section_and_appendix_of_the_paper_is_covered():
         assert place in places
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_every_claim_is_decided(run):
     assert [r.claim.id for r in run.results if not r.verdict.decided] == []
 
@@ -44,6 +45,7 @@ def test_the_whole_run_keeps_to_its_budget(run):
     assert run.seconds < BUDGET_SECONDS
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_a_refutation_carries_a_correction_proved_in_the_same_run(run):
     for r in run.results:
         if r.verdict.verdict in ("refuted", "convention"):

@@ -70,10 +70,9 @@ def test_a_damaged_statement_is_refuted(claim_id, which):
 
 
 @pytest.mark.parametrize("claim_id", thinned(CORRECTED, 5))
-def test_the_corrected_statement_is_accepted(claim_id, run):
+def test_the_corrected_statement_is_accepted(claim_id):
     claim = catalogue.claim_by_id(claim_id)
-    (printed,) = [r.verdict.verdict for r in run.results if r.claim.id == claim_id]
-    assert printed in ("refuted", "convention")
+    assert claim.decide(claim.statement).verdict in ("refuted", "convention")
     assert claim.decide(claim.corrected).verdict == "proved"
 
 

@@ -57,19 +57,6 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 20])
-@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
-@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.3])
-def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
-    rng = np.random.default_rng(degree)
-    for curve in cone.phase_boundaries(cone.Cone(degree, rest), depth=depth):
-        for k in sample(curve, 8, rng):
-            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
-            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
-            assert sides[0] != sides[1], (curve, nu, ratio)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "degree, depth",
     [

@@ -20,7 +20,7 @@ def open_boxes(degree):
     }
 
 
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+@pytest.mark.parametrize("degree", [6, 12])
 def test_no_branch_holds_two_interior_minima(degree):
     assert open_boxes(degree) == {}
 
@@ -38,7 +38,7 @@ def test_the_proof_fails_where_two_minima_exist():
 
 
 @given(st.data())
-@settings(max_examples=150)
+@settings(max_examples=60)
 def test_enclosures_hold_the_energies_derivatives(data):
     degree = data.draw(st.sampled_from([6, 8, 10, 12, 22]))
     classes = cone.assignment_classes(degree)
