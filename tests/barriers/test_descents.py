@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import LOWEST, NEVER, PROVED
+from origami_nlp.barriers.passes import NEVER, PROVED
 from origami_nlp.problem import Model
-from tests.independent import flood_three
 from tests.independent.links import corners, crosses
 
 
@@ -78,28 +77,6 @@ def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
     assert any(p.why == PROVED and p.pass_kind == "flat state" for p in exact)
     for m in found.result.minima:  # a state of no higher energy need not be listed
         assert not m.escape or m.escape.method == "upper bound (descents)"
-
-
-@pytest.mark.slow
-def test_paths_are_as_low_as_a_flood_of_a_lattice_finds():
-    """Three fold angles on a lattice, the others by spherical trigonometry: 39,100 states, within fold limits."""
-    scene = drawn(6, 0, contact="fold-limits")
-    result = o.find_minima(scene, prove=False, escape=False)
-    found = o.find_barriers(scene, result)
-    assert checked(found) >= 3 and not any(p.why in LOWEST for p in found.passes)
-    minima = np.array([m.fold_angles for m in result.minima])
-    sectors, k, rest = (
-        np.array(x) for x in (scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
-    )
-    flooded, lattice = flood_three.heights(sectors, k, rest, minima, 31, 0.6)
-    for phi in lattice[::500]:
-        assert np.abs(corners(sectors, phi)[1] - np.eye(3)).max() < 1e-9
-    heights = found.matrix()
-    both = [(1, 3), (5, 6), (7, 8)]
-    saddles = {(p.from_state, p.to_state): p.pass_kind for p in found.passes}
-    assert [saddles[pair] for pair in both] == ["saddle", "saddle", "contact saddle"]
-    for i, j in both:
-        assert heights[i - 1, j - 1] <= flooded[i - 1, j - 1] < heights[i - 1, j - 1] * 1.05
 
 
 def test_with_less_paper_no_path_leads_to_the_other_side():

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 
 from origami_nlp import Vertex, check_admissible
 from origami_nlp.folding import (
@@ -69,38 +68,6 @@ def test_names_of_the_ends_of_a_pair():
         [[2, 0], [3, 0], [0, 2], [1, 2]],
         [[1, 4], [2, 4], [4, 1], [0, 1]],
     ]
-
-
-def shut_at_random(rng, count, n):
-    at_limit = np.zeros((count, n), int)
-    for row in at_limit:
-        chosen = rng.permutation(n)[: rng.integers(1, n - 3)]
-        row[chosen] = rng.choice([-1, 1], len(chosen))
-    return at_limit
-
-
-@pytest.mark.slow
-def test_the_stack_rule_refuses_nothing_that_has_an_order():
-    rng = np.random.default_rng(3)
-    flagged = refused = seen = 0
-    for n in range(5, 9):
-        for _ in range(10):
-            p = problem(rng, n)
-            vertex = Vertex(tuple(p.sectors.tolist()))
-            x, at_limit = closed_states(rng, p, 200, shut_at_random(rng, 200, n))
-            rays, _ = fold(p.sectors, x)
-            clear = find_crossings(rays, facet_pairs(n)).depth.max(axis=1) <= 1e-12
-            depth = stack_depths(stack_rule(p.sectors), x, at_limit)
-            wrong = depth.max(axis=1) > 1e-6
-            verdict = np.array(
-                [check_admissible(vertex, state).admissible for state in x[clear]], bool
-            )
-            assert not verdict[wrong[clear]].any()
-            flagged += int(wrong[clear].sum())
-            refused += int((~verdict).sum())
-            seen += len(verdict)
-    assert flagged > 100 and refused < seen
-    assert flagged > 0.9 * refused  # what the depths do not see is nearly always two layers deep
 
 
 def test_the_row_of_a_stack_is_where_the_facet_turns():

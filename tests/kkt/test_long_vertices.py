@@ -117,7 +117,7 @@ def test_one_moment_in_the_frame_of_every_facet(n):
 def test_symmetric_states_have_one_moment_too():
     """In the mirror plane for D1, and none is said where touching facets carry some."""
     seen = set()
-    for scene in examples.panels()[:6]:
+    for scene in examples.panels()[:2]:
         for minimum in panel_result(scene).minima:
             if minimum.moment is None:
                 assert math.isnan(minimum.moment_residual)

@@ -130,7 +130,7 @@ def test_many_states_are_as_each_of_them(name: str) -> None:
 
 
 def test_a_stratum_is_what_the_minima_say() -> None:
-    for panel in examples.panels()[3:6]:
+    for panel in examples.panels()[3:5]:
         result = panel_result(panel)
         for m in result.minima:
             state = State(result.model, result.model.reduce(np.array(m.fold_angles)))

@@ -2,7 +2,6 @@
 
 import json
 import math
-from itertools import product
 
 import numpy as np
 import pytest
@@ -16,8 +15,7 @@ from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
 from tests.command_line import run
-from tests.independent.trigonometry import strip_states
-from tests.patterns import miura, miura_angles, strip, wheel
+from tests.patterns import miura, miura_angles, wheel
 
 GAMMA, REST = math.radians(70), 1.2
 
@@ -150,41 +148,6 @@ def test_a_path_stops_where_the_sheet_is_flat():
     assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
     found = judge(PatternProblem(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
     assert found.refuted
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 2])
-def test_strips_snap_where_trigonometry_says(seed):
-    pattern = strip(seed)
-    state, shared = strip_states(pattern)
-    start = o.find_minima(pattern, starts=0, contact="fold-limits", escape=False).minima[0]
-    path = o.load_path(pattern, 1, state=start, confirm=False)
-    darts = min(
-        product((False, True), repeat=2),
-        key=lambda d: np.abs(_or_far(state(start.phi[shared], d)) - start.phi).max(),
-    )
-
-    def torque(fold, h=1e-5):
-        ahead, behind, phi = (state(fold + x, darts) for x in (h, -h, 0.0))
-        way = ahead - behind
-        return (pattern.stiffness * (phi - pattern.rest)) @ way / way[0]
-
-    interior = [p for leg in path.legs for p in leg.points if np.abs(p.fold_angles).max() < 3.1]
-    assert len(interior) > 20
-    for p in interior:
-        fold = p.fold_angles[shared]
-        assert np.abs(state(fold, darts) - p.fold_angles).max() < 1e-9
-        assert torque(fold) == pytest.approx(p.t, abs=1e-5)
-    for snap in path.snaps:
-        fold = snap.before[shared]
-        side = np.array([torque(fold + d) for d in (-1e-2, 0.0, 1e-2)]) * math.copysign(1, snap.t)
-        assert side[1] > max(side[0], side[2])  # the torque is extreme there
-        assert snap.t == pytest.approx(torque(fold), abs=1e-6)
-    assert path.snaps and all(e.located for e in path.events if e.type in ("fold", "closes"))
-
-
-def _or_far(phi):
-    return np.full(7, 9.0) if phi is None else phi
 
 
 def test_a_path_stops_where_all_creases_shut_at_once():

@@ -93,32 +93,6 @@ GUESS = np.array(
         3.0385332591756518,
     ]
 )
-CROWDED = Scene(
-    Vertex(("pi/4",) * 8),
-    (
-        0.03162279099806184,
-        0.031622785882809104,
-        0.03162276954182363,
-        0.031622770817501075,
-        0.0316227622053123,
-        0.03162277458767949,
-        0.03162279092787292,
-        0.03162278238666569,
-    ),
-    (
-        1.5634092898057752,
-        -1.5634095026449688,
-        1.563410088723698,
-        -1.5634093526493442,
-        1.5634100775342918,
-        -1.5634097744912352,
-        1.5634091883765917,
-        -1.563410014726431,
-    ),
-    "none",
-    "full",
-)
-"""Contacts of a state on a hinge whose slopes are almost zero: the basis of a linear program became singular."""
 
 
 def random_scene(number, contact="full"):
@@ -237,13 +211,6 @@ def test_one_polish_that_breaks_down_is_counted_and_the_search_goes_on(monkeypat
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert len(result.minima) == 3
     assert result.search.failed["Singular matrix"] > 0
-
-
-def test_a_state_with_contacts_of_almost_no_slope_is_judged():
-    """The linear program for the ranges of multipliers raised LinAlgError: Singular matrix."""
-    small = 1.4241416274299255e-07
-    x = pi * np.array([-1.0, -small, 1.0, 1.424141630257085e-07, 1.0, 1.0, 1.0, -1.0])
-    assert classify(State(Model(CROWDED), x)).verdict in ("minimum", "undecided", "not stationary")
 
 
 def test_a_minimum_that_is_handed_over_is_listed():

@@ -270,7 +270,7 @@ def test_files_keep_laws(tmp_path):
     phi = np.array(found.minima[0].fold_angles)
     assert back.laws == scene.laws and np.allclose(back.limits, scene.limits)
     assert back.energy(phi) == pytest.approx(scene.energy(phi))
-    miura = o.examples.pattern("miura", 2, 3)
+    miura = o.examples.pattern("miura", 2, 2)
     miura = miura.with_laws([laws[0], None, detent(0.2, 4)] + [None] * (miura.creases - 3))
     many = o.find_minima(miura, escape=False, prove=False, starts=0, contact="fold-limits")
     o.write_fold(many, tmp_path / "miura.fold")

@@ -6,7 +6,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import Interrupted
 
-SCENE = o.examples.degree6("pi/3", ratio=1)
+SCENE = o.examples.degree6("pi/4", ratio=1)
 
 
 def interrupted(after):

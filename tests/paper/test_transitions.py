@@ -10,10 +10,8 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paper import events, find_transitions
 from origami_nlp.paper.events import Event, find_events
-from origami_nlp.paper.transitions import signature_of
 from origami_nlp.pattern import degree6, degree8
-from origami_nlp.space import find_space
-from tests.computed_once import once, thinned
+from tests.computed_once import once
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
 
@@ -68,28 +66,6 @@ def test_curves_of_events_are_told(events6):
     assert curve
     assert {round(e.alpha, 9) for e in curve} == {round(math.pi / 3, 9)}
     assert {len(e.walls) for e in curve} == {2}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("make", "alpha", "changes"),
-    thinned(
-        [
-            (degree6, math.pi / 3, True),
-            (degree6, math.pi / 4, False),
-            (degree8, math.pi / 4, False),
-        ],
-        3,
-    ),
-)
-def test_signatures_on_both_sides(make, alpha, changes):
-    below, at, above = (
-        signature_of(find_space(make(a), rings=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
-    )
-    assert below.topology == above.topology
-    assert below.corners != above.corners
-    assert (at.topology != below.topology) == changes
-    assert (above.picture_holes != below.picture_holes) == changes
 
 
 @pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])

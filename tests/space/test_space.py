@@ -120,25 +120,6 @@ def test_kuhn_triangulation_finds_two_annuli_around_the_flat_state(scene, size):
     assert found.euler == (0, 0)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "size"),
-    [
-        (degree8("pi/12"), 40),
-        (degree8(1.2), 48),
-        (degree6("pi/4"), 16),
-        (degree6(0.95), 16),
-        (degree6(1.1), 18),
-        (degree6("5*pi/12"), 16),
-        (degree6("5*pi/12"), 20),
-    ],
-)
-def test_kuhn_triangulation_finer(scene, size):
-    found = kuhn_surface(Piece.of(scene), size, 0.8)
-    assert len(found.polygons) == 2
-    assert found.euler == (0, 0)
-
-
 def test_handles_of_pi_3(spaces):
     space = spaces["6, pi/3"]
     assert len(space.handles) == 4
