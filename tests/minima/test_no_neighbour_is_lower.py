@@ -16,7 +16,7 @@ from tests.independent.neighbours import RADII, Problem, draw, look_around, stra
 from tests.independent.pockets import look_along_contacts
 
 PANELS = examples.panels()
-SOME = thinned(PANELS, 6)
+SOME = thinned(PANELS, 8)
 FULL_RADII = np.logspace(-1, -5, 9)
 NORMAL, SLOW, SLOW_FULL = 200, 10_000, 20_000
 

@@ -201,36 +201,6 @@ def held():
     return problem, scene
 
 
-@pytest.mark.slow
-def test_lower_states_beside_stacked_minima_are_no_paper():
-    """Closed states beside them, by the exact test of single vertices: none that is lower is admissible."""
-    from origami_nlp import find_minima
-
-    problem, scene = held()
-    rng, lower, count = np.random.default_rng(0), 0, 0
-    for m in find_minima(scene, prove=False, escape=False).minima:
-        phi = np.array(m.fold_angles)
-        faces = Faces(problem, phi)
-        if not (faces.known or faces.open):
-            continue
-        state = judge(problem, phi)
-        assert state.verdict == "minimum"
-        count += any(c.type == "face-face" and c.force > 1e-3 for c in state.contacts)
-        z, at_limit = problem.kernel(phi), np.abs(phi) > math.pi - 1e-9
-        for _ in range(60):
-            held_ones = at_limit & (rng.random(6) < 0.6)
-            way = z @ rng.normal(size=z.shape[1])
-            start = phi + 10 ** rng.uniform(-3.5, -1.5) * way / np.linalg.norm(way)
-            start = np.where(held_ones, phi, np.clip(start, -math.pi, math.pi))
-            new, left = problem.project(start, held_ones)
-            if left > 1e-13 or np.abs(new).max() > math.pi or not problem.closure.lifts_to_one(new):
-                continue
-            if problem.scaled_energy(new) < problem.scaled_energy(phi) - 1e-12:
-                assert not check_admissible(scene.vertex, new).admissible
-                lower += 1
-    assert count >= 5 and lower > 50
-
-
 def _rolled(rest):
     """A strip of three facets rolled up, the last and shorter one inside or outside of the first."""
     x = np.array([0.0, 1.0, 2.0, 2.6])
