@@ -79,6 +79,7 @@ def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
         assert not m.escape or m.escape.method == "upper bound (descents)"
 
 
+@pytest.mark.slow  # six seconds for a path that there is not
 def test_with_less_paper_no_path_leads_to_the_other_side():
     vertex = o.Vertex(tuple(np.full(6, math.radians(50))), flat=False)
     scene = o.Scene(vertex, (1.0,) * 6, (0.4, 0.5, 0.6, 0.4, 0.5, 0.6), symmetry="none")

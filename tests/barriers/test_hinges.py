@@ -130,6 +130,7 @@ def test_a_stop_before_flat_parts_the_two_sides_of_a_vertex():
     assert across and all(p.energy == math.inf and p.why == STOPPED for p in across)
 
 
+@pytest.mark.slow  # forty noisy searches
 def test_what_survives_errors_is_the_same_with_linear_laws(monkeypatch):
     wide = lambda k, r: HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + r)),))  # noqa: E731
     plain = quadrilateral()
