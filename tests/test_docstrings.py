@@ -54,33 +54,21 @@ def found_once(find: Callable, kept: list) -> Callable:
 KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
-DEAR = {
-    f"origami_nlp.{name}"
-    for name in (
-        "barriers.result",
-        "bifurcation.boundary",
-        "bifurcation.find",
-        "contact.segments",
-        "critical.result",
-        "inverse_design.result",
-        "landscape.exact",
-        "critical.find",
-        "results",
-        "loading.result",
-        "barriers.find",
-        "minima.figure",
-        "minima.minimum",
-        "minima.result",
-        "pattern_states.find",
-        "verbs",
-    )
-}
+DEAR = (
+    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments continuation.tracer "
+    "critical.find critical.result inverse_design.finding inverse_design.result landscape.exact loading.find "
+    "loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
+).split()
 """Modules whose examples take seconds: they run with the long studies."""
 
 
 @pytest.mark.parametrize(
     "module",
-    [pytest.param(m, marks=[pytest.mark.slow] if m in DEAR else []) for m in WITH_EXAMPLES],
+    [
+        pytest.param(m, marks=[pytest.mark.slow] if m.removeprefix("origami_nlp.") in DEAR else [])
+        for m in WITH_EXAMPLES
+    ],
 )
 def test_examples_say_what_they_show(module, monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))

@@ -9,6 +9,7 @@ import origami_nlp as o
 from origami_nlp.pattern import as_scene, scene_pattern
 from origami_nlp.proof import prove
 from tests.command_line import run
+from tests.computed_once import thinned
 
 WAYS = {
     "boundaries": (
@@ -39,7 +40,7 @@ def test_results_and_programmes_of_patterns_are_refused_in_one_line():
         prove(found.pattern)
 
 
-@pytest.mark.parametrize("degree", [4, 5, pytest.param(7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("degree", thinned([5, 4, 7], 3))
 def test_a_pattern_of_one_vertex_is_taken_as_the_scene_that_it_equals(degree):
     rng = np.random.default_rng(degree)
     sectors = rng.uniform(0.5, 1.5, degree)
@@ -75,7 +76,7 @@ def test_commands_of_one_vertex_say_so():
     assert "--vertex is needed: one vertex is asked for" in done.err
 
 
-@pytest.mark.parametrize("whole", [True, False], ids=("pattern", "vertex"))
+@pytest.mark.parametrize("whole", thinned([False, True], 2), ids=("vertex", "pattern"))
 def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     target, scene = tmp_path / "ends.stl", o.examples.degree6("5*pi/12")

@@ -49,6 +49,7 @@ def compare(atlas, t, **search):
     return len(branches) - len(found.minima)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_third_state_of_5_pi_12_is_born_without_an_eigenvalue(atlas):
     birth, closes = atlas.events
     assert (birth.type, closes.type) == ("nonsmooth-fold", "closes")
@@ -139,6 +140,7 @@ def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     """By an equation at the flat state alone; by the points of the curve on both sides, whose size is linear in t."""
     atlas = follow(generic(1, 5), "creases.rest_angles[1]=-1:pi", checks=2)
@@ -215,6 +217,7 @@ def test_a_torque_is_followed_to_the_snap_of_the_load_path():
         assert made.preload == pytest.approx((-0.13, 0, 0, 0, 0, 0), abs=1e-16)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_pitchfork_is_passed_and_its_branches_are_followed():
     """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
     atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full=False)

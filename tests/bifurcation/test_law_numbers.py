@@ -95,6 +95,7 @@ def folds_against_scans(law, number, low, high, energy, seed=2):
     return folds
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_width_of_a_well_against_scans():
     spring = sum_of([linear(0.3), well(1.0, 1.0, 0.3)], "snap")
 

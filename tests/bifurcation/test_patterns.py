@@ -140,13 +140,6 @@ def test_a_state_vanishes_where_its_contact_opens():
     assert abs(many[0] - many[1]) == 1
 
 
-def test_searches_find_the_state_that_a_contact_bears():
-    atlas = stiffened()
-    (contact,) = [e for e in atlas.events if e.type == "nonsmooth-fold"]
-    for _, found, listed in both_sides(contact, atlas):
-        assert [m.energy for m in found] == pytest.approx([s.energy for s in listed], rel=1e-9)
-
-
 def test_a_vertex_that_moves_and_what_is_refused():
     atlas = o.follow("miura:2x2", "vertices.x[0]=-0.1:0.1", **FEW)
     assert len(atlas.branches) == 2 and not atlas.events

@@ -86,6 +86,7 @@ def test_corners_met_by_newton_are_where_bisection_ends(monkeypatch, name):
     assert np.abs(met.states[[0, -1]] - bisected.states[[0, -1]]).max() < 1e-9
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize(
     "scene",
     [

@@ -99,14 +99,17 @@ def near_finite(branch, x, y):
 
 @pytest.mark.parametrize(
     "scene",
-    [
-        o.examples.degree6("pi/4", 1),
-        o.examples.degree6("pi/3", 1),
-        o.examples.degree6("5*pi/12", 1),
-        o.examples.degree8("pi/12", 1),
-        o.examples.degree8("pi/4", 1),
-        wedge_scene(3, 0.4),
-    ],
+    thinned(
+        [
+            o.examples.degree6("pi/4", 1),
+            o.examples.degree6("pi/3", 1),
+            o.examples.degree6("5*pi/12", 1),
+            o.examples.degree8("pi/12", 1),
+            o.examples.degree8("pi/4", 1),
+            wedge_scene(3, 0.4),
+        ],
+        3,
+    ),
     ids=lambda s: s.name or s.group.name,
 )
 def test_no_admissible_state_is_left_white(scene):

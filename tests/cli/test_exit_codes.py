@@ -30,7 +30,6 @@ CODES = {
     "check miura:2x2": Ended.NO,
     "check flat.fold miura:2x2": Ended.NO,
     "check flat.fold nowhere.fold": Ended.WRONG,
-    "design switch": Ended.DONE,
     "design two.toml": Ended.NO,
     "paper verify --only s2.loop-closure": Ended.DONE,
     "minima nowhere.toml": Ended.WRONG,
@@ -143,6 +142,7 @@ def test_what_was_found_before_the_time_was_over_is_written(here, monkeypatch):
     assert json.loads((here / "out.json").read_text())["minima"]
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, None])
 def test_what_was_found_is_kept_by_ctrl_c_and_by_a_verb_that_is_late(here, monkeypatch, stop):
     from origami_nlp.errors import Interrupted

@@ -74,7 +74,9 @@ def clock_of_tracers(monkeypatch):
     monkeypatch.setattr("origami_nlp.continuation.tracer.time", clock)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n == "boundary")) for n in COMMANDS]
+)
 def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path, monkeypatch, name):
     clock_of_tracers(monkeypatch)
     scene, out = scene_file(tmp_path, examples.degree6("5*pi/12")), tmp_path / "out.json"

@@ -54,6 +54,7 @@ def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @POSIX
 def test_a_display_that_does_not_exist_and_no_home_do_not_matter(tmp_path):
     scene = Scene(Vertex(("pi/2",) * 4), (1, 1, 1, 1), (1, 0, 1, 0), contact="fold-limits")

@@ -103,6 +103,7 @@ def test_loads_and_moments_are_inverse_and_keep_the_norm() -> None:
 # ---------------------------------------------------------------- margins
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize("name", thinned(list(PINNED), 4))
 def test_panel_margins_are_confirmed_beside_the_critical_load(name: str) -> None:
     margin = margin_of(name)
@@ -155,6 +156,7 @@ def test_every_load_in_the_ball_is_borne(name: str) -> None:
         assert what.verdict == "minimum" and what.kind == "contact-pinned"
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     result = search("creases on each other")
     model = result.model

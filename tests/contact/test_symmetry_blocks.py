@@ -24,6 +24,7 @@ def test_without_loaded_contacts_it_is_the_breaking_block_of_the_spectrum():
         assert wanted and breaking_stiffnesses(state, SCENE) == pytest.approx(wanted, rel=1e-12)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_loaded_contacts_stay_closed():
     scene, seen = replace(LOADED, preload=(-0.4, *[0] * 7)), set()
     for pinned in find_contacts(
@@ -43,6 +44,7 @@ def test_loaded_contacts_stay_closed():
     assert seen == {2}
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_state_without_one_hessian_has_no_number():
     found = panel_result(o.examples.degree6("pi/3"))
     report = find_contacts(found, check=False)

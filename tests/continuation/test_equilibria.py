@@ -190,6 +190,7 @@ def closing_ratio(node):
         return mp.exp(found[6])
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_handles_and_the_book_fold_are_followed():
     web, states = over_ratio("pi/3", 0.5, 50)
     for x in states:

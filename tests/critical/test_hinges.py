@@ -56,6 +56,7 @@ def is_lowest_near(scene, phi):
     return len(near) > 100 and (model.parameters.energy_change(x, near) > 0).all()
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_linear_law_has_the_critical_points_of_its_spring():
     scene = PANELS[15]
     springs = zip(scene.stiffness, scene.rest_angles, strict=True)

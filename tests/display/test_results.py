@@ -23,10 +23,10 @@ def results():
     """One of each kind, by class."""
     scene = o.examples.degree6("pi/4")
     result = panel_result(scene)
-    points = compare_minima(o.find_critical_points(scene, samples=512), result)
+    points = compare_minima(o.find_critical_points(scene, samples=128), result)
     contacts = o.find_contacts(result, segments=True, check=False)
-    found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=16)]
-    found += [o.find_barriers(scene, result), o.find_landscape(result, size=31)]
+    found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
+    found += [o.find_barriers(scene, result), o.find_landscape(result, size=21)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     sheet = o.examples.pattern("metasheet:2x3")

@@ -8,13 +8,16 @@ from tests import gallery
 from tests.documentation import shell
 
 NAMES = " ".join(gallery.ORDER.values()).split()
-DEAR = "waterbomb_snap square_twist kresling_tube resch bistable_strip map_two_parameters noise paper_panel"
-"""Scripts of several seconds wait for the long studies."""
+DEAR = (
+    "waterbomb_snap square_twist kresling_tube resch bistable_strip map_two_parameters noise paper_panel "
+    "miura_sheet yoshimura design_switch cone tape_spring barrier_graph metasheet"
+).split()
+"""Scripts of more than a second wait for the long studies."""
 MOST_LINES = 15
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in DEAR.split())) for n in NAMES]
+    "name", [pytest.param(n, marks=[pytest.mark.slow] * (n in DEAR)) for n in NAMES]
 )
 def test_a_script_prints_and_draws_what_is_shown(name):
     shown = json.loads(gallery.RECORD.read_text())[name]

@@ -167,7 +167,9 @@ def test_energies_are_exact():
         pytest.fail("neither gap is feasible")
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=[LONG] * (n == "three-equal")) for n in EXAMPLES]
+)
 def test_examples_verify(name, tmp_path):
     targets, ask, title = parse_targets(EXAMPLES[name])
     found = design(targets, ask, name=title)
@@ -204,6 +206,7 @@ def _between(found, count):
         yield model.energy(x)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_barriers_at_most_and_largest():
     targets, _, _ = parse_targets(EXAMPLES["switch"])
     low = replace(targets, barriers=(BarrierAsk("off", "on", 0.0, 0.015),))

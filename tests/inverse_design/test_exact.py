@@ -12,7 +12,7 @@ pytest.importorskip("clarabel")
 
 
 def test_differences_of_energy_are_exact():
-    """25 random questions of two states, four to six creases, some pinned; gaps asked for from -5 to 20 mJ."""
+    """Ten random questions of two states, four to six creases, some pinned; gaps asked for from -5 to 20 mJ."""
     done = []
     for seed in itertools.count():
         gap = (0.0, 0.0125, -0.005, 0.02)[seed % 4]
@@ -26,6 +26,6 @@ def test_differences_of_energy_are_exact():
         scene = scene_of(asked, springs_of(posed))
         u = [scene.energy(asked.model.expand(p.state.x)) for p in asked.placed]
         done.append(abs(u[1] - u[0] - gap) / max(u))
-        if len(done) == 25:
+        if len(done) == 10:
             break
     assert max(done) <= 1e-12

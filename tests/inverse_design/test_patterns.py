@@ -53,6 +53,7 @@ def test_a_design_of_a_metasheet_holds_its_states_by_differences():
         assert np.mean(second) >= answer.margin * made.stiffness.mean() * (1 - 1e-3)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_creases_of_one_letter_may_have_equal_springs(tmp_path):
     text = """
 [pattern]

@@ -251,7 +251,7 @@ def test_faults_of_the_system_are_one_line(tmp_path, line, monkeypatch):
 
 @needs_linux
 def test_a_reader_that_leaves_is_no_fault(tmp_path):
-    code, _, err = command("$NLP paper cone foldings --degree 30 --list | head -1", tmp_path)
+    code, _, err = command("$NLP paper cone foldings --degree 20 --list | head -1", tmp_path)
     assert code == 0 and not err
 
 

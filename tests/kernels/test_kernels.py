@@ -49,8 +49,8 @@ def test_kernels_are_others_and_round_otherwise():
 
 
 def test_answers_are_the_same_on_two_kernels():
-    """Of a vertex of degree 5 within fold limits."""
-    count, wrong = compared("vertices", "Prescott", "1:2")
+    """Of a vertex of degree 4."""
+    count, wrong = compared("vertices", "Prescott", "0:1")
     assert count == 1 and not wrong
 
 
@@ -71,7 +71,7 @@ def test_the_comparison_sees_what_differs():
 
 
 def test_answers_hold_what_is_printed_and_the_data():
-    (answer,) = answers_on("Haswell", "vertices", "1:2").values()
+    (answer,) = answers_on("Haswell", "vertices", "0:1").values()
     assert answer["printed"] and answer["data"]["schema"].startswith("origami-nlp/")
     json.dumps(answer)
 
@@ -108,6 +108,7 @@ def test_images_of_one_energy_stand_in_an_order_that_rounding_does_not_change():
     assert orders == {(2, 0, 1)}
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_an_event_of_contacts_that_close_together_is_named_as_the_parameter_grows():
     """Above the event two facets touch, below they do not: there the contact closes as the ratio grows."""
     options = {"checks": 1, "max_starts": 16, "full": False}

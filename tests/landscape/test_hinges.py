@@ -54,6 +54,7 @@ def test_the_admissible_space_knows_no_springs():
     assert (one.holes, one.euler_characteristic) == (two.holes, two.euler_characteristic)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_landscapes_end_at_stops(tmp_path):
     """The area of the states, against counting points of a grid by the closed form of the paper's chart."""
     from origami_nlp.chart import chart_of, outline_of

@@ -93,7 +93,14 @@ def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there
     ("name", "creases", "to", "symmetries", "type_"),
     [
         ("waterbomb", (1, 4), 0.09, ("D2", "C2"), "fold"),
-        ("waterbomb_base", (1, 3, 5, 7), 0.08, ("D4", "D2"), "breaks-symmetry"),
+        pytest.param(
+            "waterbomb_base",
+            (1, 3, 5, 7),
+            0.08,
+            ("D4", "D2"),
+            "breaks-symmetry",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, symmetries, type_):

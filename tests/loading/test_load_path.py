@@ -12,6 +12,7 @@ from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.loading import OwnForces
 from tests.command_line import run
+from tests.computed_once import thinned
 from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
@@ -54,7 +55,7 @@ def test_searches_on_both_sides_confirm_it():
         assert count in loop().snaps[0].confirmed.minima
 
 
-@pytest.mark.parametrize("longest", [pytest.param(0.02, marks=pytest.mark.slow), 0.05, 0.11])
+@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.02], 3))
 def test_the_snap_does_not_depend_on_the_steps(longest):
     steps = ContinuationOptions(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
     path = load_path(SCENE, 1, to=-0.139, options=steps, **QUICK)

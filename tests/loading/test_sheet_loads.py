@@ -317,6 +317,7 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_command_writes_all_of_it(tmp_path):
     files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
     code, out, err = run(

@@ -97,6 +97,7 @@ def test_work_of_the_load_is_stored_or_taken():
     assert path.dissipated == path.plastic_work
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_pattern_yields_as_its_vertex():
     sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, [1.1, 0.7, -0.9, 0.8])
     path = o.load_path(sheet, 1, to=1.5, yield_torque={2: 1.0, 3: 1.2}, unload=True)

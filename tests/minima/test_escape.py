@@ -325,6 +325,7 @@ def test_borders_of_basins_are_followed_down_to_a_pass(scene, most):
     assert all(found[energy] <= bound for energy, bound in most.items())
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize("seed", thinned([3, 7], 2))
 def test_barriers_do_not_hang_on_labels(seed):
     """Stiffnesses over four decades; Newton's steps onto closure are others where another crease comes first."""

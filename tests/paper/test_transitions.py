@@ -45,6 +45,7 @@ def test_events_of_degree_8(events8):
     assert any(e.admissible for e in events8)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_one_event_is_listed_once_wherever_rounding_puts_it(monkeypatch):
     """Sector angles on both sides of a multiple of the distance at which two are one; the admissible state is kept."""
     drawn, edge = itertools.count(), (round(0.8 / RESOLVED) + 0.5) * RESOLVED

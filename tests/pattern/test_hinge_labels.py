@@ -65,7 +65,7 @@ def test_symmetries_of_a_vertex_with_laws():
 
 
 @pytest.mark.parametrize(
-    ("mirror", "over"), thinned([(True, True), (True, False), (False, True), (False, False)], 3)
+    ("mirror", "over"), thinned([(True, True), (True, False), (False, True), (False, False)], 4)
 )
 def test_sheets_put_down_otherwise(mirror, over):
     sheet = o.examples.pattern("miura", 2, 2).with_limits([(-2.5, 2.0)] * 4)

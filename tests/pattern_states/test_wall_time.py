@@ -70,6 +70,7 @@ def test_searches_of_sheets_say_where_they_are():
     assert words[0] == "search at ratio = 1" and "arcs followed, now from ratio" in words[-1]
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_barriers_end_with_what_they_have():
     words = []
     whole = find_barriers("yoshimura:2x2", progress=words.append)

@@ -113,6 +113,7 @@ def test_stops_that_are_not_reached_change_nothing():
     assert o.find_space(with_stops, rings=8).signature == o.find_space(plain, rings=8).signature
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_space_may_be_empty(tmp_path):
     scene = replace(o.examples.degree6("pi/4"), limits=(0.3, 1.7))
     space = o.find_space(scene, rings=33)

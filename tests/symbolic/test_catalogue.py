@@ -92,6 +92,7 @@ def test_deciding_times_the_check():
     assert claim.decide().seconds > 0
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_answer_keeps_the_order_of_the_question():
     chosen = [catalogue.claim_by_id(i) for i in ("s3.stiffness", "s2.valley", "s3.J", "s2.groups")]
     for workers in (1, 2):
