@@ -55,7 +55,7 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments continuation.tracer "
+    "origami_nlp barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments continuation.tracer "
     "critical.find critical.result inverse_design.finding inverse_design.result landscape.exact loading.find "
     "loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"

@@ -139,6 +139,7 @@ def halved(model, path):
     return model.expand(out)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_no_bound_is_below_its_own_path():
     scene = GRAPH_OF_0_12_RAD_JUMPED_HERE
     result = find_minima(scene, prove=False, escape=False)

@@ -92,6 +92,7 @@ def test_a_path_through_crossing_states_raises_an_alarm():
     assert not signs.alarms(through)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_load_paths_are_looked_at(monkeypatch):
     sheet = o.examples.pattern("miura", 2, 2).with_springs(0.01, 1.2)
     (leg,) = o.load_path(sheet, 2, to=0.002).legs

@@ -24,6 +24,7 @@ def of_a_waterbomb():
     return o.find_barriers(pattern, o.find_minima(pattern, escape=False))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_all_states_are_joined():
     found = of_a_waterbomb()
     checked(found)
@@ -36,6 +37,7 @@ def test_all_states_are_joined():
     assert len(high) == 3 and max(p.residual for p in high) < 1e-9
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_paths_are_looked_at_closely_where_they_are_highest():
     found = of_a_waterbomb()
     problem = PatternProblem(found.result.pattern)
@@ -50,6 +52,7 @@ def test_paths_are_looked_at_closely_where_they_are_highest():
     assert {x.tobytes() for x in path} <= {x.tobytes() for x in fine}
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_the_limit_of_time_is_kept():
     seconds, result = 0.3, of_a_waterbomb().result
     begin = time.monotonic()

@@ -200,6 +200,7 @@ def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
     assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_torque_is_followed_to_the_snap_of_the_load_path():
     """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
     scene = o.examples.degree6("5*pi/12")

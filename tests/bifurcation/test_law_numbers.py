@@ -25,6 +25,7 @@ from origami_nlp.pattern import (
 )
 from origami_nlp.pattern_problem import pose
 from tests.bifurcation.test_hinges import ALL, SECTORS, scene
+from tests.computed_once import thinned
 from tests.independent import scan_four
 
 EVERY = [
@@ -44,7 +45,7 @@ EVERY = [
 ]
 
 
-@pytest.mark.parametrize(("law", "key", "low", "high"), EVERY)
+@pytest.mark.parametrize(("law", "key", "low", "high"), thinned(EVERY, 3))
 def test_kkt_systems_change_as_differences_say(law, key, low, high):
     """Of each number of each type, in a sum, scaled and shifted; and the laws are those stated with the number."""
     t, x = 0.37 * low + 0.63 * high, np.array([0.3, 0.7, -0.4, 0.2])

@@ -21,6 +21,7 @@ QUAD = o.Scene(
 )
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("scene", "parameter", "types"),
     [

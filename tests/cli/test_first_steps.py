@@ -54,6 +54,7 @@ def test_a_fold_file_with_letters_alone(folder):
     assert "1 minima" in asked("contacts", "mine.fold", "--effort", "quick")
 
 
+@pytest.mark.slow  # the tutorial runs it; the number is in tests/loading
 def test_the_load_at_which_a_bistable_waterbomb_snaps(folder):
     (folder / "my.toml").write_text(asked("example", "waterbombbase"))
     assert "2 stable states" in asked("minima", "my.toml")

@@ -56,6 +56,7 @@ def test_a_vertex_with_its_proof_needs_no_more(extra, scene):
     assert modules == COMPUTES
 
 
+@pytest.mark.slow  # a search and a figure in a new process
 def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     picture = tmp_path / "states.png"
     words = ["minima", scene, "--prove", 0]

@@ -181,6 +181,7 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     assert kinds.count(("degenerate", "unbounded")) == 2
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_margins_scale_with_the_stiffness() -> None:
     scene = search("fold limit").scene
     scaled = o.Scene(

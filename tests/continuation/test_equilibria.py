@@ -66,6 +66,7 @@ def test_a_torque_snaps_a_state_and_another_holds_it_again(torques):
     assert np.abs(stays).max() < 1e-8 and np.abs(leaves).max() > 0.5
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.3], 3))
 def test_steps_of_any_length_find_the_same_events(torques, longest):
     web, states = torque_web(replace(STEPS, longest=longest, turn=longest), low=-5.0)
@@ -74,6 +75,7 @@ def test_steps_of_any_length_find_the_same_events(torques, longest):
     assert [n.s for n in events(web)] == pytest.approx(want, abs=1e-11)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_backwards_the_same_events_are_found(torques):
     scale = torques.line.problem.scale
     beyond = [f for _, f in torques.states_at(-0.13 / scale) if f.hold.contacts]
@@ -225,6 +227,7 @@ def facets_that_begin_to_overlap(ratio, low, high):
     return web
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
     """Two creases meet, and beyond two facets lie on each other, either way round; held by one contact they cross."""
     web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)

@@ -210,9 +210,12 @@ COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
         "$NLP COUNT -o /dev/stdout",
         *(
             pytest.param(line, marks=pytest.mark.slow)
-            for line in ("$NLP COUNT -o -", "$NLP COUNT -o /proc/self/fd/1")
+            for line in (
+                "$NLP COUNT -o -",
+                "$NLP COUNT -o /proc/self/fd/1",
+                "ln -s /dev/stdout link; $NLP COUNT -o link",
+            )
         ),
-        "ln -s /dev/stdout link; $NLP COUNT -o link",
         "echo '' > a; $NLP COUNT -o /dev/stdout >> a; cat a",
     ],
 )

@@ -33,6 +33,7 @@ def least(rates, choice):
     return max(min(rates[c] for c in option) for option in choice)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_where_corners_meet_the_end_is_a_minimum_of_every_piece():
     problem, state = pressed()
     many = [len(branch) for branch in state.contacts.branches]

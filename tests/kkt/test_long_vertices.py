@@ -114,6 +114,7 @@ def test_one_moment_in_the_frame_of_every_facet(n):
         assert np.abs(half - m).max() < 1e-9 * size
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_symmetric_states_have_one_moment_too():
     """In the mirror plane for D1, and none is said where touching facets carry some."""
     seen = set()

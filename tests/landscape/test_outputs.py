@@ -16,7 +16,6 @@ from tests import computed_once
 from tests.command_line import run, scene_file
 from tests.computed_once import minima_once, shared
 
-
 SCENE = o.examples.degree6("pi/4", 0.01)
 
 

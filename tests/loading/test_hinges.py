@@ -51,6 +51,7 @@ def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
     same_path(*(o.load_path(s, 1, to=0.05, confirm=False) for s in (plain, of_laws(plain))))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_linear_law_has_the_path_of_the_spring_on_a_pattern():
     plain = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
     laws = plain.with_laws([linear(k, r) for k, r in zip(plain.stiffness, plain.rest, strict=True)])

@@ -119,6 +119,7 @@ def test_miura_follows_its_law_to_its_snap(size):
     )  # fmt: skip
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_sheet_of_more_than_600_creases_follows_its_law():
     """By sparse factors: states, loads and the smallest eigenvalue, which singular values give a second time."""
     pattern, start = folded_miura(18, 18, *SNAPPING)

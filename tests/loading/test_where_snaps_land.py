@@ -40,6 +40,7 @@ def moved(scene, torque, phi):
 MANY = [pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 6, 9, 13, 14, 24, 25)]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("number", [12, *MANY])
 def test_a_snap_lands_where_slow_motion_comes_to_rest(number):
     scene = fold_limits(number)

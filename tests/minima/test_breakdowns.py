@@ -11,6 +11,7 @@ from origami_nlp.minima import find, job, record
 from origami_nlp.minima.windings import join_reports
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
+from tests.computed_once import thinned
 
 FAILURES = [np.linalg.LinAlgError("Singular matrix"), ZeroDivisionError("division by zero")]
 ONE_DOF = Scene(
@@ -37,11 +38,14 @@ def whole(scene):
 
 @pytest.mark.parametrize(
     ("room", "name", "reported", "scene"),
-    [
-        (job.HingeSets, "states", "hinge sets", TWO_DOF),
-        (job, "trace", "curves of one degree of freedom", ONE_DOF),
-        (find, "confirm", "a confirmation by IPOPT", TWO_DOF),
-    ],
+    thinned(
+        [
+            (job.HingeSets, "states", "hinge sets", TWO_DOF),
+            (job, "trace", "curves of one degree of freedom", ONE_DOF),
+            (find, "confirm", "a confirmation by IPOPT", TWO_DOF),
+        ],
+        3,
+    ),
 )
 def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, scene):
     """Where what it gives is found by other parts as well, the list is the same."""

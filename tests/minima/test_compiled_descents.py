@@ -19,6 +19,7 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
 from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
+from tests.computed_once import thinned
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="no C compiler, or it is switched off")
 SAME = 1e-9
@@ -102,7 +103,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("scene, most", CASES.values(), ids=CASES)
+@pytest.mark.parametrize("scene, most", thinned([*CASES.values()], 3), ids=CASES)
 def test_ends_are_stationary_with_their_contacts_and_lower(scene, most):
     model = Model(scene)
     descents = Descents(model)
@@ -160,6 +161,7 @@ print(json.dumps([r.search.solves, [m.fold_angles for m in r.minima], r.minima[0
 """
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_without_a_compiler_ipopt_searches(tmp_path):
     changed = {"CC": "/bin/false", "XDG_CACHE_HOME": str(tmp_path)}
     asked = subprocess.run(

@@ -128,6 +128,7 @@ def rounded_otherwise(function, rng):
     return answer
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("seed", [1])
 def test_rounding_chooses_no_way_out(seed, monkeypatch):
     """Ways over the flat state, where closure has no rank: rounding was to say on which of its sides they ended."""
@@ -143,6 +144,7 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
     assert [m.escape.method for m in again] == [BOUND] * 3
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_middles_of_many_steps_are_those_of_each():
     result = panel_result(examples.degree6("pi/3", ratio=1))
     terrain = terrain_of(result.scene, result.minima)
@@ -236,6 +238,7 @@ def test_softest_stiffness_is_that_of_its_mode():
     assert sum(rises) / h**2 == pytest.approx(m.softest, rel=1e-3)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("number", [13])
 def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
     # the lowest partings of all rays, descended from state by state: nothing of the order in which that is done
@@ -306,6 +309,7 @@ def test_each_escape_path_is_one_state_by_state(scene):
         assert energies[-1] < here or (number == 0 and way.to > 0)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     "scene, most",
     [

@@ -146,6 +146,7 @@ def test_casadi_has_the_same_pieces():
     assert other.functions is functions and compile_structure.cache_info().misses == before
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_linear_law_is_a_linear_spring():
     for name, dof in (
         (Vertex.from_degrees((70, 80, 120, 90)), 4),
@@ -359,6 +360,7 @@ def test_what_does_not_know_laws_says_so():
     assert Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_symmetric_minima_with_laws():
     """Each crease has the law of its images; what stays a minimum without the symmetry is one there."""
     law = double_well(0.2, 0.8)

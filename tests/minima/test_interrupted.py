@@ -36,6 +36,7 @@ def test_what_was_found_is_kept():
     assert "interrupted: what was found until then is listed" in str(result)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_one_that_is_interrupted_during_the_proof_keeps_its_minima(monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt

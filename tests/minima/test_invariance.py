@@ -73,7 +73,7 @@ SCENES = [
     *(("full-contact", k) for k in range(3)),
     ("planted", 0),
 ]
-CHEAP = [("fold-limits", 0), ("full-contact", 0), ("planted", 0)]
+CHEAP = [("full-contact", 0), ("planted", 0)]
 """Of degree 4; the others wait for the long studies."""
 CASES = [
     pytest.param(

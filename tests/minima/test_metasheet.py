@@ -41,6 +41,7 @@ def vertex_energy(folds):
     return 0.5 * float(np.array(STIFFNESS) @ (np.array(folds) - np.array(REST)) ** 2)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("size", [3, pytest.param(4, marks=slow), pytest.param(8, marks=slow)])
 def test_without_contact_a_sheet_has_the_states_of_its_vertex(size):
     """All of them and no others; there are as many creases of each side: energies are multiples of the vertex's."""

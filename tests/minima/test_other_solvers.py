@@ -30,6 +30,7 @@ assert solver.getInfo().objective_function_value == 1.0
 """
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.skipif(
     importlib.util.find_spec("highspy") is None, reason="highspy (extra test) is not installed"
 )

@@ -91,6 +91,7 @@ def _compare_strip(seed):
     assert result.search.ended == result.search.curves == len(list_branches(pattern).lines)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_nothing_open_is_reported():
     """40 random starts of a metasheet: most cannot be closed; every state that is reported is."""
     pattern, classes = metasheet(4)

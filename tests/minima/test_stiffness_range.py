@@ -91,6 +91,7 @@ def test_any_unit_will_do(factor):
         assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-12)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("factor", [pytest.param(1e-297, marks=pytest.mark.slow), 9e299])
 def test_any_unit_will_do_for_barriers(factor):
     """Squares of torques and energies overflow there, or are 0."""

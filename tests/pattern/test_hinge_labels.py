@@ -64,6 +64,7 @@ def test_symmetries_of_a_vertex_with_laws():
     assert sum(labels.over for labels in symmetries(even)) == len(symmetries(odd)) + 1
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("mirror", "over"), thinned([(True, True), (True, False), (False, True), (False, False)], 4)
 )

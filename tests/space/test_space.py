@@ -22,7 +22,6 @@ from tests.independent.search_manifold import Piece
 SCENES = {
     "6, pi/4": degree6("pi/4"),
     "6, pi/3": degree6("pi/3"),
-    "8, pi/6": degree8("pi/6"),
     "8, pi/4": degree8("pi/4"),
 }
 
@@ -111,9 +110,7 @@ def test_space_is_two_discs_that_touch_in_the_flat_state(spaces, name):
         assert len(np.unique(mine)) - len(edges) + len(mine) == 1  # a disc
 
 
-@pytest.mark.parametrize(
-    ("scene", "size"), [(degree8("pi/6"), 20), (degree8("pi/4"), 20), (degree6("pi/4"), 12)]
-)
+@pytest.mark.parametrize(("scene", "size"), [(degree8("pi/4"), 20), (degree6("pi/4"), 12)])
 def test_kuhn_triangulation_finds_two_annuli_around_the_flat_state(scene, size):
     found = kuhn_surface(Piece.of(scene), size, 0.8)
     assert len(found.polygons) == 2
@@ -158,7 +155,7 @@ def test_no_handles_elsewhere(spaces, name):
 
 
 def test_picture_joins_states_that_are_apart(spaces):
-    for name in ("6, pi/3", "6, 5 pi/12"):
+    for name in ("6, pi/3",):
         space = spaces[name]
         assert space.picture_holes == 2
         points = sorted(p for p, _ in space.picture_joins)
@@ -262,7 +259,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     assert isinstance(bad.exception, OptionError)
 
 
-@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3", "6, 5 pi/12"])
+@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3"])
 def test_picture_covers_the_pixels_that_the_closed_forms_admit(spaces, name):
     """Area in the (phi_2, phi_3) plane: triangles of the mesh against pixels of the chart's closed forms."""
     scene, mesh = SCENES[name], spaces[name].mesh

@@ -86,6 +86,7 @@ def test_pieces_of_many_are_those_of_pixels(seed):
     check_pixels(stopped(seed, without_flat=True))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_critical_points_count_the_euler_characteristic():
     scene = stopped(8)
     found = check_count(scene)
