@@ -55,9 +55,9 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "origami_nlp barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments continuation.tracer "
-    "critical.find critical.result inverse_design.finding inverse_design.result landscape.exact loading.find "
-    "loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "origami_nlp barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments "
+    "continuation.tracer critical.find critical.result inverse_design.finding inverse_design.result landscape.exact "
+    "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
 ).split()
 """Modules whose examples take seconds: they run with the long studies."""

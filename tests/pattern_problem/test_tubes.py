@@ -237,7 +237,7 @@ def test_copies_that_are_not_placed_count_as_others(monkeypatch):
     """Whether a tube crosses itself does not hang on which of its copies are placed, and which moved by their screw."""
     seen, alone, kind = set(), 0, type(tube("yoshimura", 5).cell)
     for name, rolled in (("yoshimura", [0, 7]), ("resch", 7)):
-        for phi in closed(tube(name, rolled), 6):
+        for phi in closed(tube(name, rolled), 3):
             found = []
             for rings in (3, 2, 1):
                 monkeypatch.setattr(kind, "_rings", rings)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from origami_nlp.paper import cone
+from tests.computed_once import thinned
 from tests.independent import cone_branches as brute
 from tests.paper.cone.points import points
 
@@ -150,7 +151,7 @@ def slope_mp(degree, direction, weights, valleys, r, v, s):
     return sum(terms) + even
 
 
-@pytest.mark.parametrize("degree", [6, 10, 1000])
+@pytest.mark.parametrize("degree", thinned([10, 6, 1000], 3))
 @pytest.mark.parametrize("elevation", [1e-10, -0.4])
 def test_minima_agree_with_50_digits(degree, elevation):
     ratio = 0.7

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from origami_nlp.paper import cone
+from tests.computed_once import thinned
 from tests.independent.cone_single import Range, bends, setup, undecided
 
 
@@ -20,7 +21,7 @@ def open_boxes(degree):
     }
 
 
-@pytest.mark.parametrize("degree", [6, 12])
+@pytest.mark.parametrize("degree", thinned([6, 12], 2))
 def test_no_branch_holds_two_interior_minima(degree):
     assert open_boxes(degree) == {}
 
