@@ -136,7 +136,7 @@ def test_merge_trees_are_drawn_once_each_and_explained():
 
 def test_labels_of_many_minima_do_not_meet():
     found = panel_barriers()
-    many = dataclasses.replace(found.result, minima=found.result.minima * 12)
+    many = dataclasses.replace(found.result, minima=found.result.minima * 24)
     figure = draw_barriers(dataclasses.replace(found, result=many))
     figure.draw_without_rendering()
     labels = boxes(figure, "label")

@@ -1,6 +1,5 @@
 """Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
 
-import json
 import math
 
 import numpy as np
@@ -14,7 +13,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
-from tests.command_line import run
 from tests.patterns import miura, miura_angles, wheel
 
 GAMMA, REST = math.radians(70), 1.2
@@ -316,42 +314,3 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_the_command_writes_all_of_it(tmp_path):
-    files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
-    code, out, err = run(
-        "load", "degree6", "--rest-angle", "60", "--stiffness", "0.01",
-        "--pull", "1,4", "--to", "-0.001", "--starts", "2", "-o", files["json"],
-        "-o", files["fold"], "-o", files["html"],
-    )  # fmt: skip
-    assert code == 0, err
-    assert "stable; end of the range" in out
-    data = json.loads(files["json"].read_text())
-    assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N"
-    frames = json.loads(files["fold"].read_text())["file_frames"]
-    assert len(frames) == len(data["legs"][0]["points"])
-    assert all(file.stat().st_size > 1000 for file in files.values())
-    code, _, err = run("example", "metasheet:3x3", "-o", tmp_path / "sheet.fold")
-    assert code == 0, err
-    problem = tmp_path / "sheet.fold"
-    code, out, err = run("load", problem, "--crease", "1", "--to", "0.05", "-o", "-")
-    assert code == 0, err
-    driver = json.loads(out)["driver"]
-    assert driver["work"]["type"] == "Torque"
-    assert driver["work"]["creases"] == [1]
-    edges = o.read_pattern(problem).numbers
-    assert edges[1] != 1  # borders are edges too
-    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "-o", "-")
-    assert code == 0 and json.loads(out)["driver"]["work"]["creases"] == [2], err
-    border = next(e for e in range(edges.max()) if e not in edges)
-    code, _, err = run("load", problem, "--edge", border)
-    assert code == 2 and f"--edge = {border} is no crease" in err and err.count("\n") == 1
-    for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
-        code, _, err = run("load", problem, *more)
-        assert code == 2 and word in err
-    code, _, err = run("load", "degree6")
-    assert code == 2 and "--crease" in err
-    code, _, err = run("load", "degree6", "--crease", "1", "--no-full")
-    assert code == 2 and "full = False is not for a pattern" in err
