@@ -38,6 +38,7 @@ def test_failures_are_seen_and_exceptions_do_not_end_the_run():
     assert sum(row[1] == "fails" for row in hard_table({"made up": outcomes}).rows) == 4
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_50_digits_agree_between_wedge_and_whole_vertex():
     wedge = examples.degree8("pi/6", 100.0)
     minimum = find_minima(wedge, max_starts=32, prove=False, escape=False).minima[0]

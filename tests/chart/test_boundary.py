@@ -40,7 +40,7 @@ def boundary(name: str) -> Boundary:
     return panel_boundary(PANELS.index(SCENES[name]))
 
 
-@pytest.mark.parametrize("name", thinned([*SCENES], 2))
+@pytest.mark.parametrize("name", thinned([*SCENES], 3))
 def test_lines_are_where_admissibility_ends(name):
     """Points of a line close and are admissible; a little to one side, in the chart, no state is."""
     scene, chart = SCENES[name], chart_of(SCENES[name])

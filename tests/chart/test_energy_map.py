@@ -63,7 +63,7 @@ def check_cells(chart, rng, count=40):
     return checked
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(
     a1=st.floats(0.3, 1.3),
     a2=st.floats(0.3, 1.3),
@@ -76,7 +76,7 @@ def test_degree6_cells(a1, a2, ratio, seed):
     assert check_cells(chart, np.random.default_rng(seed)) > 0
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(
     n=st.sampled_from([2, 3, 4]),
     share=st.floats(0.15, 0.85),
@@ -152,7 +152,7 @@ def test_elevation_is_read_back(n, share, elevation, phi2, branch):
 def test_minima_lie_in_the_wells():
     """No cell of the landscape around a regular minimum is lower than it."""
     for scene in (o.examples.degree6("5*pi/12", 1),):
-        result, chart = panel_result(scene), landscape(scene, 101)
+        result, chart = panel_result(scene), landscape(scene, 61)
         for m in result.minima:
             place = chart.place(m.fold_angles)
             branch = chart.branches[place.branch]

@@ -65,8 +65,8 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
 def test_they_say_the_same_of_both(command, pocket):
     fold, toml, options = pocket
     more = {
-        "landscape": ("--space", "--rings", 16),
-        "minima": ("--max-starts", 16, "--prove", 0),
+        "landscape": ("--space", "--rings", 8),
+        "minima": ("--max-starts", 8, "--prove", 0),
     }.get(command, ())
     one, two = run(command, fold, *options, *more), run(command, toml, *more)
     assert one.code == two.code == 0, (one.err, two.err)

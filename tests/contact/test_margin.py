@@ -225,6 +225,7 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
             assert find_multipliers(b, c + 0.99 * distance * d / np.linalg.norm(d)).residual < 1e-9
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_margin_names_the_symmetry_that_its_loads_keep() -> None:
     """Loads that break it are more: of all loads the margin is smaller, so that it must not be said of them."""
     kept = margin_of("fold limit")

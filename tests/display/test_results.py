@@ -21,7 +21,7 @@ LONGEST = 260  # characters of a repr: two lines of a terminal
 @shared
 def results():
     """One of each kind, by class."""
-    scene = o.examples.degree6("pi/4")
+    scene = o.examples.degree6("pi/4", 0.01)
     result = panel_result(scene)
     points = compare_minima(o.find_critical_points(scene, samples=128), result)
     contacts = o.find_contacts(result, segments=True, check=False)

@@ -82,6 +82,7 @@ fold_angles = %s
     assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("equal", thinned([((1, 2, 3, 2),), ((1, 2, 3, 4),), ((2, 1, 3, 4),)], 3))
 def test_a_bound_of_the_energy_is_kept_where_creases_share_springs(equal):
     scene = o.Scene(QUAD, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2), symmetry="none")

@@ -178,6 +178,7 @@ def noisy(seed):
     return replace(scene, rest_angles=tuple(np.array(scene.rest_angles) + errors))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     "scene, energy",
     [

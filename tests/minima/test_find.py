@@ -16,7 +16,7 @@ CLOSURE = 1e-14  # closure of regular states
 KKT = 1e-12  # KKT residual, relative to the torques that balance
 
 
-@pytest.mark.parametrize("scene", thinned(examples.panels()[1:], 7), ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned(examples.panels()[4:], 9), ids=lambda s: s.name)
 def test_every_state_is_polished_admissible_and_certified(scene):
     result = panel_result(scene, full=True)
     assert result.search.stopped_by == "rule" and result.search.seen_once == 0
@@ -34,7 +34,7 @@ def test_every_state_is_polished_admissible_and_certified(scene):
             assert any(c.multiplier == 0 for c in m.contacts)
 
 
-@pytest.mark.parametrize("scene", thinned(examples.panels()[1:], 7), ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned(examples.panels()[4:], 9), ids=lambda s: s.name)
 def test_no_state_is_left_undecided_in_the_full_space(scene):
     for m in panel_result(scene, full=True).minima:
         f = m.full_space

@@ -230,6 +230,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path):
         find_space(degree6("pi/4", symmetry="none"))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_command_writes_json_and_figures(spaces, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(degree6("pi/3")))

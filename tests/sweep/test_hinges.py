@@ -39,7 +39,7 @@ def swept(axes, tmp_path):
     [
         ("creases.limits_deg[3][2]", [40.0, 120.0]),
         pytest.param("laws.snap.scale", [0.5, 2.0], marks=pytest.mark.slow),
-        ("laws.snap.shift_deg", [-10.0, 20.0]),
+        pytest.param("laws.snap.shift_deg", [-10.0, 20.0], marks=pytest.mark.slow),
         pytest.param("laws.snap.sum[2].energy", [0.2, 1.0], marks=pytest.mark.slow),
     ],
 )
