@@ -30,7 +30,7 @@ def of_laws(plain):
 @pytest.mark.parametrize(
     "scene",
     [
-        quadrilateral(),
+        pytest.param(quadrilateral(), marks=pytest.mark.slow),
         quadrilateral(limits=((-1.6, 1.6),) * 4),
         pytest.param(
             replace(o.examples.degree6("5*pi/12", 100), limits=((-2.0, 2.0),) * 6),

@@ -57,6 +57,7 @@ def test_a_shifted_linear_law_is_a_rest_angle(limits):
     )
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_scaled_linear_law_is_a_stiffness():
     plain = scene()
     k = plain.stiffness[0]

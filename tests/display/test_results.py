@@ -30,7 +30,7 @@ def results():
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     sheet = o.examples.pattern("metasheet:2x3")
-    states = o.find_minima(sheet, starts=1, escape=False)
+    states = o.find_minima(sheet, starts=1, prove=False, escape=False)
     found += [o.analyze_mobility(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))

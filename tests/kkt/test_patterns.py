@@ -14,7 +14,7 @@ from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
 from origami_nlp.kkt.descent_witness import follow_descent
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from tests.computed_once import states
+from tests.computed_once import states, touching
 from tests.patterns import miura, miura_angles, strip
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, not decided
@@ -49,7 +49,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
 
 def held_state():
     """A metasheet whose facets touch: its problem, the state, and its contacts."""
-    found = states("metasheet:4x4")
+    found = touching()
     state = next(s for s in found.minima if s.contacts)
     problem = PatternProblem(found.pattern)
     return problem, State(problem, state.phi)

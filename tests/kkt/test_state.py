@@ -13,7 +13,7 @@ from origami_nlp import Scene, State, Vertex, classify, examples
 from origami_nlp.kkt import newton, project
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact, Model, Problem
-from tests.computed_once import panel_result, states
+from tests.computed_once import panel_result, touching
 from tests.patterns import strip, wheel
 
 SCENES = {
@@ -164,7 +164,7 @@ def settled(name: str) -> tuple[Problem, np.ndarray, tuple[Contact, ...]]:
         problem = result.model
         x = problem.reduce(next(np.array(m.fold_angles) for m in result.minima if m.kind == wanted))
     else:
-        found = states("metasheet:4x4")
+        found = touching()
         problem = PatternProblem(found.pattern)
         x = next(s.phi for s in found.minima if bool(s.contacts) == (name == "facets of a pattern"))
     rows = State(problem, x).pieces[0]

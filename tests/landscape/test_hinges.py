@@ -48,6 +48,7 @@ def test_curves_of_one_degree_of_freedom_end_at_stops():
         assert np.minimum(phi + 1.2, 0.9 - phi).min() < 0.15
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_the_admissible_space_knows_no_springs():
     plain = o.examples.degree6("pi/3")
     one, two = (o.find_space(s, rings=8) for s in (plain, of_laws(plain)))

@@ -54,6 +54,7 @@ def test_no_state_is_left_undecided_in_the_full_space(scene):
         assert f.lands_on.energy < m.energy and f.lands_on.kind is not None
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_pinned_states_of_degree_8_sit_on_the_axis():
     for alpha in ("pi/12", "pi/6"):
         result = panel_result(examples.degree8(alpha, 100.0), full=True)
