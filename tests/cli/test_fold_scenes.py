@@ -136,6 +136,7 @@ def test_letters_alone_are_said_to_mean_shut(tmp_path):
     assert "--rest-angle" not in run("inspect", path).err
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_descents_of_unstable_states_are_frames(tmp_path):
     scene = examples.degree6("pi/3", 1)
     out = tmp_path / "states.fold"

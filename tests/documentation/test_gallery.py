@@ -10,9 +10,10 @@ from tests.documentation import shell
 NAMES = " ".join(gallery.ORDER.values()).split()
 DEAR = (
     "waterbomb_snap square_twist kresling_tube resch bistable_strip map_two_parameters noise paper_panel "
-    "miura_sheet yoshimura design_switch cone tape_spring barrier_graph metasheet"
+    "miura_sheet yoshimura design_switch cone tape_spring barrier_graph metasheet "
+    "bar_and_hinge fold_in_out svg_by_hand thick_panels ipopt_by_hand miura_vertex"
 ).split()
-"""Scripts of more than a second wait for the long studies."""
+"""Scripts of a second and more wait for the long studies."""
 MOST_LINES = 15
 
 

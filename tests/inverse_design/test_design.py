@@ -171,7 +171,11 @@ def test_energies_are_exact():
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=[LONG] * (n == "three-equal")) for n in EXAMPLES]
+    "name",
+    [
+        pytest.param(n, marks=[LONG] * (n in ("three-equal", "waitukaitis-five", "six-states")))
+        for n in EXAMPLES
+    ],
 )
 def test_examples_verify(name, tmp_path):
     targets, ask, title = parse_targets(EXAMPLES[name])

@@ -13,7 +13,7 @@ from origami_nlp import Scene, State, Vertex, classify, examples
 from origami_nlp.kkt import newton, project
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.problem import Contact, Model, Problem
-from tests.computed_once import panel_result, touching
+from tests.computed_once import panel_result, thinned, touching
 from tests.patterns import strip, wheel
 
 SCENES = {
@@ -172,7 +172,7 @@ def settled(name: str) -> tuple[Problem, np.ndarray, tuple[Contact, ...]]:
     return problem, x, rows
 
 
-@pytest.mark.parametrize("name", [*PANELS_HELD, "interior of a pattern"])
+@pytest.mark.parametrize("name", thinned([*PANELS_HELD, "interior of a pattern"], 2))
 def test_loads_move_states_and_forces_as_their_response_says(name: str) -> None:
     problem, x, rows = settled(name)
     response, motion = State(problem, x).on(rows).response()

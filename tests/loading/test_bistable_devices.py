@@ -89,6 +89,7 @@ def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there
     assert [leg.symmetry for leg in found.legs] == ["D2", "D2"]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("name", "creases", "to", "symmetries", "type_"),
     [

@@ -37,6 +37,7 @@ def test_a_sheet_that_is_off_folds_as_the_clean_one(noise, seed):
     assert max(v.kawasaki for v in fold_vertices(flat)[0]) < 1e-11
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_states_are_those_of_the_clean_sheet_within_the_noise():
     data, _ = noisy(3e-4)
     (frame,) = parse_fold(json.dumps(data))

@@ -34,6 +34,7 @@ def swept(axes, tmp_path):
     return sweep, load_states(tmp_path)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("place", "values"),
     [
