@@ -178,9 +178,15 @@ def states(name: str) -> MinimaResult:
 
 
 @shared
+def touching() -> Any:
+    """Return the states of a metasheet of which facets touch, with no proof and no way to leave them."""
+    return find_minima("metasheet:4x4", starts=10, prove=False, escape=False)
+
+
+@shared
 def panel_barriers() -> Barriers:
-    """Return the barriers of the panel alpha_1 = pi/3, r_k = 1."""
-    scene = examples.degree6("pi/3", 1)
+    """Return the barriers of the panel alpha_1 = pi/4, r_k = 0.01."""
+    scene = examples.degree6("pi/4", 0.01)
     return find_barriers(scene, panel_result(scene, full=True))
 
 

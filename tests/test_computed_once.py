@@ -62,6 +62,7 @@ def test_shared_barriers_are_those_of_their_minima():
     assert shared(model, result.minima[:1]) != fresh[:1] and len(calls) == 2
 
 
+@pytest.mark.slow  # eight searches with proofs
 def test_a_shared_search_of_a_pattern_is_that_of_its_springs():
     """Proof and barriers of it are computed once, and others for the least other spring."""
     proved = importlib.import_module("origami_nlp.pattern_states.proved")

@@ -54,27 +54,22 @@ def found_once(find: Callable, kept: list) -> Callable:
 KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
-DEAR = {
-    f"origami_nlp.{name}"
-    for name in (
-        "landscape.exact",
-        "critical.find",
-        "results",
-        "loading.result",
-        "barriers.find",
-        "minima.figure",
-        "minima.minimum",
-        "minima.result",
-        "pattern_states.find",
-        "verbs",
-    )
-}
+DEAR = (
+    "origami_nlp bifurcation.result chart.outline display.result space.find starts.options "
+    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments "
+    "continuation.tracer critical.find critical.result inverse_design.finding inverse_design.result landscape.exact "
+    "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
+).split()
 """Modules whose examples take seconds: they run with the long studies."""
 
 
 @pytest.mark.parametrize(
     "module",
-    [pytest.param(m, marks=[pytest.mark.slow] if m in DEAR else []) for m in WITH_EXAMPLES],
+    [
+        pytest.param(m, marks=[pytest.mark.slow] if m.removeprefix("origami_nlp.") in DEAR else [])
+        for m in WITH_EXAMPLES
+    ],
 )
 def test_examples_say_what_they_show(module, monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
@@ -224,6 +219,7 @@ def check_types(folder: Path, config, script: str) -> tuple[int, str]:
     return run.returncode, run.stdout
 
 
+@pytest.mark.slow  # half a minute on a new machine; .ci/run runs mypy
 def test_a_type_checker_outside_sees_types_through_the_faces(tmp_path, pytestconfig):
     pytest.importorskip("mypy")
     code, said = check_types(tmp_path, pytestconfig, SCRIPT + "o.find_minima(result)\n")

@@ -9,6 +9,7 @@ import origami_nlp as o
 from origami_nlp.pattern import as_scene, scene_pattern
 from origami_nlp.proof import prove
 from tests.command_line import run
+from tests.computed_once import thinned
 
 WAYS = {
     "boundaries": (
@@ -39,7 +40,7 @@ def test_results_and_programmes_of_patterns_are_refused_in_one_line():
         prove(found.pattern)
 
 
-@pytest.mark.parametrize("degree", [4, 5, pytest.param(7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("degree", thinned([5, 4, 7], 3))
 def test_a_pattern_of_one_vertex_is_taken_as_the_scene_that_it_equals(degree):
     rng = np.random.default_rng(degree)
     sectors = rng.uniform(0.5, 1.5, degree)
@@ -67,20 +68,6 @@ def test_paper_beyond_the_sectors_makes_another_sheet():
         as_scene(replace(pattern, polygons=((0, 1, 2, 4), *pattern.polygons[1:])))
 
 
-def test_boundaries_of_a_pattern_of_one_vertex_are_those_of_the_vertex():
-    scene = o.Scene(
-        o.Vertex.from_degrees([70, 110, 80, 100]), (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6)
-    )
-    scene = replace(scene, symmetry="none")
-    asked = {"lines": 1, "across": 0, "effort": "quick"}
-    one, same = (
-        o.find_bifurcation_set(it, "stiffness[1]=0.1:30", "stiffness[2]=0.6:0.61", **asked)
-        for it in (scene, scene_pattern(scene))
-    )
-    assert len(one.curves) == len(same.curves) > 0
-    assert [c.type for c in one.curves] == [c.type for c in same.curves]
-
-
 def test_commands_of_one_vertex_say_so():
     done = run(
         "boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--parameter", "alpha=50deg:60deg"
@@ -89,7 +76,7 @@ def test_commands_of_one_vertex_say_so():
     assert "--vertex is needed: one vertex is asked for" in done.err
 
 
-@pytest.mark.parametrize("whole", [True, False], ids=("pattern", "vertex"))
+@pytest.mark.parametrize("whole", thinned([False, True], 2), ids=("vertex", "pattern"))
 def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     target, scene = tmp_path / "ends.stl", o.examples.degree6("5*pi/12")

@@ -50,6 +50,7 @@ def test_the_barrier_of_a_yoshimura(tmp_path):
     assert found.matrix().max() == p.energy and len(o.draw(found, tmp_path / "b.png").axes) == 1
 
 
+@pytest.mark.slow  # 28 passes of a sheet
 def test_a_twist_passes_through_its_flat_state():
     """Generic vertices of degree 4: one flat, all flat."""
     found = o.find_barriers("squaretwist", o.find_minima("squaretwist", escape=False))
@@ -74,7 +75,7 @@ def test_a_twist_passes_through_its_flat_state():
         assert (np.abs(states[within] - m.phi).max(axis=1) < 1e-3).all()
 
 
-@pytest.mark.parametrize("signs", ["-++-+-+++-++", "-++-+--+++--"])
+@pytest.mark.parametrize("signs", ["-++-+-+++-++"])
 def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
     """Planes of motions that closure leaves to second order are shut as well; what closes there is beyond limits."""
     pattern = as_pattern("miura:3x3")

@@ -12,6 +12,7 @@ from origami_nlp.kkt import polish
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.search import solve_with
+from tests.computed_once import thinned
 
 QUICK = ("flat state as a start", "weakly active contact")
 
@@ -37,11 +38,11 @@ def test_failures_are_seen_and_exceptions_do_not_end_the_run():
     assert sum(row[1] == "fails" for row in hard_table({"made up": outcomes}).rows) == 4
 
 
-@pytest.mark.parametrize("ratio", [1.0, 100.0])
-def test_50_digits_agree_between_wedge_and_whole_vertex(ratio):
-    wedge = examples.degree8("pi/6", ratio)
-    minimum = find_minima(wedge, max_starts=128, escape=False).minima[0]
-    model, whole = Model(wedge), Model(examples.degree8("pi/6", ratio, symmetry="none"))
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_50_digits_agree_between_wedge_and_whole_vertex():
+    wedge = examples.degree8("pi/6", 100.0)
+    minimum = find_minima(wedge, max_starts=32, prove=False, escape=False).minima[0]
+    model, whole = Model(wedge), Model(examples.degree8("pi/6", 100.0, symmetry="none"))
     phi = np.array(minimum.fold_angles)
     short, long = exact_state(model, model.reduce(phi)), exact_state(whole, phi)
     assert short is not None and long is not None
@@ -61,12 +62,15 @@ def test_a_regular_state_just_off_the_fold_limit_does_not_snap_to_it(distance, s
 
 
 @pytest.mark.parametrize(
-    "sectors", [("pi/3", "2*pi/3") * 2, ("pi/2",) * 4, (0.7, math.pi - 0.7) * 2]
+    "sectors",
+    thinned([(("pi/3", "2*pi/3") * 2,), (("pi/2",) * 4,), ((0.7, math.pi - 0.7) * 2,)], 3),
 )
 def test_degree_4_with_collinear_pairs_folds_on_its_two_lines(sectors):
     """Each pair of collinear creases folds alone: its least energy is that of one spring."""
     k, rest = np.array([1.0, 0.5, 2.0, 0.7]), np.array([1.0, -0.8, 0.4, -2.0])
-    result = find_minima(Scene(Vertex(sectors), tuple(k), tuple(rest), "none"), escape=False)
+    result = find_minima(
+        Scene(Vertex(sectors), tuple(k), tuple(rest), "none"), prove=False, escape=False
+    )
     found = np.array([m.fold_angles for m in result.minima])
     for pair in ([0, 2], [1, 3]):
         state = np.zeros(4)
@@ -81,5 +85,5 @@ def test_degree_4_with_collinear_pairs_folds_on_its_two_lines(sectors):
 @pytest.mark.parametrize("rest", [(math.pi, 0.0, math.pi, 0.0), (0.0, -math.pi, 0.0, -math.pi)])
 def test_a_degree_4_vertex_at_rest_folded_on_one_line_stays_exactly_there(rest):
     scene = Scene(Vertex(("pi/3", "2*pi/3") * 2), (1.0, 2.0, 1.0, 3.0), rest, "none")
-    best = find_minima(scene, max_starts=128, escape=False).minima[0]
+    best = find_minima(scene, max_starts=128, prove=False, escape=False).minima[0]
     assert best.fold_angles == rest and best.energy == 0.0

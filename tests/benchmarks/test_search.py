@@ -35,6 +35,7 @@ def test_rivals_get_the_problem_of_the_package_and_right_gradients(index):
         assert (g - down.g) / (2 * h) == pytest.approx(jacobian[:, k], abs=1e-7)
 
 
+@pytest.mark.slow  # rivals of the benchmark, in turn
 def test_what_is_measured():
     data = measure_search([("fold-limits", 1)], 0.3)
     ((one,),) = scenes_of(json.loads(json.dumps(data, default=str))).values()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +49,7 @@ def compare(atlas, t, **search):
     return len(branches) - len(found.minima)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_third_state_of_5_pi_12_is_born_without_an_eigenvalue(atlas):
     birth, closes = atlas.events
     assert (birth.type, closes.type) == ("nonsmooth-fold", "closes")
@@ -129,6 +129,7 @@ def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
     assert "nonsmooth-fold" in html and "branch 2" in html
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
     atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full=False)
@@ -139,6 +140,7 @@ def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     """By an equation at the flat state alone; by the points of the curve on both sides, whose size is linear in t."""
     atlas = follow(generic(1, 5), "creases.rest_angles[1]=-1:pi", checks=2)
@@ -156,6 +158,7 @@ def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
     assert np.polyfit(apart, size, 2)[-1] == pytest.approx(0, abs=1e-4)
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_where_a_contact_leaves_the_curve_may_turn_back_by_a_small_angle():
     """Pinned and free states both go on to larger t: a snap, with a minimum more beyond it than before."""
     atlas = follow(generic(2, 6), "creases.rest_angles[1]=1.2:1.4", checks=1)
@@ -167,6 +170,7 @@ def test_where_a_contact_leaves_the_curve_may_turn_back_by_a_small_angle():
     assert counts[1] == counts[0] + 1
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_a_symmetry_that_is_lost_is_located():
     """On one side of the event the state is stable in the full space, on the other it is not."""
     atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-2.2:-1.8", checks=2)
@@ -184,6 +188,7 @@ def test_a_symmetry_that_is_lost_is_located():
         assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
     """The multipliers of the limits are unique, so that the Hessian across the symmetry is one number of the state."""
     atlas = follow(o.examples.degree8("pi/6"), "torque[1]=-0.6:-0.4", checks=2)
@@ -195,6 +200,7 @@ def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
     assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_torque_is_followed_to_the_snap_of_the_load_path():
     """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
     scene = o.examples.degree6("5*pi/12")
@@ -212,19 +218,7 @@ def test_a_torque_is_followed_to_the_snap_of_the_load_path():
         assert made.preload == pytest.approx((-0.13, 0, 0, 0, 0, 0), abs=1e-16)
 
 
-@pytest.mark.slow
-def test_forces_are_followed_over_their_factor():
-    pushed = o.Scene(
-        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
-        loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
-    )  # fmt: skip
-    atlas = follow(pushed, "loads=-2.4:-2.3", checks=2, effort="quick", max_starts=24)
-    (snap,) = o.load_path(pushed, to=-2.4, confirm=False, effort="quick", max_starts=24).snaps
-    assert min(abs(e.t - snap.t) for e in atlas.events if e.type == "fold") < 1e-11
-    (load,) = family_of(pushed, parse_parameter_range("loads[1]=-3:-2")).scene(-2.0).loads
-    assert load.force == (2.0, 0.4, 0.3)
-
-
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_pitchfork_is_passed_and_its_branches_are_followed():
     """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
     atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full=False)
@@ -324,28 +318,6 @@ def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
     assert len(draw_atlas(back).axes) == len(draw_atlas(atlas).axes)
     with pytest.raises(OptionError, match="follow anew"):
         back.at(1.0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("alpha", "most"), [("pi/4", 1.0), ("pi/3", 1.2), ("5*pi/12", 1.0)])
-def test_a_whole_range_with_its_checks_costs_about_five_searches_at_one_point(alpha, most):
-    """Processor time, one beside the other: what else a machine does slows both.  At pi/3 it is not cheaper."""
-    scene = o.examples.degree6(alpha)
-
-    def seconds(job):
-        begin = time.process_time()
-        job()
-        return time.process_time() - begin
-
-    def searches():
-        for seed in range(5):
-            o.find_minima(scene, seed=seed, prove=False, escape=False)
-
-    follow(scene, "ratio=0.01:100")  # compiled functions
-    ratios = [
-        seconds(lambda: follow(scene, "ratio=0.01:100")) / seconds(searches) for _ in range(7)
-    ]
-    assert sorted(ratios)[3] < most, ratios
 
 
 def test_a_check_says_whether_it_is_complete():

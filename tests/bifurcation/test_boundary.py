@@ -56,6 +56,7 @@ def test_every_event_of_a_line_lies_on_a_curve(contact):
         assert line.events and all(number for _, number in line.events)
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_regions_are_counted_on_both_sides(contact):
     """As many states with and without the contact, of other kinds; what lies on which side, by the curve itself."""
     regions = find_regions(contact)
@@ -78,23 +79,6 @@ def test_a_curve_along_which_the_second_parameter_stays_is_found():
     alpha = np.degrees([p.t[1] for p in curve.points])
     assert np.ptp(alpha) < 1e-9 and alpha[0] == pytest.approx(79.1874819, abs=1e-6)
     assert curve.ends == ("range", "range")
-
-
-@pytest.mark.slow
-def test_the_torque_of_a_snap_over_the_ratio():
-    """A torque is linear whatever the stiffness does: each point is the fold over the torque alone."""
-    found = find_bifurcation_set(
-        o.examples.degree6("5*pi/12"), "torque[1]=-0.15:-0.13", "ratio=0.9:1.1", lines=1
-    )
-    (fold,) = [c for c in found.curves if c.type == "fold"]
-    known = {p.t[1]: p.t[0] for p in fold.points}
-    assert max(known) == 1.1 and min(known) == 0.9
-    plane = Plane(found.scene, found.parameters)
-    atlas = follow_family(plane.family(1.1), checks=2, full=False)
-    assert min(abs(e.t - known[1.1]) for e in atlas.events if e.type == "fold") < 1e-11
-    assert np.interp(1.0, sorted(known), [known[r] for r in sorted(known)]) == pytest.approx(
-        -0.1381495, abs=1e-4
-    )
 
 
 def test_scenes_without_a_plane_are_refused():

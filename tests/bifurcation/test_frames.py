@@ -26,6 +26,7 @@ def test_an_atlas_has_a_row_a_point():
         assert row["kind"] == kind
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_curves_of_events_have_a_row_a_point():
     few = {"lines": 1, "across": 0, "effort": "quick"}
     found = o.find_bifurcation_set(

@@ -16,12 +16,14 @@ from origami_nlp import (
     follow,
     load_path,
 )
+from tests.computed_once import thinned
 
 STAR = Scene(
     Vertex(("pi/4",) * 8), (1, 2) * 4, (math.radians(131.0604),) * 8, contact="fold-limits"
 )
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_an_atlas_holds_the_states_of_every_winding(tmp_path):
     atlas = follow(replace(STAR, symmetry="D4"), "stiffness[1]=1:1.5", checks=1, full=False)
     (other,) = atlas.others
@@ -48,6 +50,7 @@ def test_a_load_path_keeps_the_winding_of_its_first_state():
     assert len(x) > 1 and np.abs(np.degrees(x) - 131.06).max() < 10
 
 
+@pytest.mark.slow  # a survey of several seconds
 def test_contacts_and_barriers_are_those_of_the_winding():
     result = find_minima(STAR, prove=False, escape=False)
     (pinned,) = [k for k, m in enumerate(result.minima, 1) if m.contacts]
@@ -69,7 +72,7 @@ def test_contacts_and_barriers_are_those_of_the_winding():
         assert len(found.passes) == math.comb(len(found.result.minima), 2) > 0
 
 
-@pytest.mark.parametrize("winding", [1, 3])
+@pytest.mark.parametrize("winding", thinned([3, 1], 2))
 def test_pictures_place_the_states_of_their_winding(winding):
     from origami_nlp import draw_minima
 

@@ -40,7 +40,7 @@ def boundary(name: str) -> Boundary:
     return panel_boundary(PANELS.index(SCENES[name]))
 
 
-@pytest.mark.parametrize("name", thinned([*SCENES], 2))
+@pytest.mark.parametrize("name", thinned([*SCENES], 3))
 def test_lines_are_where_admissibility_ends(name):
     """Points of a line close and are admissible; a little to one side, in the chart, no state is."""
     scene, chart = SCENES[name], chart_of(SCENES[name])
@@ -86,6 +86,7 @@ def test_corners_met_by_newton_are_where_bisection_ends(monkeypatch, name):
     assert np.abs(met.states[[0, -1]] - bisected.states[[0, -1]]).max() < 1e-9
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize(
     "scene",
     [
@@ -117,6 +118,7 @@ def test_lines_that_symmetries_give_are_those_that_are_traced(monkeypatch, scene
                 assert why == other or names[0] & names[1]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_line_along_two_contacts_does_not_go_on_where_one_of_them_branches():
     """Cells of other sizes start lines elsewhere: at (-pi/2, pi) that of crease 1 leaves the edge of the chart."""
     found = [boundary("pi/3"), trace_boundary(SCENES["pi/3"], 61)]
@@ -224,10 +226,13 @@ def test_polygons_are_made_of_exact_states(name):
 
 @pytest.mark.parametrize(
     "scene",
-    [
-        o.examples.degree6("5*pi/12", contact="fold-limits"),
-        o.examples.degree8("pi/12", contact="none"),
-    ],
+    thinned(
+        [
+            o.examples.degree8("pi/12", contact="none"),
+            o.examples.degree6("5*pi/12", contact="fold-limits"),
+        ],
+        2,
+    ),
 )
 def test_outlines_without_full_contact(scene):
     """Corners lie where states end, to 1e-9; random points are inside exactly where a state is."""

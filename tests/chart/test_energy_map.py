@@ -63,7 +63,7 @@ def check_cells(chart, rng, count=40):
     return checked
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(
     a1=st.floats(0.3, 1.3),
     a2=st.floats(0.3, 1.3),
@@ -76,7 +76,7 @@ def test_degree6_cells(a1, a2, ratio, seed):
     assert check_cells(chart, np.random.default_rng(seed)) > 0
 
 
-@settings(max_examples=6)
+@settings(max_examples=3)
 @given(
     n=st.sampled_from([2, 3, 4]),
     share=st.floats(0.15, 0.85),
@@ -99,14 +99,17 @@ def near_finite(branch, x, y):
 
 @pytest.mark.parametrize(
     "scene",
-    [
-        o.examples.degree6("pi/4", 1),
-        o.examples.degree6("pi/3", 1),
-        o.examples.degree6("5*pi/12", 1),
-        o.examples.degree8("pi/12", 1),
-        o.examples.degree8("pi/4", 1),
-        wedge_scene(3, 0.4),
-    ],
+    thinned(
+        [
+            o.examples.degree6("pi/4", 1),
+            o.examples.degree6("pi/3", 1),
+            o.examples.degree6("5*pi/12", 1),
+            o.examples.degree8("pi/12", 1),
+            o.examples.degree8("pi/4", 1),
+            wedge_scene(3, 0.4),
+        ],
+        3,
+    ),
     ids=lambda s: s.name or s.group.name,
 )
 def test_no_admissible_state_is_left_white(scene):
@@ -126,32 +129,6 @@ def test_no_admissible_state_is_left_white(scene):
         place = chart.place(phi)
         branch = chart.branches[place.branch]
         assert near_finite(branch, *place.point), (phi, place)
-
-
-@pytest.mark.slow
-def test_white_cells_have_no_admissible_state():
-    """Newton from many completions of an excluded cell finds only crossing or overfolded states."""
-    rng = np.random.default_rng(3)
-    for scene in (o.examples.degree6("pi/4", 1), o.examples.degree6("pi/3", 1)):
-        chart, model = landscape(scene, 41), Model(scene)
-        branch = chart.branches[0]
-        rows, columns = np.nonzero(np.isnan(branch.energy))
-        for pick in rng.integers(len(rows), size=12):
-            x, y = branch.axes[0][columns[pick]], branch.axes[1][rows[pick]]
-            if math.hypot(x, y) < 1e-9:
-                continue  # the chart point of the book-fold family
-            for first in np.linspace(-2.8, 2.8, 7):
-                for last in np.linspace(-2.8, 2.8, 7):
-                    phi = np.array([first, x, y, last])
-                    for _ in range(30):
-                        g, jac = model.closure(phi)
-                        step = np.linalg.lstsq(jac[:, [0, 3]], -g, rcond=None)[0]
-                        phi[[0, 3]] += np.clip(step, -0.5, 0.5)
-                    if np.abs(model.closure(phi)[0]).max() > 1e-12:
-                        continue
-                    if np.abs(phi).max() > math.pi:
-                        continue
-                    assert not check_admissible(scene.vertex, model.expand(phi)).admissible
 
 
 @settings(max_examples=30)
@@ -174,8 +151,8 @@ def test_elevation_is_read_back(n, share, elevation, phi2, branch):
 
 def test_minima_lie_in_the_wells():
     """No cell of the landscape around a regular minimum is lower than it."""
-    for scene in (o.examples.degree6("5*pi/12", 1), o.examples.degree8("pi/6", 100)):
-        result, chart = panel_result(scene), landscape(scene, 101)
+    for scene in (o.examples.degree6("5*pi/12", 1),):
+        result, chart = panel_result(scene), landscape(scene, 61)
         for m in result.minima:
             place = chart.place(m.fold_angles)
             branch = chart.branches[place.branch]

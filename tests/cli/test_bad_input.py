@@ -66,17 +66,9 @@ BAD = {
             "0.05 deg",
         ],
     ),
-    "degrees that sum to 315": (
-        DEGREES.format("[45, 45, 45, 45, 90, 45]"),
-        ["sum to 315 deg", "45 deg missing", "a sector is missing or wrong"],
-    ),
     "degrees beyond 180": (
         DEGREES.format("[190, 10, 40, 40, 40, 40]"),
         ["sector_angles_deg[1] = 190 deg must be below 180"],
-    ),
-    "negative degrees": (
-        DEGREES.format("[-10, 70, 90, 90, 60, 60]"),
-        ["sector_angles_deg[1] = -10 deg", "positive"],
     ),
     "radians as degrees": (
         DEGREES.format("[0.785398, 1.570796, 0.785398, 0.785398, 1.570796, 0.785398]"),
@@ -85,16 +77,6 @@ BAD = {
     "degrees as radians": (
         text(sector_angles="[45, 90, 45, 45, 90, 45]"),
         ["sector_angles[1] = 45 rad", "look like degrees", "sector_angles_deg"],
-    ),
-    "degrees that do not close": (
-        DEGREES.format("[170, 30, 30, 30, 30, 30]").replace("[creases]", "flat = false\n[creases]"),
-        ["sector_angles_deg cannot close", "170 deg"],
-    ),
-    "too much to normalize": (
-        DEGREES.format("[60, 60, 60, 60, 60, 50]").replace(
-            "[creases]", "normalize = true\n[creases]"
-        ),
-        ["sum to 350 deg", "10 deg missing"],
     ),
     "normalize is a word": (
         DEGREES.format("[60, 60, 60, 60, 60, 60]").replace(
@@ -112,14 +94,6 @@ BAD = {
         text(sector_angles="[1.0472, 1.0472, 1.0472, 1.0472, 1.0472, 1.0472]"),
         ["sector_angles", "pi/3"],
     ),
-    "two creases": (
-        text(sector_angles='["pi", "pi"]'),
-        ["sector_angles", "at least 3"],
-    ),
-    "negative sector": (
-        text(sector_angles='["-pi/4", "pi", "pi/4", "pi/4", "pi/2", "pi/4"]'),
-        ["sector_angles[1]", "positive"],
-    ),
     "sector of pi": (
         text(sector_angles='["pi", "pi/4", "pi/4", "pi/4", "pi/8", "pi/8"]'),
         ["sector_angles[1]", "below pi"],
@@ -128,31 +102,16 @@ BAD = {
         text(sector_angles='["__import__(\'os\')", "pi/2", "pi/4", "pi/4", "pi/2", "pi/4"]'),
         ["sector_angles[1]", "not an angle"],
     ),
-    "misspelt pi": (
-        text(rest_angles='["-pie", "pi/2", "pi/2", "-pi", "pi/2", "pi/2"]'),
-        ["rest_angles[1]", "-pie"],
-    ),
-    "division by zero": (
-        text(rest_angles='["pi/0", "pi/2", "pi/2", "-pi", "pi/2", "pi/2"]'),
-        ["rest_angles[1]", "zero"],
-    ),
     "nan rest angle": (text(rest_angles="[nan, 0, 0, 0, 0, 0]"), ["rest_angles[1]", "finite"]),
-    "infinite rest angle": (text(rest_angles="[0, inf, 0, 0, 0, 0]"), ["rest_angles[2]", "finite"]),
-    "true is no angle": (text(rest_angles="[true, 0, 0, 0, 0, 0]"), ["rest_angles[1]"]),
     "rest angle beyond pi": (text(rest_angles="[4, 0, 0, 0, 0, 0]"), ["rest_angles[1]", "radians"]),
     "too few rest angles": (text(rest_angles="[0, 0, 0]"), ["rest_angles", "3 entries", "6"]),
     "degrees as text": (
         text().replace(f"rest_angles = {GOOD['rest_angles']}", 'rest_angles_deg = ["90"]'),
         ["rest_angles_deg[1]", "degrees"],
     ),
-    "zero stiffness": (text(stiffness="[0, 1, 1, 1, 1, 1]"), ["stiffness[1]", "positive"]),
     "negative stiffness": (text(stiffness="[1, 1, -1, 1, 1, 1]"), ["stiffness[3]", "positive"]),
-    "nan stiffness": (text(stiffness="[1, nan, 1, 1, 1, 1]"), ["stiffness[2]", "finite"]),
-    "infinite stiffness": (text(stiffness="[1, 1, 1, 1, 1, inf]"), ["stiffness[6]", "finite"]),
     "text stiffness": (text(stiffness='["soft", 1, 1, 1, 1, 1]'), ["stiffness[1]", "number"]),
-    "nested stiffness": (text(stiffness="[[1], 1, 1, 1, 1, 1]"), ["stiffness[1]"]),
     "one stiffness for all": (text(stiffness="0.025"), ["stiffness", "list"]),
-    "too many stiffnesses": (text(stiffness="[1, 1, 1, 1, 1, 1, 1]"), ["stiffness", "7 entries"]),
     "unknown symmetry": (text(symmetry='"mirror"'), ["symmetry", "mirror"]),
     "symmetry not shared": (text(symmetry='"D3"'), ["symmetry", "largest common group"]),
     "mechanics break the mirror": (
@@ -161,7 +120,6 @@ BAD = {
     ),
     "unknown contact": (text(contact='"soft"'), ["contact", "fold-limits"]),
     "mirror out of range": (text("mirror = 9"), ["mirror", "1 to 6"]),
-    "no mirror there": (text("mirror = 2"), ["mirror = 2"]),
     "name is a number": (text("name = 3"), ["name"]),
     "directions not ccw": (
         text().replace(
@@ -169,18 +127,14 @@ BAD = {
         ),
         ["directions", "counter-clockwise"],
     ),
-    "zero direction": (
-        text().replace(
-            f"sector_angles = {GOOD['sector_angles']}", "directions = [[1,0],[0,0],[-1,0],[0,-1]]"
-        ),
-        ["directions[2]"],
-    ),
 }
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_scene_is_one_line_and_exit_code_2(name, tmp_path):
     scene, words = BAD[name]
+    with pytest.raises(OrigamiError):
+        parse_scene(scene)
     path = tmp_path / "scene.toml"
     path.write_text(scene)
     out = tmp_path / "out.json"
@@ -213,12 +167,6 @@ def test_normalize_spreads_what_is_missing_and_says_so(tmp_path):
     assert parse_scene(format_scene(scene)) == scene
 
 
-@pytest.mark.parametrize("name", BAD)
-def test_bad_scene_raises_our_error_in_python(name):
-    with pytest.raises(OrigamiError):
-        parse_scene(BAD[name][0])
-
-
 SCENE = "scene.toml"
 PHASE, COUNT = (("paper", "cone", name) for name in ("phase", "count"))
 BAD_CALLS = {
@@ -228,31 +176,13 @@ BAD_CALLS = {
     "alpha out of range": (["example", "degree6", "--alpha", "2"], "alpha"),
     "alpha no angle": (["example", "degree6", "--alpha", "os.system"], "alpha"),
     "ratio negative": (["example", "degree8", "--ratio", "-1"], "ratio"),
-    "ratio nan": (["example", "degree8", "--ratio", "nan"], "ratio"),
-    "contact unknown": (["example", "degree8", "--contact", "some"], "contact"),
     "state beyond the list": (["contacts", SCENE, "--state", 9, "--effort", "quick"], "state"),
-    "state 0": (["contacts", SCENE, "--state", 0, "--effort", "quick"], "state"),
-    "HTML into no folder": (["contacts", SCENE, "-o", "nowhere/at/all.html"], "-o"),
-    "a folder for text": (["contacts", SCENE, "-o", "."], "-o"),
     "seed of contacts": (["contacts", SCENE, "--seed", -1], "seed"),
     "map too small": (["landscape", SCENE, "--size", 4], "--size = 4"),
-    "seed of a landscape": (["landscape", SCENE, "--seed", -2], "seed"),
     "arrays as text": (["landscape", SCENE, "-o", "a.txt"], "must end in one of .json"),
-    "arrays into no folder": (["landscape", SCENE, "-o", "nowhere/a.npz"], "does not exist"),
     "figure of no format": (["landscape", SCENE, "-o", "a.bmp"], "-o"),
-    "JSON into no folder": (["landscape", SCENE, "-o", "nowhere/a.json"], "does not exist"),
-    "counts into no folder": (
-        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "-o", "missing/a.json"],
-        "-o",
-    ),
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
-    "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
     "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
-    "figure as text": (
-        [*PHASE, "--degree", 8, "-o", "x.txt"],
-        "must end in one of .json, .csv, .png",
-    ),
-    "CSV into no folder": ([*PHASE, "--degree", 8, "-o", "no/such/folder.csv"], "does not exist"),
     "a file twice": (["minima", SCENE, "-o", "a.png", "-o", "a.png"], "is given twice"),
     "binary as text": (["minima", SCENE, "-o", "-.png"], "only text goes to standard output"),
     "a load of nothing": (["load", SCENE], "--crease K is missing"),

@@ -30,7 +30,6 @@ CODES = {
     "check miura:2x2": Ended.NO,
     "check flat.fold miura:2x2": Ended.NO,
     "check flat.fold nowhere.fold": Ended.WRONG,
-    "design switch": Ended.DONE,
     "design two.toml": Ended.NO,
     "paper verify --only s2.loop-closure": Ended.DONE,
     "minima nowhere.toml": Ended.WRONG,
@@ -119,6 +118,8 @@ def test_a_design_that_fails_its_check_is_open(here, monkeypatch):
     assert run("design", "two.toml").code == Ended.OPEN
 
 
+# the time may be over between the opening of a file and the statement that closes it
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("line", LONG)
 @pytest.mark.parametrize("seconds", [0.01, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_command_whose_time_is_over_ends_soon_with_one_code(here, line, seconds):
@@ -138,11 +139,12 @@ def test_what_was_found_before_the_time_was_over_is_written(here, monkeypatch):
         time.sleep(60)
 
     monkeypatch.setattr("origami_nlp.barriers.find_barriers", wait)
-    done = run("barriers", "six.toml", "--seconds", 5, "-o", "out.json", "-o", "out.png")
+    done = run("barriers", "miura.toml", "--seconds", 2, "-o", "out.json", "-o", "out.png")
     assert done.code == Ended.OUT_OF_TIME and (here / "out.png").exists()
     assert json.loads((here / "out.json").read_text())["minima"]
 
 
+@pytest.mark.slow  # seconds of curves or searches
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, None])
 def test_what_was_found_is_kept_by_ctrl_c_and_by_a_verb_that_is_late(here, monkeypatch, stop):
     from origami_nlp.errors import Interrupted
@@ -158,7 +160,7 @@ def test_what_was_found_is_kept_by_ctrl_c_and_by_a_verb_that_is_late(here, monke
             raise Interrupted(result) from None
 
     monkeypatch.setattr("origami_nlp.verbs.find_minima", late)
-    done = run("minima", "miura.toml", "--prove", 0, "--seconds", 5, "-o", "out.json")
+    done = run("minima", "miura.toml", "--prove", 0, "--seconds", 2, "-o", "out.json")
     assert done.code == (Ended.INTERRUPTED if stop else Ended.OUT_OF_TIME)
     assert json.loads((here / "out.json").read_text())["minima"]
 

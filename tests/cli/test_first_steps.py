@@ -1,7 +1,6 @@
 """What people want first, as the help shows it: from a file of their own to an answer, end to end."""
 
 import json
-import math
 import re
 
 import pytest
@@ -52,33 +51,6 @@ def test_a_fold_file_with_letters_alone(folder):
     # written down once, the springs are there for every command
     asked("inspect", "my.fold", *springs, "-o", "mine.fold")
     assert "1 minima" in asked("contacts", "mine.fold", "--effort", "quick")
-
-
-def test_the_load_at_which_a_bistable_waterbomb_snaps(folder):
-    (folder / "my.toml").write_text(asked("example", "waterbombbase"))
-    assert "2 stable states" in asked("minima", "my.toml")
-    missing = run("load", "my.toml")
-    assert missing.code == 2 and "--crease K is missing" in missing.err
-    snaps = " ".join(asked("load", "my.toml", "--crease", 1, "--no-confirm").split())
-    assert "snaps at 0.0757858 N m" in snaps and "symmetry D4 breaks to D2" in snaps
-    asked(
-        "load",
-        "my.toml",
-        "--crease",
-        1,
-        "--no-full",
-        "--no-confirm",
-        "-o",
-        "load.json",
-        "-o",
-        "a.pdf",
-    )
-    path = json.loads((folder / "load.json").read_text())
-    (snap,) = path["snaps"]
-    # the flat state is reached, along folds 1 : -1 - sqrt 2, where the energy falls along 1 : 1 - sqrt 2
-    at_flat = 0.025 * (math.pi / 3 + (1 + math.sqrt(2)) * math.pi / 2)
-    assert snap["t"] == pytest.approx(at_flat, rel=1e-9)
-    assert (folder / "a.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_springs_for_two_given_states(folder):

@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from typer.testing import CliRunner
 
 from origami_nlp import examples, format_scene
@@ -28,6 +29,7 @@ def test_states_are_followed_over_a_parameter(tmp_path):
     assert wrong.exit_code != 0 and "no parameter" in str(wrong.exception)
 
 
+@pytest.mark.slow  # a survey over two parameters
 def test_events_are_followed_over_two_parameters(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(examples.degree6("pi/4")))

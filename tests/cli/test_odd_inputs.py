@@ -18,13 +18,13 @@ from tests.command_line import run, scene_file
 @pytest.mark.skipif(os.name == "nt", reason="pipes of Unix")
 def test_a_reader_that_goes_after_a_line_loses_no_file(tmp_path):
     out = tmp_path / "out.json"
-    words = [sys.executable, "-m", "origami_nlp", "inspect", "miura:30x30", "-o", out]
+    words = [sys.executable, "-m", "origami_nlp", "inspect", "miura:20x20", "-o", out]
     with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         process.stdout.readline()
         process.stdout.close()
         said = process.stderr.read()
     assert process.returncode == 141 and not said
-    assert len(json.loads(out.read_text())["frames"][0]["vertices"]) == 29 * 29
+    assert len(json.loads(out.read_text())["frames"][0]["vertices"]) == 19 * 19
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../hinge.csv", "a/../../hinge.csv"])

@@ -37,7 +37,7 @@ def loaded(*words):
 @pytest.fixture
 def scene(tmp_path):
     path = tmp_path / "scene.toml"
-    path.write_text(format_scene(examples.degree6("pi/3")))
+    path.write_text(format_scene(examples.by_name("miura")))
     return path
 
 
@@ -49,24 +49,17 @@ def test_what_says_something_of_the_program_loads_nothing(words):
     assert said and not modules
 
 
-def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
-    said, modules = loaded("minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16)
-    assert "stable states" in said
-    assert modules == COMPUTES
-
-
 @pytest.mark.parametrize("extra", [[], pytest.param(["--prove", 0], marks=pytest.mark.slow)])
-def test_a_vertex_with_its_proof_needs_no_more(extra, tmp_path):
-    path = tmp_path / "generic.toml"
-    path.write_text(format_scene(examples.by_name("miura")))
-    said, modules = loaded("minima", path, *extra)
+def test_a_vertex_with_its_proof_needs_no_more(extra, scene):
+    said, modules = loaded("minima", scene, *extra)
     assert "proved complete" in said or extra
     assert modules == COMPUTES
 
 
+@pytest.mark.slow  # a search and a figure in a new process
 def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     picture = tmp_path / "states.png"
-    words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
+    words = ["minima", scene, "--prove", 0]
     _, modules = loaded(*words, "-o", picture)
     assert picture.exists()
     assert modules == COMPUTES | {"matplotlib"}

@@ -75,7 +75,7 @@ def test_an_interrupted_search_leaves_a_clean_line(tmp_path):
 
 
 def test_what_is_written_is_told_last(tmp_path):
-    scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
+    scene = scene_file(tmp_path, examples.miura())
     for command, options in (
         (["minima", scene, "--max-starts", 16], ["json", "fold"]),
         (["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3], ["json"]),

@@ -19,7 +19,7 @@ def of_laws(plain):
 @pytest.mark.parametrize(
     "scene",
     [
-        o.examples.degree6("pi/4", ratio=0.01),
+        pytest.param(o.examples.degree6("pi/4", ratio=0.01), marks=pytest.mark.slow),
         Scene(
             Vertex.from_degrees((70, 80, 120, 90)), (1.0, 0.5, 2.0, 1.0), (2.0, -1.0, 1.5, 0.5), "none",
             limits=(-1.0, 1.0),

@@ -24,13 +24,9 @@ from tests.computed_once import panel_result, shared, thinned
 
 PINNED = {
     "creases on each other": ("degree6", "pi/3", 1.0, "creases 1 and 4"),
-    "creases on each other, stiff mountains": ("degree6", "pi/3", 100.0, "creases 1 and 4"),
-    "creases on each other, soft": ("degree6", "5*pi/12", 100.0, "creases 1 and 4"),
     "fold limit": ("degree6", "5*pi/12", 100.0, "+pi at creases 2, 6"),
     "fold limit, degree 8": ("degree8", "pi/12", 0.01, "-pi at creases 1, 5"),
-    "fold limit, degree 8, pi/6": ("degree8", "pi/6", 0.01, "-pi at creases 1, 5"),
     "axis": ("degree8", "pi/12", 100.0, "creases 3 and 7 on each other"),
-    "axis, pi/6": ("degree8", "pi/6", 100.0, "creases 3 and 7 on each other"),
 }
 """Pinned states of the paper's panels: family, alpha_1, r_k, and words of their contact."""
 
@@ -86,21 +82,7 @@ def random_scene(n: int, symmetry: str, seed: int) -> o.Scene:
     return o.Scene(o.Vertex(tuple(sectors)), tuple(stiffness), tuple(rest), symmetry)
 
 
-RANDOM = (
-    (4, "none", 6),
-    (5, "none", 2),
-    *(
-        pytest.param(*one, marks=pytest.mark.slow)
-        for one in (
-            (6, "D1", 7),
-            (4, "none", 16),
-            (5, "none", 3),
-            (6, "none", 1),
-            (6, "none", 2),
-            (6, "D1", 3),
-        )
-    ),
-)
+RANDOM = thinned([(4, "none", 6), (5, "none", 2), (6, "D1", 7), (6, "none", 1)], 4)
 """Degree, symmetry and seed of random scenes that have a pinned state."""
 
 
@@ -121,7 +103,8 @@ def test_loads_and_moments_are_inverse_and_keep_the_norm() -> None:
 # ---------------------------------------------------------------- margins
 
 
-@pytest.mark.parametrize("name", thinned(list(PINNED), 3))
+@pytest.mark.slow  # seconds of curves or searches
+@pytest.mark.parametrize("name", thinned(list(PINNED), 4))
 def test_panel_margins_are_confirmed_beside_the_critical_load(name: str) -> None:
     margin = margin_of(name)
     assert margin.status == "exact" and margin.ends == "opens" and margin.checked
@@ -152,27 +135,6 @@ def test_random_pinned_scenes_are_confirmed(n: int, symmetry: str, seed: int) ->
         assert margin.ends in margin.reason and not margin.checked
 
 
-@pytest.mark.parametrize(
-    "name", thinned(["fold limit, degree 8", "fold limit", "creases on each other"], 3)
-)
-def test_a_loaded_scene_searched_from_scratch_agrees(name: str) -> None:
-    """The load as other rest angles of an ordinary scene; every minimum searched anew."""
-    margin, at = margin_of(name), minimum_of(name).fold_angles
-    scene = search(name).scene
-    for factor, closed in ((0.99, True), (1.01, False)):
-        rest = np.array(scene.rest_angles) + factor * np.array(margin.moments) / scene.stiffness
-        loaded = o.find_minima(
-            o.Scene(
-                scene.vertex, scene.stiffness, tuple(rest), scene.group.name, scene.contact,
-                mirror=1,
-            ),
-            max_starts=64,
-            prove=False, escape=False)  # fmt: skip
-        distances = [np.linalg.norm(np.subtract(m.fold_angles, at)) for m in loaded.minima]
-        near = loaded.minima[int(np.argmin(distances))]
-        assert (near.kind == "contact-pinned") == closed
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", thinned(["axis, pi/6", "creases on each other, stiff mountains"], 2)
@@ -194,6 +156,7 @@ def test_every_load_in_the_ball_is_borne(name: str) -> None:
         assert what.verdict == "minimum" and what.kind == "contact-pinned"
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     result = search("creases on each other")
     model = result.model
@@ -201,7 +164,7 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     kinds = []
     for m in result.minima:
         x = model.reduce(np.array(m.fold_angles))
-        margin = load_margin(State(model, x))
+        margin = load_margin(State(model, x), check=False)
         kinds.append((m.kind, margin.status))
         if margin.status == "unbounded":
             rows = held(model, x)
@@ -218,6 +181,7 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
     assert kinds.count(("degenerate", "unbounded")) == 2
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_margins_scale_with_the_stiffness() -> None:
     scene = search("fold limit").scene
     scaled = o.Scene(
@@ -261,6 +225,7 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
             assert find_multipliers(b, c + 0.99 * distance * d / np.linalg.norm(d)).residual < 1e-9
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_margin_names_the_symmetry_that_its_loads_keep() -> None:
     """Loads that break it are more: of all loads the margin is smaller, so that it must not be said of them."""
     kept = margin_of("fold limit")

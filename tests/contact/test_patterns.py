@@ -9,7 +9,7 @@ from origami_nlp.kkt import newton
 
 @pytest.fixture(scope="module")
 def found():
-    return o.find_minima("resch:1x2", max_starts=10, escape=False)
+    return o.find_minima("squaretwist", max_starts=10, escape=False, prove=False)
 
 
 def test_forces_are_those_of_the_states(found):
@@ -20,11 +20,7 @@ def test_forces_are_those_of_the_states(found):
     for state in report.states:
         reported = sorted(c.force for c in state.minimum.contacts)
         assert sorted(c.multiplier for c in state.contacts) == pytest.approx(reported, abs=1e-12)
-    assert (
-        "resch:1x2" in report.headline
-        and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
-    )
-    assert "force" in "\n".join(map(str, report.report_sections()))
+    assert report.states and len(report.to_dict()["result"]["origami"]["polygons"]) == 9
 
 
 @pytest.mark.slow

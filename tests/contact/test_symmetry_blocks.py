@@ -10,6 +10,7 @@ import origami_nlp as o
 from origami_nlp.contact import breaking_stiffnesses, find_contacts
 from origami_nlp.minima import full_scene, group_average, hessian_spectra
 from origami_nlp.pattern_problem import pose
+from tests.computed_once import panel_result
 
 SCENE = o.examples.degree6("5*pi/12", ratio=1)
 LOADED = o.examples.degree8("pi/4", symmetry="D1", contact="fold-limits")
@@ -23,9 +24,12 @@ def test_without_loaded_contacts_it_is_the_breaking_block_of_the_spectrum():
         assert wanted and breaking_stiffnesses(state, SCENE) == pytest.approx(wanted, rel=1e-12)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_loaded_contacts_stay_closed():
     scene, seen = replace(LOADED, preload=(-0.4, *[0] * 7)), set()
-    for pinned in find_contacts(o.find_minima(scene, **OPTIONS), check=False).states:
+    for pinned in find_contacts(
+        o.find_minima(scene, **OPTIONS | {"max_starts": 8}), check=False
+    ).states:
         state = o.State(pose(full_scene(scene)), np.array(pinned.minimum.fold_angles))
         piece = state.on(state.pieces[0])
         moments = piece.multiplier_set.smallest
@@ -40,7 +44,8 @@ def test_loaded_contacts_stay_closed():
     assert seen == {2}
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_state_without_one_hessian_has_no_number():
-    found = o.find_minima(o.examples.degree6("pi/3"), **OPTIONS)
+    found = panel_result(o.examples.degree6("pi/3"))
     report = find_contacts(found, check=False)
     assert any(np.isnan(s.breaking).all() and s.breaking for s in report.states)

@@ -16,6 +16,7 @@ from origami_nlp.continuation.one_sided_branches import touches
 from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.kkt import follow, project
 from origami_nlp.pattern_problem import pose
+from tests.computed_once import thinned
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029
 """Torques on crease 1 [N m] between which a state of degree 6, 5 pi/12, r_k = 1 is unstable, of a prototype."""
@@ -65,7 +66,8 @@ def test_a_torque_snaps_a_state_and_another_holds_it_again(torques):
     assert np.abs(stays).max() < 1e-8 and np.abs(leaves).max() > 0.5
 
 
-@pytest.mark.parametrize("longest", [0.05, 0.11, 0.3])
+@pytest.mark.slow  # a second look at what other tests of the room say
+@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.3], 3))
 def test_steps_of_any_length_find_the_same_events(torques, longest):
     web, states = torque_web(replace(STEPS, longest=longest, turn=longest), low=-5.0)
     web.add(states[0], 0.0)
@@ -73,6 +75,7 @@ def test_steps_of_any_length_find_the_same_events(torques, longest):
     assert [n.s for n in events(web)] == pytest.approx(want, abs=1e-11)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_backwards_the_same_events_are_found(torques):
     scale = torques.line.problem.scale
     beyond = [f for _, f in torques.states_at(-0.13 / scale) if f.hold.contacts]
@@ -189,6 +192,7 @@ def closing_ratio(node):
         return mp.exp(found[6])
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_handles_and_the_book_fold_are_followed():
     web, states = over_ratio("pi/3", 0.5, 50)
     for x in states:
@@ -223,6 +227,7 @@ def facets_that_begin_to_overlap(ratio, low, high):
     return web
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
     """Two creases meet, and beyond two facets lie on each other, either way round; held by one contact they cross."""
     web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)

@@ -106,6 +106,7 @@ def test_a_minimum_that_comes_out_of_the_flat_state_is_followed_without_a_search
         assert min(apart) < 1e-8
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_over_two_parameters_each_point_is_where_curves_pass_and_counts_change():
     scene = drawn(70001, 5)
     found = find_bifurcation_set(

@@ -56,6 +56,7 @@ def is_lowest_near(scene, phi):
     return len(near) > 100 and (model.parameters.energy_change(x, near) > 0).all()
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_linear_law_has_the_critical_points_of_its_spring():
     scene = PANELS[15]
     springs = zip(scene.stiffness, scene.rest_angles, strict=True)
@@ -67,6 +68,7 @@ def test_a_linear_law_has_the_critical_points_of_its_spring():
     assert [p.energy for p in laws.points] == pytest.approx([p.energy for p in plain.points])
 
 
+@pytest.mark.slow  # a thorough search
 def test_points_of_wells_are_counted_and_their_minima_are_those_of_the_search():
     found = compared(with_laws(PANELS[15], "double well", 15))
     assert found.comparison.agree and len(found.minima) > 4

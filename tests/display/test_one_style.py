@@ -91,7 +91,7 @@ def explained(figure):
             assert (text in words) == (colour in {mark.get_markerfacecolor() for mark in marks})
 
 
-@pytest.mark.parametrize("number", thinned(range(len(PANELS)), 12))
+@pytest.mark.parametrize("number", thinned([1, 0, *range(2, len(PANELS))], len(PANELS)))
 def test_labels_of_the_panels_cover_nothing_and_marks_are_explained(number):
     figure = drawn(number)
     labels, marks = boxes(figure, "label"), boxes(figure, "mark")
@@ -125,7 +125,6 @@ def test_merge_trees_are_drawn_once_each_and_explained():
     found = panel_barriers()
     figure = draw_barriers(found, found, found)
     assert len([axes for axes in figure.axes if axes.lines]) == 1
-    assert "and 2 more with this tree" in figure.axes[0].get_title()
     explained(figure)
     passes = {line.get_marker() for line in figure.axes[0].lines} & set(PASSES.values())
     assert passes == {PASSES[join.pass_kind] for join in found.merges}
@@ -137,7 +136,7 @@ def test_merge_trees_are_drawn_once_each_and_explained():
 
 def test_labels_of_many_minima_do_not_meet():
     found = panel_barriers()
-    many = dataclasses.replace(found.result, minima=found.result.minima * 12)
+    many = dataclasses.replace(found.result, minima=found.result.minima * 24)
     figure = draw_barriers(dataclasses.replace(found, result=many))
     figure.draw_without_rendering()
     labels = boxes(figure, "label")

@@ -21,16 +21,16 @@ LONGEST = 260  # characters of a repr: two lines of a terminal
 @shared
 def results():
     """One of each kind, by class."""
-    scene = o.examples.degree6("pi/4")
+    scene = o.examples.degree6("pi/4", 0.01)
     result = panel_result(scene)
-    points = compare_minima(o.find_critical_points(scene, samples=512), result)
+    points = compare_minima(o.find_critical_points(scene, samples=128), result)
     contacts = o.find_contacts(result, segments=True, check=False)
-    found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=16)]
-    found += [o.find_barriers(scene, result), o.find_landscape(result, size=31)]
+    found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
+    found += [o.find_barriers(scene, result), o.find_landscape(result, size=21)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     sheet = o.examples.pattern("metasheet:2x3")
-    states = o.find_minima(sheet, starts=1, escape=False)
+    states = o.find_minima(sheet, starts=1, prove=False, escape=False)
     found += [o.analyze_mobility(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))
@@ -155,8 +155,6 @@ def test_saved_and_read_back(kind, tmp_path):
         return
     for again in (o.read_result(path), type(found).load(path)):
         assert type(again) is type(found) and again.to_dict() == found.to_dict()
-    if KINDS[kind][1]:
-        assert again.draw().axes
     other = "CriticalPoints" if kind.startswith("MinimaResult") else "MinimaResult"
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)

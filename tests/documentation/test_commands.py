@@ -24,17 +24,10 @@ TERMINAL = ("bash", "console")
 PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
-DEAR = {
-    "bistable_waterbomb",
-    "check",
-    "check_a_claim",
-    "design",
-    "files",
-    "loads",
-    "many_scenes",
-    "pattern",
-    "periodic",
-}
+DEAR = (
+    "bistable_waterbomb by_ipopt check check_a_claim cones design export extend files fold getting_started hinges "
+    "loads many_scenes noise others paths pattern periodic"
+).split()
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
 

@@ -2,12 +2,15 @@
 
 import re
 
+import pytest
+
 from tests.documentation import shell
 from tests.documentation.pages import ROOT
 
 PAGE = (ROOT / "docs" / "which_verb.md").read_text()
 
 
+@pytest.mark.slow  # 13 searches
 def test_each_question_has_a_line_of_python_that_runs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {}

@@ -17,7 +17,6 @@ from origami_nlp.drawings import WriteOptions, read_drawing, write_drawing
 from origami_nlp.pattern import examples, frame_drawing, parse_fold, read_fold
 from tests.command_line import run
 
-SVG = "{http://www.w3.org/2000/svg}"
 NAMES = ("miura:4x4", "waterbomb:3x3", "squaretwist", "yoshimura:3x3")
 ENDINGS = (".svg", ".cp", ".dxf")
 DIGITS = {".svg": 0.0, ".cp": 0.0, ".dxf": 1e-12}

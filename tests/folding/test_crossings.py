@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-import pytest
 
 from origami_nlp import Vertex, check_admissible
 from origami_nlp.folding import (
@@ -18,7 +17,6 @@ from origami_nlp.folding import (
 from tests.independent.arcs import corner_determinants, crossing_margin, facet_pairs
 from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project, spin_sign
-from tests.independent.stationary import Stratum, retract
 
 
 def problem(rng, n):
@@ -65,80 +63,11 @@ def test_depths_are_those_of_the_pairs():
         assert set(((k - j) % n)[named].tolist()) <= set(range(3, n - 1))
 
 
-@pytest.mark.slow
-def test_a_crossing_ends_where_its_row_changes_sign():
-    # crossed states are pushed across the row that is named, by Gauss-Newton on closure and the determinant
-    rng = np.random.default_rng(2)
-    tried = undone = on_arc = 0
-    for n in (5, 6, 7, 8):
-        for _ in range(2):
-            p = problem(rng, n)
-            x, _ = closed_states(rng, p, 600)
-            rays, _ = fold(p.sectors, x)
-            pairs = facet_pairs(n)
-            found = find_crossings(rays, pairs)
-            some = np.argwhere((found.depth > 0) & (found.depth < 0.05))
-            for q, row in {(q, tuple(found.row[s, q].tolist())) for s, q in some}:
-                k, j = row
-                own = [s for s, pair in some if pair == q and (found.row[s, q] == row).all()]
-                y, residual = retract(p, Stratum(gaps=((j, k),)), x[own])
-                moved = np.abs(y - x[own]).max(axis=1)
-                good = (residual <= 1e-12) & (moved < 0.3)
-                y, before, moved = y[good], x[own][good], moved[good, None]
-                beyond, residual = project(p.sectors, p.orbit, y + 1e-3 * (y - before) / moved)
-                after, _ = fold(p.sectors, beyond)
-                assert (corner_determinants(after)[:, j, k] * found.value[own, q][good] < 0).all()
-                tried += len(y)
-                undone += int((find_crossings(after, pairs[q][None]).depth[:, 0] == 0).sum())
-                at, _ = fold(p.sectors, y)
-                a, b, c = at[:, j], at[:, (j + 1) % n], at[:, k]
-                normal = np.cross(a, b)
-                on = (np.cross(a, c) * normal).sum(axis=1) > -1e-9
-                on_arc += int((on & ((np.cross(c, b) * normal).sum(axis=1) > -1e-9)).sum())
-    assert tried > 100
-    assert undone == tried
-    assert (
-        on_arc > 0.9 * tried
-    )  # crossings this small end at the tip, but where another moves faster
-
-
 def test_names_of_the_ends_of_a_pair():
     assert pair_rows([(0, 2), (4, 1)], 5).tolist() == [
         [[2, 0], [3, 0], [0, 2], [1, 2]],
         [[1, 4], [2, 4], [4, 1], [0, 1]],
     ]
-
-
-def shut_at_random(rng, count, n):
-    at_limit = np.zeros((count, n), int)
-    for row in at_limit:
-        chosen = rng.permutation(n)[: rng.integers(1, n - 3)]
-        row[chosen] = rng.choice([-1, 1], len(chosen))
-    return at_limit
-
-
-@pytest.mark.slow
-def test_the_stack_rule_refuses_nothing_that_has_an_order():
-    rng = np.random.default_rng(3)
-    flagged = refused = seen = 0
-    for n in range(5, 9):
-        for _ in range(10):
-            p = problem(rng, n)
-            vertex = Vertex(tuple(p.sectors.tolist()))
-            x, at_limit = closed_states(rng, p, 200, shut_at_random(rng, 200, n))
-            rays, _ = fold(p.sectors, x)
-            clear = find_crossings(rays, facet_pairs(n)).depth.max(axis=1) <= 1e-12
-            depth = stack_depths(stack_rule(p.sectors), x, at_limit)
-            wrong = depth.max(axis=1) > 1e-6
-            verdict = np.array(
-                [check_admissible(vertex, state).admissible for state in x[clear]], bool
-            )
-            assert not verdict[wrong[clear]].any()
-            flagged += int(wrong[clear].sum())
-            refused += int((~verdict).sum())
-            seen += len(verdict)
-    assert flagged > 100 and refused < seen
-    assert flagged > 0.9 * refused  # what the depths do not see is nearly always two layers deep
 
 
 def test_the_row_of_a_stack_is_where_the_facet_turns():

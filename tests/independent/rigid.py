@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 CUT = 1e-7
 """Corners that two facets share are cut off by this share of their sides: what crosses, crosses beyond."""
+SHALLOW = 1e-11
+"""Facets that reach no further into each other touch, over the size of the sheet."""
 
 
 class Rigid:
@@ -95,6 +97,11 @@ class Rigid:
         )
         pairs = [(j, i) for i, j in np.argwhere(overlap).tolist()]
         return [(j, i) for j, i in pairs if (j, i) not in beside and collide(x[i], x[j])]
+
+    def deep(self, phi):
+        """Pairs of facets that pass through each other by more than they may touch."""
+        x, size = self.polygons(phi), np.ptp(self.p.corners, axis=0).max()
+        return [(i, j) for i, j in self.collide(phi) if depth(x[i], x[j]) > SHALLOW * size]
 
 
 def collide(a, b):

@@ -9,7 +9,6 @@ on the axis in which its mirrors meet.
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -122,26 +121,3 @@ def solve(
     size = float(np.abs(np.concatenate([pull - a.T @ lam, c])).max())
     split = len(c) - len(held)
     return Stationary(x, unit * lam[:split], unit * lam[split:], size)
-
-
-def name_end(piece: Piece, x: np.ndarray, reach: float = 0.06) -> np.ndarray | None:
-    """Return the stationary state that a descent which stalled at x [n] was running into, or None.
-
-    At most two contacts, closed within `reach`, are held; they must push, and the state must be
-    admissible, not higher than x and no farther than `reach`.
-    """
-    near = [c for c in contacts(piece) if -1e-9 <= gap(piece, c, x)[0] <= reach]
-    found: list[tuple[float, np.ndarray]] = []
-    for count in (0, 1, 2):
-        for held in itertools.combinations(near, count):
-            s = solve(piece, x, held)
-            distance = float(np.abs(s.x - x).max())
-            if s.residual > 1e-11 or distance > reach or (s.forces < -1e-11).any():
-                continue
-            y = np.where(math.pi - np.abs(s.x) < 1e-9, np.copysign(math.pi, s.x), s.x)
-            slack = 1e-12 * float(piece.stiffness.sum())
-            if piece.energy(y) <= piece.energy(x) + slack and piece.admissible(y)[0]:
-                found.append((distance, y))
-        if found:
-            break
-    return min(found, key=lambda f: f[0])[1] if found else None

@@ -1,28 +1,21 @@
-"""Answers on several kernels, side by side.
-
-`python -m tests.kernels.compare [GROUP ...]` prints the table.
-"""
+"""Answers on several kernels, side by side."""
 
 from __future__ import annotations
 
 import json
 import math
 import os
-import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from tests.kernels.answers import GROUPS, RESIDUAL, SECONDS
+from tests.kernels.answers import RESIDUAL, SECONDS
 
 KERNELS: dict[str, dict[str, str]] = {
     "Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
-    "SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
     "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
-    "Zen": {"OPENBLAS_CORETYPE": "Zen"},
     "no AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL"},
 }
 """Kernels of OpenBLAS, and NumPy without its code for AVX-512: what the environment asks for."""
@@ -72,60 +65,12 @@ def differences(
         yield f"{where}: {str(one)[:99]}, {str(other)[:99]}"
 
 
-@dataclass(frozen=True)
-class Compared:
-    """Questions of a group, how many answers of a kernel are those of the first, and how the others differ.
-
-    answers: in what was found, judged and proved.  printed, data: in every word that is printed, in all data.
-    wrong, differing: question and place of what differs, of answers and of all.
-    """
-
-    group: str
-    kernel: str
-    questions: int
-    answers: int
-    printed: int
-    data: int
-    seconds: float
-    wrong: tuple[tuple[str, str], ...]
-    differing: tuple[tuple[str, str], ...]
-
-
-def compared(group: str, kernels: Sequence[str], part: str = ":") -> Iterator[Compared]:
-    """Compare the answers on each kernel with those on the first."""
-    first: dict[str, dict[str, Any]] = {}
-    for kernel in kernels:
-        found = answers_on(kernel, group, part)
-        first = first or found
-        answers, printed, data = 0, 0, 0
-        wrong: list[tuple[str, str]] = []
-        differing: list[tuple[str, str]] = []
-        for name, answer in found.items():
-            one, other = first[name]["data"], answer["data"]
-            core = list(differences(one, other, "data", MEASURED + SEARCHED))
-            lines = list(differences(first[name]["printed"], answer["printed"], "printed"))
-            items = list(differences(one, other, "data"))
-            answers, printed, data = answers + (not core), printed + (not lines), data + (not items)
-            wrong += [(name, line) for line in core]
-            differing += [(name, line) for line in lines + items]
-        spent = sum(answer["seconds"] for answer in found.values())
-        assert list(found) == list(first)
-        counts = len(found), answers, printed, data
-        yield Compared(group, kernel, *counts, spent, tuple(wrong), tuple(differing))
-
-
-def main() -> None:
-    groups = [word for word in sys.argv[1:] if not word.startswith("-")] or list(GROUPS)
-    heads = ("questions", "answers", "printed", "data", "seconds")
-    print(f"{'group':14}{'kernel':12}" + "".join(f"{head:>10}" for head in heads))
-    reported = []
-    for group in groups:
-        for c in compared(group, list(KERNELS)):
-            counts = "".join(f"{n:10}" for n in (c.questions, c.answers, c.printed, c.data))
-            print(f"{c.group:14}{c.kernel:12}{counts}{c.seconds:10.1f}", flush=True)
-            reported += [f"{c.kernel}: {name}: {line}" for name, line in c.differing]
-    print(*(re.sub(r"\s+", " ", line)[:400] for line in reported), sep="\n")
-
-
-if __name__ == "__main__":
-    main()
+def compared(group: str, kernel: str, part: str = ":") -> tuple[int, list[str]]:
+    """How many answers of a kernel there are, and where what was found, judged and proved is not that of the first."""
+    first, found = (answers_on(one, group, part) for one in (next(iter(KERNELS)), kernel))
+    assert list(found) == list(first)
+    return len(found), [
+        f"{name}: {line}"
+        for name, answer in found.items()
+        for line in differences(first[name]["data"], answer["data"], "data", MEASURED + SEARCHED)
+    ]

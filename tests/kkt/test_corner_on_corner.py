@@ -33,6 +33,7 @@ def least(rates, choice):
     return max(min(rates[c] for c in option) for option in choice)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_where_corners_meet_the_end_is_a_minimum_of_every_piece():
     problem, state = pressed()
     many = [len(branch) for branch in state.contacts.branches]
@@ -51,7 +52,7 @@ def test_fewer_choices_leave_the_same_directions():
     kept = Choices(state).branches
     assert len(kept) < 40 < 100 < len(state.contacts.branches)
     normals, rng, both = np.array(list(slopes.values())), np.random.default_rng(0), [0, 0]
-    for k in range(1500):
+    for k in range(600):
         d = rng.normal(size=normals.shape[1])
         some = normals[rng.choice(len(normals), 6)] * rng.choice([1.0, -1.0], (6, 1))
         # across gaps: others hardly ever open one of each choice
@@ -63,7 +64,7 @@ def test_fewer_choices_leave_the_same_directions():
         ]
         assert passes[0] == passes[1]
         both[passes[0]] += 1
-    assert min(both) > 15
+    assert min(both) > 5
 
 
 def test_lower_states_beside_it_cross_by_another_library():

@@ -11,6 +11,7 @@ import pytest
 from origami_nlp import Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
 from origami_nlp.pattern_problem import PatternProblem, pose
+from tests.computed_once import thinned
 from tests.independent.sheet import PatternProblem as Sheet
 from tests.independent.stands import judge
 
@@ -35,7 +36,7 @@ def flat_states(problem: PatternProblem) -> list[np.ndarray]:
     return [math.pi * np.array(s) for s in itertools.product((1.0, -1.0), repeat=problem.size)]
 
 
-@pytest.mark.parametrize("name", COUNTS)
+@pytest.mark.parametrize("name", thinned(list(COUNTS), 4))
 def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -21,7 +21,7 @@ def draw(n, seed=0, contact="fold-limits"):
 
 @pytest.mark.parametrize("n", [26, pytest.param(50, marks=pytest.mark.slow)])
 def test_polished_as_with_all_rows(n, monkeypatch):
-    found = find_minima(draw(n, 1), max_starts=120, effort="quick", prove=False, escape=False)
+    found = find_minima(draw(n, 1), max_starts=40, effort="quick", prove=False, escape=False)
     model, many = found.model, 0
     for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
         x = np.array(minimum.fold_angles)
@@ -114,10 +114,11 @@ def test_one_moment_in_the_frame_of_every_facet(n):
         assert np.abs(half - m).max() < 1e-9 * size
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_symmetric_states_have_one_moment_too():
     """In the mirror plane for D1, and none is said where touching facets carry some."""
     seen = set()
-    for scene in examples.panels()[:6]:
+    for scene in examples.panels()[:2]:
         for minimum in panel_result(scene).minima:
             if minimum.moment is None:
                 assert math.isnan(minimum.moment_residual)

@@ -146,7 +146,7 @@ def rows_with_held_ones(seed, n, r, held):
     return np.vstack([rows, -rows[:held]])
 
 
-@settings(max_examples=100)
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5), r=st.integers(1, 8), held=st.integers(0, 3)
 )

@@ -13,8 +13,8 @@ from origami_nlp import State, classify
 from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
 from origami_nlp.kkt.descent_witness import follow_descent
 from origami_nlp.pattern import as_pattern
-from origami_nlp.pattern_problem import PatternProblem, find_labels, image
-from tests.computed_once import states
+from origami_nlp.pattern_problem import PatternProblem
+from tests.computed_once import states, touching
 from tests.patterns import miura, miura_angles, strip
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, not decided
@@ -29,7 +29,7 @@ COUNTS = {  # states as a separate judgement of patterns decided on them: minima
 }
 READ = "metasheet:3x3", "metasheet:4x4", "squaretwist", "yoshimura:2x2"
 """Searched for other tests as well."""
-FAST = (*READ, "miura:2x3")
+FAST = "metasheet:3x3", "yoshimura:2x2"
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
 
 def held_state():
     """A metasheet whose facets touch: its problem, the state, and its contacts."""
-    found = states("metasheet:4x4")
+    found = touching()
     state = next(s for s in found.minima if s.contacts)
     problem = PatternProblem(found.pattern)
     return problem, State(problem, state.phi)
@@ -193,14 +193,3 @@ def test_beside_a_folded_state_where_nothing_touches_yet():
     phi, residual = problem.project(np.array([e - math.pi, -e, -e, e - math.pi, e, e]))
     what = classify(State(problem, phi))
     assert residual < 1e-15 and what.verdict == "undecided" and "not decided" in what.reason
-
-
-def test_facets_that_cross_by_less_than_shows_do_not_refute_one_of_two_images():
-    """At 1e-5 rad they seem to touch, so that a lower "state" refuted one numbering of a minimum and not the other."""
-    pattern = as_pattern("resch:1x2")
-    sixths = np.array([6, -6, -6, -3, -2, -3, -6, 2, 6, -3, -6, 6, 0, 6, 0, -3])
-    phi = math.pi / 6 * sixths
-    (mirror,) = find_labels(pattern).symmetries(pattern)
-    for angles in (phi, image(mirror, phi)):
-        for p in (pattern, find_labels(pattern).arranged(pattern)):
-            assert classify(State(PatternProblem(p), angles)).verdict == "minimum"

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
@@ -49,37 +48,14 @@ def test_curves_of_one_degree_of_freedom_end_at_stops():
         assert np.minimum(phi + 1.2, 0.9 - phi).min() < 0.15
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_the_admissible_space_knows_no_springs():
     plain = o.examples.degree6("pi/3")
     one, two = (o.find_space(s, rings=8) for s in (plain, of_laws(plain)))
     assert (one.holes, one.euler_characteristic) == (two.holes, two.euler_characteristic)
 
 
-def test_boundaries_over_factors_of_linear_laws_are_those_of_stiffnesses():
-    plain = o.examples.degree6("pi/3")
-    k = np.array(plain.stiffness)
-    few = {"lines": 1, "across": 0, "effort": "quick"}
-    ranges = [(float(k[0] * 0.3), float(k[0] * 3)), (float(k[1] * 0.5), float(k[1] * 2))]
-    names = ["stiffness[1]+stiffness[4]", "stiffness[2]+stiffness[3]+stiffness[5]+stiffness[6]"]
-    one = o.find_bifurcation_set(
-        plain, *(f"{n}={a!r}:{b!r}" for n, (a, b) in zip(names, ranges, strict=True)), **few
-    )
-    laws = [n.replace("stiffness", "law_scale") for n in names]
-    shares = [(0.3, 3.0), (0.5, 2.0)]
-    two = o.find_bifurcation_set(
-        of_laws(plain), *(f"{n}={a!r}:{b!r}" for n, (a, b) in zip(laws, shares, strict=True)), **few
-    )
-    assert len(one.curves) == len(two.curves) > 0
-    for a, b in zip(one.curves, two.curves, strict=True):
-        mine, theirs = (np.array([p.t for p in c.points]) for c in (a, b))
-        mine = mine / k[:2]
-        # points lie elsewhere on the same curve: its ends are the same, and cubics through it
-        assert sorted(mine[[0, -1], 1]) == pytest.approx(sorted(theirs[[0, -1], 1]), rel=1e-7)
-        order = np.argsort(mine[:, 1])
-        along = CubicSpline(np.log(mine[order, 1]), np.log(mine[order, 0]))
-        assert along(np.log(theirs[:, 1])) == pytest.approx(np.log(theirs[:, 0]), abs=1e-4)
-
-
+@pytest.mark.slow  # seconds of curves or searches
 def test_landscapes_end_at_stops(tmp_path):
     """The area of the states, against counting points of a grid by the closed form of the paper's chart."""
     from origami_nlp.chart import chart_of, outline_of

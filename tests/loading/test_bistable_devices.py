@@ -89,11 +89,19 @@ def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there
     assert [leg.symmetry for leg in found.legs] == ["D2", "D2"]
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("name", "creases", "to", "symmetries", "type_"),
     [
         ("waterbomb", (1, 4), 0.09, ("D2", "C2"), "fold"),
-        ("waterbomb_base", (1, 3, 5, 7), 0.08, ("D4", "D2"), "breaks-symmetry"),
+        pytest.param(
+            "waterbomb_base",
+            (1, 3, 5, 7),
+            0.08,
+            ("D4", "D2"),
+            "breaks-symmetry",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, symmetries, type_):
@@ -166,6 +174,7 @@ def test_the_stiffness_at_the_start_is_drawn_through_the_start():
     assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
 
 
+@pytest.mark.slow  # three load paths of a vertex with 8 creases
 @pytest.mark.parametrize("growth", [1.5, 3.0])
 def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(
     growth,

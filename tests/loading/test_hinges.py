@@ -11,7 +11,6 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import double_well, linear
-from origami_nlp.pattern_problem import Torque
 from tests.independent import scan_four
 
 SECTORS = (70, 80, 120, 90)
@@ -46,11 +45,13 @@ def test_a_linear_law_has_the_path_of_the_spring(seed):
     same_path(*(o.load_path(s, 1, confirm=False) for s in (plain, of_laws(plain))))
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
     plain = o.examples.degree6("5*pi/12")
     same_path(*(o.load_path(s, 1, to=0.05, confirm=False) for s in (plain, of_laws(plain))))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_linear_law_has_the_path_of_the_spring_on_a_pattern():
     plain = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
     laws = plain.with_laws([linear(k, r) for k, r in zip(plain.stiffness, plain.rest, strict=True)])
@@ -102,17 +103,3 @@ def test_stops_close_under_a_load_where_a_scan_reaches_them():
     event = reached[0]
     phi = np.array(event.fold_angles)
     assert not held(0.97 * event.t, phi) and held(1.03 * event.t, phi)
-
-
-def test_a_torque_on_a_pattern_with_laws_is_added_to_them():
-    """The searches that confirm a snap know the state of the path; its energy is U - t phi."""
-    law = double_well(1.0, 0.9)
-    sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
-    torque = Torque(sheet, (1,))
-    path = o.load_path(sheet, torque, to=0.4)
-    assert path.legs[0].why == "range"
-    last = path.legs[0].points[-1]
-    found = o.find_minima(torque.loaded(last.t), escape=False)
-    apart = [np.abs(np.array(m.fold_angles) - last.fold_angles).max() for m in found.minima]
-    assert min(apart) < 1e-7
-    assert path.legs[0].points[0].t == 0

@@ -1,18 +1,18 @@
 """Load paths: snaps, hysteresis and contact events, confirmed by searches, by energy balance and from behind."""
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
+from origami_nlp import Scene, Vertex, draw, examples, format_scene, load_path
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.loading import OwnForces
 from tests.command_line import run
+from tests.computed_once import thinned
 from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
@@ -55,23 +55,11 @@ def test_searches_on_both_sides_confirm_it():
         assert count in loop().snaps[0].confirmed.minima
 
 
-@pytest.mark.parametrize("longest", [pytest.param(0.02, marks=pytest.mark.slow), 0.05, 0.11])
+@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.02], 3))
 def test_the_snap_does_not_depend_on_the_steps(longest):
     steps = ContinuationOptions(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
     path = load_path(SCENE, 1, to=-0.139, options=steps, **QUICK)
     assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
-
-
-@pytest.mark.slow
-def test_the_path_from_behind_finds_the_same_events():
-    """From a scene that bears the load as preload: on to the snap, and back from beyond it."""
-    behind = replace(SCENE, preload=(-0.13, 0, 0, 0, 0, 0))
-    found = find_minima(behind, effort="quick", max_starts=24, prove=False, escape=False).minima
-    angles = np.array([m.fold_angles[0] for m in found])
-    for leg, to, event in ((loop().legs[0], -0.009, SNAP), (loop().legs[2], 0.007, AGAIN)):
-        near = min(leg.points, key=lambda p: abs(p.t + 0.13)).angle
-        path = load_path(behind, 1, to=to, state=1 + int(np.abs(angles - near).argmin()), **QUICK)
-        assert path.snaps[0].t - 0.13 == pytest.approx(event, abs=1e-12)
 
 
 def work_of(leg):
@@ -129,6 +117,7 @@ def test_legs_are_turned_with_a_slider_over_the_load():
         assert np.abs(apex).max() == 0 and cosines == pytest.approx(np.cos(sectors), abs=1e-12)
 
 
+@pytest.mark.slow  # full-space searches of 8 creases
 def test_vertices_that_only_touch_do_not_snap():
     path = load_path(examples.degree6("pi/4"), 1, **QUICK)
     assert not path.snaps and {e.type for e in path.events} <= {"closes", "leaves"}

@@ -8,12 +8,10 @@ from itertools import combinations, pairwise, product
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-from scipy.linalg import null_space
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
-from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern_problem import PatternProblem, Torque
 from origami_nlp.pattern_states import contact_descent, judge
@@ -192,19 +190,6 @@ def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
     assert path.legs[1].points[-1].fold_angles == pytest.approx(pattern.rest, abs=1e-9)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("longest", [0.03, 0.3])
-def test_steps_of_other_lengths_find_the_same_events(longest):
-    _, path = pressed_path()
-    _, other = pressed_path(
-        ContinuationOptions(1e-3, longest, 1e-9, turn=longest, sharpest=3 * longest)
-    )
-    assert len(other.legs[0].points) != len(path.legs[0].points)
-    for a, b in zip(path.events, other.events, strict=True):
-        assert a.type == b.type and a.t == pytest.approx(b.t, abs=1e-10)
-        assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-10)
-
-
 # ---------------------------------------------------------------- several degrees of freedom
 
 
@@ -247,66 +232,6 @@ def pushes(point):
     return [m for m in point.multipliers if "facet" in m.contact]
 
 
-def held_forces(rigid, pattern, crease, p, h=1e-5):
-    """Sizes of the forces of facets on each other that balance springs and load, by differences on closed states."""
-    phi = np.array(p.fold_angles)
-    closed = {k for k, d in meetings(rigid, phi, apart(pattern)).items() if abs(d) < 1e-11}
-    inverse = rigid.slopes(phi)
-    unit = h * np.eye(len(phi))
-    rows = np.array([rigid.open(phi + e) - rigid.open(phi - e) for e in unit]).T / (2 * h)
-    z = null_space(rows, rcond=1e-7)
-    pairs = sorted({tuple(sorted(k[1:3])) for k in closed})
-    ends = [
-        [meetings(rigid, rigid.closed(phi + g * d, inverse), pairs) for g in (h, -h)] for d in z.T
-    ]
-    slopes = np.array([[(a[k] - b[k]) / (2 * h) for k in sorted(closed)] for a, b in ends])
-    # a side of two facets touches once: columns that are one but for their sign
-    signs = np.sign(slopes[np.abs(slopes).argmax(axis=0), range(len(closed))])
-    slopes = np.unique((slopes * signs).round(6), axis=1)
-    torque = pattern.stiffness * (phi - pattern.rest)
-    torque[crease - 1] -= p.t
-    forces, *_ = np.linalg.lstsq(slopes, z.T @ torque, rcond=None)
-    assert slopes @ forces == pytest.approx(z.T @ torque, abs=2e-6)
-    return sorted(f for f in np.abs(forces) if f > 1e-4)
-
-
-@pytest.mark.slow
-def test_a_side_rolls_over_a_facet():
-    """Its touch with one side of the facet is joined, then replaced, by that with another; forces by rotations."""
-    pattern, start, crease = sprung(35)
-    assert [c.type for c in start.contacts] == ["edge-edge"]
-    path = loaded(35, 1.2)
-    closes, leaves = path.events
-    assert (closes.type, leaves.type) == ("closes", "leaves") and closes.t < leaves.t
-    assert closes.located and leaves.located and [leg.why for leg in path.legs] == ["range"]
-    rigid, many = Turned(pattern), []
-    points = path.branches[0].points
-    both = [p for p in points if sum(m.value > 1e-3 for m in pushes(p)) == 2]
-    for p in (both[-1], points[-1]):
-        forces = held_forces(rigid, pattern, crease, p)
-        assert forces == pytest.approx(
-            sorted(m.value for m in pushes(p) if m.value > 1e-4), abs=1e-4
-        )
-        assert not rigid.crossing(np.array(p.fold_angles))
-        many.append(len(forces))
-    assert set(many) == {1, 2}
-
-
-@pytest.mark.slow
-def test_the_way_back_meets_the_same_events():
-    path = loaded(35, 1.2, unload=True)
-    assert [leg.why for leg in path.legs] == ["range", "range"]
-    closes, leaves = path.events
-    for leg in path.legs:
-        for a, b in ((0.0, closes.t), (closes.t, leaves.t), (leaves.t, 1.2)):
-            assert any(a < p.t < b for p in leg.points)
-    there, back = ([p.fold_angles for p in leg.points] for leg in path.legs)
-    assert len(back) == len(there)
-    assert np.array(back) == pytest.approx(np.array(there[::-1]), abs=1e-12)
-    first, last = path.legs[0].points[0], path.legs[1].points[-1]
-    assert last.t == 0.0 and last.fold_angles == pytest.approx(first.fold_angles, abs=1e-9)
-
-
 def test_springs_take_up_the_work_of_the_load_in_contact():
     path = loaded(35, 1.2)
     (leg,) = path.legs
@@ -344,15 +269,6 @@ def test_a_snap_lands_in_contact_and_goes_on():
     assert beyond and all(pushes(p)[0].value > 0 for p in beyond)
     for phi in (snap.before, snap.after, beyond[-1].fold_angles):
         assert not rigid.crossing(np.array(phi))
-
-
-@pytest.mark.slow
-def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
-    """That before the snap (nine degrees of freedom) is certified on its branch; 40 starts do not find it."""
-    pattern, start, crease = sprung(3)
-    path = o.load_path(pattern, crease, state=start, to=3.6)
-    assert path.snaps[0].confirmed.found[1]
-    assert path.branches[0].kind_ranges[0].kind == "contact-pinned"
 
 
 def by_small_steps(seed, to, count=60):
@@ -395,32 +311,5 @@ def test_a_corner_slips_off_a_facet_where_it_comes_to_the_border():
     for p in (*path.legs[0].points, *path.legs[1].points):
         assert not rigid.crossing(np.array(p.fold_angles))
     assert by_small_steps(46, 2.0, 20) == pytest.approx(
-        np.array(path.legs[-1].points[-1].fold_angles), abs=1e-9
-    )
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("seed", "to", "snaps"),
-    [
-        (12, -6.0, 1),
-        (19, 6.0, 2),
-        (21, -6.0, 2),
-        (27, -6.0, 3),
-        (45, 6.0, 3),
-        (45, -6.0, 1),
-        (46, 6.0, 1),
-        (46, -6.0, 2),
-        (6, 6.0, 1),
-        (35, 1.2, 0),
-        (39, 7.5, 0),
-    ],
-)
-def test_descents_at_small_steps_of_the_load_come_to_the_same_state(seed, to, snaps):
-    """Through slips, folds, and contacts that close and leave."""
-    path = loaded(seed, to)
-    assert len(path.snaps) == snaps and path.legs[-1].why == "range" and not path.alarms
-    assert all(e.located for e in path.events)
-    assert by_small_steps(seed, to) == pytest.approx(
         np.array(path.legs[-1].points[-1].fold_angles), abs=1e-9
     )

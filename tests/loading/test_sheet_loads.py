@@ -1,8 +1,6 @@
 """Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
 
-import json
 import math
-from itertools import product
 
 import numpy as np
 import pytest
@@ -15,10 +13,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
-from tests.command_line import run
-from tests.independent.trigonometry import strip_states
-from tests.patterns import miura, miura_angles, strip, wheel
-from tests.relabelled import relabelled
+from tests.patterns import miura, miura_angles, wheel
 
 GAMMA, REST = math.radians(70), 1.2
 
@@ -122,6 +117,7 @@ def test_miura_follows_its_law_to_its_snap(size):
     )  # fmt: skip
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_sheet_of_more_than_600_creases_follows_its_law():
     """By sparse factors: states, loads and the smallest eigenvalue, which singular values give a second time."""
     pattern, start = folded_miura(18, 18, *SNAPPING)
@@ -151,41 +147,6 @@ def test_a_path_stops_where_the_sheet_is_flat():
     assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
     found = judge(PatternProblem(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
     assert found.refuted
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 2])
-def test_strips_snap_where_trigonometry_says(seed):
-    pattern = strip(seed)
-    state, shared = strip_states(pattern)
-    start = o.find_minima(pattern, starts=0, contact="fold-limits", escape=False).minima[0]
-    path = o.load_path(pattern, 1, state=start, confirm=False)
-    darts = min(
-        product((False, True), repeat=2),
-        key=lambda d: np.abs(_or_far(state(start.phi[shared], d)) - start.phi).max(),
-    )
-
-    def torque(fold, h=1e-5):
-        ahead, behind, phi = (state(fold + x, darts) for x in (h, -h, 0.0))
-        way = ahead - behind
-        return (pattern.stiffness * (phi - pattern.rest)) @ way / way[0]
-
-    interior = [p for leg in path.legs for p in leg.points if np.abs(p.fold_angles).max() < 3.1]
-    assert len(interior) > 20
-    for p in interior:
-        fold = p.fold_angles[shared]
-        assert np.abs(state(fold, darts) - p.fold_angles).max() < 1e-9
-        assert torque(fold) == pytest.approx(p.t, abs=1e-5)
-    for snap in path.snaps:
-        fold = snap.before[shared]
-        side = np.array([torque(fold + d) for d in (-1e-2, 0.0, 1e-2)]) * math.copysign(1, snap.t)
-        assert side[1] > max(side[0], side[2])  # the torque is extreme there
-        assert snap.t == pytest.approx(torque(fold), abs=1e-6)
-    assert path.snaps and all(e.located for e in path.events if e.type in ("fold", "closes"))
-
-
-def _or_far(phi):
-    return np.full(7, 9.0) if phi is None else phi
 
 
 def test_a_path_stops_where_all_creases_shut_at_once():
@@ -318,20 +279,6 @@ def test_a_pull_knows_no_facet_that_is_held():
 # ---------------------------------------------------------------- whoever states it, however
 
 
-@pytest.mark.slow
-def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
-    pattern, start = folded_miura(3, 2, *SNAPPING)
-    other, place, _ = relabelled(pattern, 7)
-    again = settled(other, start.phi[place])
-    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    one = o.load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
-    two = o.load_path(other, place.tolist().index(i) + 1, to=30.0, state=again, confirm=False)
-    assert two.snaps[0].t == pytest.approx(one.snaps[0].t, rel=1e-11)
-    assert np.array(two.snaps[0].before) == pytest.approx(
-        np.array(one.snaps[0].before)[place], abs=1e-9
-    )
-
-
 def test_what_is_refused_is_named():
     pattern, start = folded_miura(3, 3)
     flat = judge(PatternProblem(miura(3, 3)), np.zeros(12))
@@ -367,41 +314,3 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
-
-
-def test_the_command_writes_all_of_it(tmp_path):
-    files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
-    code, out, err = run(
-        "load", "degree6", "--rest-angle", "60", "--stiffness", "0.01",
-        "--pull", "1,4", "--to", "-0.001", "--starts", "2", "-o", files["json"],
-        "-o", files["fold"], "-o", files["html"],
-    )  # fmt: skip
-    assert code == 0, err
-    assert "stable; end of the range" in out
-    data = json.loads(files["json"].read_text())
-    assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N"
-    frames = json.loads(files["fold"].read_text())["file_frames"]
-    assert len(frames) == len(data["legs"][0]["points"])
-    assert all(file.stat().st_size > 1000 for file in files.values())
-    code, _, err = run("example", "metasheet:3x3", "-o", tmp_path / "sheet.fold")
-    assert code == 0, err
-    problem = tmp_path / "sheet.fold"
-    code, out, err = run("load", problem, "--crease", "1", "--to", "0.05", "-o", "-")
-    assert code == 0, err
-    driver = json.loads(out)["driver"]
-    assert driver["work"]["type"] == "Torque"
-    assert driver["work"]["creases"] == [1]
-    edges = o.read_pattern(problem).numbers
-    assert edges[1] != 1  # borders are edges too
-    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "-o", "-")
-    assert code == 0 and json.loads(out)["driver"]["work"]["creases"] == [2], err
-    border = next(e for e in range(edges.max()) if e not in edges)
-    code, _, err = run("load", problem, "--edge", border)
-    assert code == 2 and f"--edge = {border} is no crease" in err and err.count("\n") == 1
-    for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
-        code, _, err = run("load", problem, *more)
-        assert code == 2 and word in err
-    code, _, err = run("load", "degree6")
-    assert code == 2 and "--crease" in err
-    code, _, err = run("load", "degree6", "--crease", "1", "--no-full")
-    assert code == 2 and "full = False is not for a pattern" in err

@@ -50,7 +50,7 @@ def simulated(k, rest, most, start, loads):
     return np.array(states), np.array(moved), work
 
 
-@pytest.mark.parametrize("seed", [3, 14, 22, 28])
+@pytest.mark.parametrize("seed", [3, *(pytest.param(k, marks=pytest.mark.slow) for k in (14, 22))])
 def test_a_path_is_that_of_stick_slip(seed):
     scene, rng = drawn(seed), np.random.default_rng(1000 + seed)
     k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
@@ -97,6 +97,7 @@ def test_work_of_the_load_is_stored_or_taken():
     assert path.dissipated == path.plastic_work
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_pattern_yields_as_its_vertex():
     sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, [1.1, 0.7, -0.9, 0.8])
     path = o.load_path(sheet, 1, to=1.5, yield_torque={2: 1.0, 3: 1.2}, unload=True)

@@ -13,11 +13,9 @@ from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_states import find_states
 
 pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-from tests.independent.rigid import Rigid, depth
+from tests.independent.rigid import Rigid
 
 CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
-SHALLOW = 1e-11
-"""Facets that reach no further into each other touch, over the size of the sheet."""
 PROBES = 200
 """Closed states beside each state."""
 
@@ -27,12 +25,6 @@ def sprung(name, seed):
     pattern = as_pattern(name)
     n = pattern.creases
     return pattern.with_springs(list(10 ** rng.uniform(-1, 1, n)), list(rng.uniform(-3, 3, n)))
-
-
-def deep(body, phi):
-    """Pairs of facets that pass through each other by more than they may touch."""
-    x, size = body.polygons(phi), np.ptp(body.p.corners, axis=0).max()
-    return [(i, j) for i, j in body.collide(phi) if depth(x[i], x[j]) > SHALLOW * size]
 
 
 def beside(body, phi, rng, most):
@@ -72,12 +64,12 @@ def check_admissible(name, seed, contact, most=PROBES):
         assert np.abs(body.open(phi)).max() < 1e-11
         assert np.abs(phi).max() <= math.pi
         assert energy == pytest.approx(state.energy, rel=1e-12)
-        assert not contact or not deep(body, phi)
+        assert not contact or not body.deep(phi)
         for new in beside(body, phi, rng, most):
             looked += 1
             drop = energy - float(pattern.energy(new))
             if drop > 1e-11 * (1 + energy):
-                assert contact and deep(body, new), (state.kind, drop, np.abs(new - phi).max())
+                assert contact and body.deep(new), (state.kind, drop, np.abs(new - phi).max())
     return len(found.minima), looked
 
 

@@ -146,6 +146,7 @@ def test_casadi_has_the_same_pieces():
     assert other.functions is functions and compile_structure.cache_info().misses == before
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_a_linear_law_is_a_linear_spring():
     for name, dof in (
         (Vertex.from_degrees((70, 80, 120, 90)), 4),
@@ -195,8 +196,7 @@ def crosses(folds):
     [
         (2, 0),
         (3, 0),
-        (4, 0),
-        *(pytest.param(k, 2 * (k == 8), marks=pytest.mark.slow) for k in (5, 6, 7, 8)),
+        *(pytest.param(k, 2 * (k == 8), marks=pytest.mark.slow) for k in (5, 8)),
     ],
 )
 def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, rolled):
@@ -206,25 +206,6 @@ def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, 
     all_ = set(itertools.product((-0.7, 0.7), repeat=creases))
     crossing = {folds for folds in all_ if crosses(folds)}
     assert found == all_ - crossing and len(crossing) == rolled and len(result.minima) == len(found)
-
-
-@pytest.mark.slow
-def test_wells_of_vertices_in_a_row_are_found_whole():
-    """Closure ties the creases: thorough searches find the same states, normal ones some, the 8 inside always."""
-    pattern = o.examples.pattern("miura", 2, 3).with_laws(double_well(0.1, 0.9))
-
-    def found(seed, effort):
-        minima = o.find_minima(pattern, seed=seed, effort=effort, escape=False).minima
-        states = np.array([m.fold_angles for m in minima])
-        return states, sum(m.kind == "interior" for m in minima)
-
-    whole = found(0, "thorough")[0]
-    asked = [(1, "thorough"), *((seed, "normal") for seed in range(4))]
-    for seed, effort in asked:
-        some, inside = found(seed, effort)
-        apart = np.abs(some[:, None] - whole).max(axis=2)
-        assert (apart.min(axis=1) < 1e-6).all() and inside == 8
-        assert effort == "normal" or (apart.min(axis=0) < 1e-6).all()
 
 
 def test_no_top_of_wells_is_a_minimum():
@@ -276,7 +257,7 @@ def test_files_keep_laws(tmp_path):
     scene = Scene(v, (1,) * 4, (0.5,) * 4, "none", limits=(-2.5, 2.5), laws=laws)
     assert o.parse_scene(o.format_scene(scene)) == scene
     sheet = strip(2).with_laws([laws[0], None])
-    result = o.find_minima(sheet)
+    result = o.find_minima(sheet, escape=False, prove=False, starts=2)
     o.save(result, tmp_path / "result.json")
     again = o.read_result(tmp_path / "result.json")
     assert again.pattern.laws == sheet.laws
@@ -284,15 +265,15 @@ def test_files_keep_laws(tmp_path):
     read = o.read_pattern(tmp_path / "states.fold")
     assert [law and law.name for law in read.laws] == [law and law.name for law in sheet.laws]
     # of a vertex, and of a pattern with vertices, both as FOLD says where creases are
-    found = o.find_minima(scene, escape=False)
+    found = o.find_minima(scene, escape=False, prove=False, max_starts=16)
     o.write_fold(found, tmp_path / "vertex.fold")
     back = o.read_fold_scene(tmp_path / "vertex.fold", on_note=lambda note: None)
     phi = np.array(found.minima[0].fold_angles)
     assert back.laws == scene.laws and np.allclose(back.limits, scene.limits)
     assert back.energy(phi) == pytest.approx(scene.energy(phi))
-    miura = o.examples.pattern("miura", 2, 3)
+    miura = o.examples.pattern("miura", 2, 2)
     miura = miura.with_laws([laws[0], None, detent(0.2, 4)] + [None] * (miura.creases - 3))
-    many = o.find_minima(miura, escape=False, starts=2)
+    many = o.find_minima(miura, escape=False, prove=False, starts=0, contact="fold-limits")
     o.write_fold(many, tmp_path / "miura.fold")
     read = o.read_pattern(tmp_path / "miura.fold")
 
@@ -379,6 +360,7 @@ def test_what_does_not_know_laws_says_so():
     assert Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_symmetric_minima_with_laws():
     """Each crease has the law of its images; what stays a minimum without the symmetry is one there."""
     law = double_well(0.2, 0.8)

@@ -6,7 +6,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import Interrupted
 
-SCENE = o.examples.degree6("pi/3", ratio=1)
+SCENE = o.examples.degree6("pi/4", ratio=1)
 
 
 def interrupted(after):
@@ -36,6 +36,7 @@ def test_what_was_found_is_kept():
     assert "interrupted: what was found until then is listed" in str(result)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_one_that_is_interrupted_during_the_proof_keeps_its_minima(monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt

@@ -55,12 +55,9 @@ class Description:
 
 
 DESCRIPTIONS = {
-    "next crease first": Description(turn=1),
     "third crease first": Description(turn=3),
     "mirrored": Description(mirrored=True),
-    "over": Description(over=True),
     "turned over": Description(turn=2, mirrored=True, over=True),
-    "stiffness times 2^-9": Description(factor=2.0**-9),
     "stiffness times 3.7": Description(factor=3.7),
 }
 PLANTED = Scene(
@@ -72,11 +69,11 @@ PLANTED = Scene(
 )
 """Of degree 4, with a state that few starts reach."""
 SCENES = [
-    *(("fold-limits", k) for k in range(5)),
-    *(("full-contact", k) for k in range(5)),
+    *(("fold-limits", k) for k in range(3)),
+    *(("full-contact", k) for k in range(3)),
     ("planted", 0),
 ]
-CHEAP = [("fold-limits", 0), ("full-contact", 0), ("planted", 0)]
+CHEAP = [("full-contact", 0), ("planted", 0)]
 """Of degree 4; the others wait for the long studies."""
 CASES = [
     pytest.param(

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Scene, Vertex, examples
-from origami_nlp.pattern import linear
+from origami_nlp import Scene, Vertex
 from tests.independent import search_slsqp
-from tests.kernels.answers import generic
 from tests.minima.test_laws_scanned import drawn
 
 
@@ -56,24 +53,3 @@ def test_another_search_finds_no_other_minimum(make, count):
     for _ in range(count):
         ours, others, _ = compared(*make(rng), starts=60, rng=rng)
         assert len(ours) and not len(others)
-
-
-@pytest.mark.slow
-def test_linear_laws_give_the_lists_of_linear_springs():
-    """The panels of the paper, examples by name and random vertices, with every contact that knows laws."""
-    count = 0
-    named = (
-        examples.by_name(n) for n in examples.BY_NAME if n not in ("resch", "degree6", "degree8")
-    )
-    drawn_ones = (generic(4 + k % 5, k, ("full", "fold-limits")[k % 2]) for k in range(8))
-    for scene in (*examples.panels(), *named, *drawn_ones):
-        if not isinstance(scene, Scene) or scene.contact == "none" or scene.laws:
-            continue
-        laws = tuple(map(linear, scene.stiffness, scene.wound_angles))
-        law = replace(scene, laws=laws, preload=())
-        plain, law = (o.find_minima(s, escape=False) for s in (scene, law))
-        one, two = (sorted(m.energy for m in r.minima) for r in (plain, law))
-        assert one == pytest.approx(two, rel=1e-9, abs=1e-12), scene.label
-        assert getattr(plain.completeness, "status", "") == getattr(law.completeness, "status", "")
-        count += len(one)
-    assert count > 100

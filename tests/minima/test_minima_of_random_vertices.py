@@ -65,14 +65,14 @@ def check(scene, count, max_starts):
     return len(result.minima)
 
 
-@pytest.mark.parametrize("seed", thinned(range(22), 4))
+@pytest.mark.parametrize("seed", thinned(range(22), 8))
 def test_every_minimum_of_a_random_vertex_is_one(seed):
     assert check(random_scene(seed), 200, 60)
 
 
 @pytest.mark.parametrize("shape", RIGID, ids=str)
 def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
-    for seed in range(4):
+    for seed in range(1):
         scene = build(np.random.default_rng(seed), shape)
         assert Model(scene).dof == 0
         (flat,) = find_minima(scene, prove=False, escape=False).minima

@@ -5,7 +5,6 @@ nearly singular scenes, of other people's files, and of scenes on which false st
 """
 
 import math
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -65,7 +64,7 @@ def problem(sectors, stiffness, rest, contact="full"):
     )
 
 
-@pytest.mark.parametrize("scene", thinned(examples.panels()[::7], 2), ids=lambda s: s.name)
+@pytest.mark.parametrize("scene", thinned(examples.panels()[::7], 3), ids=lambda s: s.name)
 def test_the_judge_accepts_the_minima_of_the_panels(scene):
     minima = panel_result(scene).minima
     assert len(minima) >= 2
@@ -85,7 +84,7 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
     scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(5), rest, "none", contact)
     claim = PatternProblem.of(scene)
     refuted = 0
-    for m in find_minima(scene, max_starts=12, prove=False, escape=False).minima:
+    for m in find_minima(scene, max_starts=6, prove=False, escape=False).minima:
         assert not judge(claim, m.fold_angles, 600).false
         x = base(claim, np.array(m.fold_angles))
         for distance in (1e-4, 1e-2):
@@ -176,61 +175,9 @@ def test_no_state_beside_the_closed_book_of_a_miura_vertex(degrees):
     a = math.radians(degrees)
     scene = Scene(Vertex((a, a, pi - a, pi - a)), (1,) * 4, (pi, pi, -pi, pi), "none")
     result = find_minima(scene, prove=False, escape=False)
-    assert not failures(result)
+    assert not failures(result, 600)
     energies = [m.energy for m in result.minima]
     assert energies == pytest.approx([0.0, 4 * pi**2], abs=1e-12)
-
-
-COLLAPSING = dict(
-    stiffness=(1.9316672135828368, 1.1250503414436737, 0.5544829506940016, 0.683051117943218),
-    rest_angles=(-1.139203085433107, -0.6901827030996537, 1.8931280033721034, -2.57106912332626),
-)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "distances",
-    [
-        (1e-3, 1e-8, 0.0),
-        pytest.param((1e-3, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12, 0.0), marks=pytest.mark.slow),
-    ],
-    ids=len,
-)
-def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
-    """Sectors pi/2 +- d: the same minima for all d down to the stated tolerance, and from there to 0."""
-    counts, states = {}, {}
-    for d in distances:
-        h = pi / 2
-        scene = Scene(Vertex((h + d, h - d, h + d, h - d)), **COLLAPSING, symmetry="none")
-        result = find_minima(scene, max_starts=64, prove=False, escape=False)
-        assert not failures(result, 300), d
-        resolved = bool(np.ptp(scene.vertex.sector_angles) > 1e-14)
-        counts.setdefault(resolved, {})[d] = len(result.minima)
-        states.setdefault(resolved, []).append([m.fold_angles for m in result.minima])
-    assert set(counts[True].values()) == {2}, counts
-    assert set(counts[False].values()) == {6}, counts
-    assert min(counts[True]) > max(counts[False])
-    for same, close_to in ((states[False], 1e-9), (states[True], 1e-2)):
-        for other in same[1:]:
-            assert np.abs(np.subtract(other, same[0])).max() <= close_to
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("sign", [1, -1])
-def test_next_to_pi_third(sign):
-    """alpha_1 = pi/3 +- d: 1e-10 away the minima are those of pi/3, or as many as 1e-6 away."""
-    scene = examples.degree6(pi / 3 + sign * 1e-10, 1.0)
-    near = find_minima(scene, prove=False, escape=False)
-    assert not failures(near, 600)
-    if abs(scene.vertex.sector_angles[0] - pi / 3) < 1e-14:
-        # the assignment, and so the rest angles, differ on both sides
-        exact = find_minima(
-            replace(scene, vertex=Vertex(("pi/3",) * 6), relations=None), prove=False, escape=False
-        )
-        assert len(near.minima) == len(exact.minima)
-    else:
-        away = find_minima(examples.degree6(pi / 3 + sign * 1e-6, 1.0), prove=False, escape=False)
-        assert len(near.minima) == len(away.minima)
 
 
 @pytest.mark.parametrize("angle", thinned([1e-9, 1e-3, 1e-6], 3))
@@ -345,18 +292,6 @@ SEEN_FALSE = [
 def test_vertices_of_files_where_false_states_were_seen(name, vertex):
     result = find_minima(scene_in(name, vertex), prove=False, escape=False)
     assert result.minima and not failures(result, 600)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "vertex"), SEEN_FALSE)
-def test_three_seeds_find_the_same_energies(name, vertex):
-    scene = scene_in(name, vertex)
-    energies = [
-        [m.energy for m in find_minima(scene, seed=s, prove=False, escape=False).minima]
-        for s in range(3)
-    ]
-    assert len({len(e) for e in energies}) == 1
-    assert np.ptp(energies, axis=0).max() <= 1e-12 * scene.degree * pi**2
 
 
 def test_no_vertex_of_the_files_is_left_out():

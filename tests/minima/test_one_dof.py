@@ -13,8 +13,6 @@ from origami_nlp.kkt import Solve, State, classify, polish
 from origami_nlp.minima import find_minima, trace
 from origami_nlp.problem import Model
 from tests.computed_once import thinned
-from tests.independent import rotations
-from tests.independent.admissible import admissible
 from tests.independent.scenes import SHAPES, build
 
 PI = math.pi
@@ -82,104 +80,9 @@ def found_by_starts(scene, seeds=2, starts=64):
     return out
 
 
-def scan(sectors, count=20_000):
-    """Closed states of degree 4 by driving crease 1: two runs per sign of it, in order, NaN where there is none.
-
-    Facet 1 stays.  Crease 1 places ray 4, crease 2 places ray 3, at sector 3 from each other: one equation in crease 2.
-    The other two are angles of the spherical quadrangle, with the signs for which the product of folds is one.
-    """
-    a, b, c, d = sectors
-    one = np.linspace(-PI, PI, count + 1)[:-1] + PI / count
-    first, second = np.array([1.0, 0, 0]), np.array([math.cos(a), math.sin(a), 0])
-    fourth = spin(first, np.array([math.cos(d), -math.sin(d), 0]), -one)
-    # spin(second, flat third, x) . fourth = cos c
-    flat = np.array([math.cos(a + b), math.sin(a + b), 0])
-    along = second * (second @ flat)
-    p, q = flat - along, np.cross(second, flat)
-    constant, even, odd = fourth @ along - math.cos(c), fourth @ p, fourth @ q
-    size = np.hypot(even, odd)
-    with np.errstate(invalid="ignore"):
-        apart = np.arccos(-constant / size)
-    runs = []
-    for side in (1, -1):
-        two = np.arctan2(odd, even) + side * apart
-        two = (two + PI) % (2 * PI) - PI
-        third = spin(second, flat, two)
-        best, miss = np.full((count, 4), np.nan), np.full(count, 1e-4)
-        three = fold_size(second, third, fourth)
-        four = fold_size(third, fourth, first)
-        for s3 in (1, -1):
-            for s4 in (1, -1):
-                phi = np.stack([one, two, s3 * three, s4 * four], axis=1)
-                _, m = rotations.fold(np.array(sectors), np.nan_to_num(phi))
-                off = np.where(np.isnan(two), np.inf, np.abs(m - np.eye(3)).max(axis=(1, 2)))
-                best[off < miss], miss = phi[off < miss], np.minimum(off, miss)
-        runs.append(best)
-    return runs
-
-
-def spin(axis, v, angle):
-    along = axis * (axis @ v)
-    return along + np.cos(angle)[:, None] * (v - along) + np.sin(angle)[:, None] * np.cross(axis, v)
-
-
-def fold_size(before, at, after):
-    """Size of the fold angle at a ray, from the arcs to its neighbours."""
-    at = np.broadcast_to(at, after.shape if after.ndim == 2 else at.shape)
-    u = before - at * np.sum(at * before, axis=-1, keepdims=True)
-    w = at * np.sum(at * after, axis=-1, keepdims=True) - after
-    return np.arctan2(np.linalg.norm(np.cross(u, w), axis=-1), np.sum(u * w, axis=-1))
-
-
-def lowest_of_runs(scene, runs):
-    """Inner points of runs that are lower than both neighbours, all three admissible."""
-    sectors = np.array(scene.vertex.sector_angles)
-    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
-    for run in runs:
-        phi = np.nan_to_num(run, nan=9.0)
-        good = admissible(sectors, phi, scene.contact) & (phi != 9.0).all(axis=1)
-        energy = 0.5 * (k * (phi - rest) ** 2).sum(axis=1)
-        jump = np.abs(np.diff(phi, axis=0)).max(axis=1)
-        smooth = (jump[1:] < 0.05) & (jump[:-1] < 0.05) & good[1:-1] & good[2:] & good[:-2]
-        low = smooth & (energy[1:-1] < energy[2:]) & (energy[1:-1] < energy[:-2])
-        yield from phi[1:-1][low]
-
-
-def beside_flat(phi, reach=0.02):
-    return np.abs(phi - PI * np.round(phi / PI)).max() < reach
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
-def test_every_dip_of_a_dense_scan_is_a_minimum_that_was_traced(contact):
-    rng = np.random.default_rng(11)
-    seen = 0
-    for _ in range(12):
-        sectors = rng.dirichlet(np.full(4, 4.0)) * 2 * PI
-        if sectors.max() > 2.9:
-            continue
-        rest = rng.uniform(-PI, PI, 4)
-        scene = Scene(
-            Vertex(tuple(sectors.tolist())), 10.0 ** rng.uniform(-1, 1, 4), rest, "none", contact
-        )
-        model = Model(scene)
-        traced = trace(model)
-        assert traced.complete
-        minima = decided(model, traced)
-        runs = scan(scene.vertex.sector_angles)
-        for dip in lowest_of_runs(scene, runs):
-            if not beside_flat(dip):
-                seen += 1
-                assert nearest(dip, minima) < 5e-3
-        points = np.concatenate(runs)
-        for x in minima:  # and what was traced lies on the curves of the scan
-            assert np.nanmin(np.abs(points - x).max(axis=1)) < 0.05 or beside_flat(x, 0.1)
-    assert seen > 15
-
-
 @pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
-@pytest.mark.parametrize("shape", ONE, ids=str)
+@pytest.mark.parametrize("shape", thinned([(s,) for s in ONE], 3), ids=str)
 def test_nothing_that_starts_find_is_missing(shape, seed, contact):
     scene = build(np.random.default_rng(seed), shape, contact, decades=1.0)
     model = Model(scene)
@@ -190,7 +93,9 @@ def test_nothing_that_starts_find_is_missing(shape, seed, contact):
         assert nearest(x, minima) <= 1e-7
 
 
-@pytest.mark.parametrize("shape", [ONE[0], ("C", 2, 2), ("D", 1, 1, (True, True))], ids=str)
+@pytest.mark.parametrize(
+    "shape", thinned([(s,) for s in (ONE[0], ("C", 2, 2), ("D", 1, 1, (True, True)))], 3), ids=str
+)
 def test_nothing_is_missing_without_fold_limits(shape):
     scene = build(np.random.default_rng(5), shape, "none")
     model = Model(scene)
@@ -207,7 +112,7 @@ RESTS = [(PI / 2, 0, PI / 2, 0), (-1.0, 2.0, -3.0, 1.0), (1.0,) * 4]
 @pytest.mark.parametrize(
     "rest", [RESTS[1], *(pytest.param(r, marks=pytest.mark.slow) for r in RESTS[::2])], ids=str
 )
-@pytest.mark.parametrize("name", thinned([*SPECIAL], 2))
+@pytest.mark.parametrize("name", thinned([*SPECIAL], 4))
 def test_nothing_is_missing_where_curves_cross(name, rest):
     scene = Scene(Vertex(SPECIAL[name]), (1.0, 1.3, 0.7, 1.1), rest, "none")
     model = Model(scene)
@@ -235,7 +140,7 @@ def test_five_states_of_a_degree_4_vertex():
 
 def test_the_same_turned_over_and_renumbered():
     rng = np.random.default_rng(3)
-    for _ in range(5):
+    for _ in range(2):
         sectors = 0.3 + rng.dirichlet(np.full(4, 4.0)) * (2 * PI - 1.2)
         if sectors.max() > 3:
             continue

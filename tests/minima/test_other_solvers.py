@@ -8,7 +8,7 @@ import pytest
 
 OURS = """
 import origami_nlp
-scene = origami_nlp.examples.degree6("pi/3")
+scene = origami_nlp.examples.miura()
 states = origami_nlp.find_minima(
     scene, max_starts=16, prove=False, escape=False
 ).minima
@@ -30,6 +30,7 @@ assert solver.getInfo().objective_function_value == 1.0
 """
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.skipif(
     importlib.util.find_spec("highspy") is None, reason="highspy (extra test) is not installed"
 )

@@ -49,19 +49,16 @@ def test_with_less_than_full_contact_a_minimum_is_a_minimum(contact):
 
 def test_the_full_space_is_asked_where_that_is_affordable():
     """By size alone: not of more states, or creases, than are stated, nor where no symmetry is imposed."""
-    found = o.find_minima(SCENE, max_starts=8, escape=False)
+    small = o.examples.degree6("pi/4", 0.01)
+    found = o.find_minima(small, max_starts=8, escape=False, prove=False)
     assert {m.full_space.verdict for m in found.minima} <= {"stable", "unstable", "undecided"}
-    asked = o.find_minima(SCENE, max_starts=8, escape=False, full=True)
+    asked = o.find_minima(small, max_starts=8, escape=False, prove=False, full=True)
     assert [m.full_space for m in found.minima] == [m.full_space for m in asked.minima]
     n = 14
     wide = o.Scene(o.Vertex((2 * math.pi / n,) * n), (1.0,) * n, (0.5, -0.5) * (n // 2))
     assert not wide.group.is_trivial and not is_affordable(wide, 1)
     assert is_affordable(SCENE, 64) and not is_affordable(SCENE, 65)
     free = o.find_minima(
-        dataclasses.replace(SCENE, symmetry="none"), max_starts=8, escape=False, prove=False
+        dataclasses.replace(small, symmetry="none"), max_starts=4, escape=False, prove=False
     )
     assert all(m.full_space is None for m in free.minima)
-    left = o.find_minima(wide, max_starts=2, escape=False, prove=False)
-    assert all(m.full_space is None for m in left.minima)
-    if left.minima:
-        assert "12 creases" in not_asked_words(wide, left.minima)

@@ -1,14 +1,13 @@
 """States of every vertex of the FOLD files at hand: found, verified by perturbation, written and read again."""
 
 import json
-import math
 
 import numpy as np
 import pytest
 
 from origami_nlp import find_minima
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
-from tests.fold_files import closed_state, disc, folded, in_space, miura, others
+from tests.fold_files import closed_state, disc, folded, in_space, miura
 from tests.independent.neighbours import Problem, look_around
 from tests.independent.rotations import fold, spin_sign
 
@@ -73,33 +72,3 @@ def test_states_of_our_files(name):
                 seen.add(kind)
                 check_states(frame, v.number, 60)
         assert seen
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [
-        "flatfolder_not",
-        "box_3d",
-        "squaretwist",
-        "miura",
-        "vertex_deg4",
-        "vertex_deg6",
-        "waterbomb",
-        "frog",
-    ],
-)
-def test_states_of_published_files(name):
-    """One vertex of each kind (sector angles and assignment up to rotation) in each published file."""
-    (path,) = others(f"*{name}*")
-    for frame in parse_fold(path.read_bytes()):
-        seen = set()
-        for v in fold_vertices(frame)[0]:
-            ring = [
-                (s, round(math.degrees(a), 2))
-                for s, a in zip(v.assignment, v.sector_angles, strict=True)
-            ]
-            kind = min(tuple(ring[k:] + ring[:k]) for k in range(v.degree))
-            if kind not in seen:
-                seen.add(kind)
-                check_states(frame, v.number, 60)

@@ -73,6 +73,7 @@ def test_closed_forms_close(seed):
             assert np.abs((ahead - behind) / (2 * step) - rate).max() < 1e-6 * np.abs(rate).max()
 
 
+@pytest.mark.slow  # nine seconds
 def test_a_well_half_a_degree_from_flat():
     """Multipliers are 1.5e5 there, closure's smallest singular value 2.3e-6: it was neither found nor decided."""
     pattern = make_pattern(CORNERS, FACES).with_springs(STIFFNESS, REST)
@@ -107,6 +108,7 @@ def _is_whole(pattern: Pattern, known: np.ndarray) -> bool:
     return claims
 
 
+@pytest.mark.slow  # nine seconds
 @pytest.mark.parametrize("far", thinned([1.5e-5, 3e-4], 2))
 def test_wells_beside_the_flat_state(far):
     """Listed down to some 1e-4 rad; nearer than can be distinguished from flat, no list is said to be whole."""

@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
 from origami_nlp.problem import Model
@@ -157,7 +156,7 @@ def test_minima_of_many_vertices_that_are_not_flat(seed):
     check(scene, 600, 300)
 
 
-@pytest.mark.parametrize(("order", "name"), [(3, "D3"), (5, "D5"), (2, "D2"), (1, "D1"), (4, "D4")])
+@pytest.mark.parametrize(("order", "name"), [(3, "D3"), (2, "D2"), (1, "D1")])
 @pytest.mark.parametrize("share", thinned([-0.2, 0.2], 2))
 def test_symmetric_states_of_vertices_that_are_not_flat(order, name, share):
     """The wedge of D_n, unrolled at another angle, gives states that close all around."""
@@ -208,30 +207,6 @@ def test_vertices_that_cannot_be_made(sectors, flat, words):
         Vertex(sectors, flat)
     assert all(word in str(error.value) for word in words), error.value
     assert "\n" not in str(error.value)
-
-
-@pytest.mark.slow
-@settings(max_examples=100)
-@given(st.lists(st.floats(0.05, 3.1), min_size=3, max_size=7))
-def test_the_polygon_inequalities_are_sharp(sides):
-    """Refused sides never close; accepted ones do: a Gauss-Newton search from many starts decides."""
-    if abs(sum(sides) - 2 * math.pi) < 1e-6:
-        return
-    try:
-        vertex = Vertex(tuple(sides), flat=False)
-    except OrigamiError:
-        vertex = None
-    a, total = sorted(sides, reverse=True), sum(sides)
-    slack = min((m - 1) * math.pi - (2 * sum(a[:m]) - total) for m in range(1, len(a) + 1, 2))
-    assert (vertex is None) == (slack < -1e-12) or abs(slack) < 1e-9
-    if abs(slack) < 0.05:
-        return  # nearly degenerate: the search below is too slow to tell
-    rng = np.random.default_rng(0)
-    x = rng.uniform(-math.pi, math.pi, (60, len(sides)))
-    from tests.independent.rotations import project
-
-    residual = project(np.array(sides), np.arange(len(sides)), x, steps=60)[1]
-    assert (residual.min() < 1e-6) == (vertex is not None)
 
 
 # ---------------------------------------------------------------- noisy data

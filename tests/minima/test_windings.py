@@ -130,7 +130,7 @@ def test_more_equations_than_fold_angles_are_made_independent_for_a_solver(capfd
 
 
 @pytest.mark.parametrize("contact", ["none", "fold-limits"])
-@pytest.mark.parametrize("group", thinned(["D7", "C7", "C6", "D6"], 2))
+@pytest.mark.parametrize("group", thinned(["C6", "D6", "D7", "C7"], 4))
 def test_the_flat_state_winds_once(group, contact):
     n = int(group[1])
     scene = Scene(Vertex((2 * math.pi / n,) * n), (1.0,) * n, (1.5,) * n, group, contact)
@@ -142,7 +142,7 @@ def test_the_flat_state_winds_once(group, contact):
     assert [m.winding for m in result.minima if not np.any(m.fold_angles)] == [1]
 
 
-@pytest.mark.parametrize("number", thinned([4, 5, 7, 12, 9, 20, 22, 27, 31, 38], 2))
+@pytest.mark.parametrize("number", thinned([4, 5, 7, 12, 9, 20, 22, 27, 31, 38], 10))
 def test_symmetric_lists_hold_what_descents_on_the_whole_vertex_find(number):
     d, scene = drawn(number, most=9)
     missing, _ = lacks(d, scene, find_minima(scene, escape=False), 40)
@@ -185,14 +185,16 @@ def study(numbers, say=lambda line: None):
 
 
 def test_the_star_is_listed_first():
-    result = find_minima(STAR, escape=False)
+    result = find_minima(STAR, prove=False, escape=False)
     lowest = result.minima[0]
     assert STAR.group.name == "D4" and len(result.minima) == 4
     assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
     assert lowest.energy < 1e-12 and lowest.winding == 3
-    assert result.completeness.status == "proved-except-singular"
-    assert not result.completeness.undecided
     assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
-    # it stands without its symmetry as well
+
+
+@pytest.mark.slow  # the whole vertex of degree 8
+def test_the_star_stands_without_its_symmetry_as_well():
+    lowest = find_minima(STAR, prove=False, escape=False).minima[0]
     free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)
     assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9

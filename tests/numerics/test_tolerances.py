@@ -194,12 +194,15 @@ def is_drawn(module: str) -> bool:
     return module.split("/")[-1] in kinds or module.startswith(tuple(k for k in kinds if "/" in k))
 
 
-def sources() -> Iterator[tuple[str, ast.Module]]:
+@cache
+def sources() -> tuple[tuple[str, ast.Module], ...]:
     """Modules beside the table and what is generated, room/module with its code."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        module = path.relative_to(PACKAGE).with_suffix("").as_posix()
-        if path != TABLE and not module.startswith("closed_forms/") and not is_drawn(module):
-            yield module, ast.parse(path.read_text())
+    paths = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in PACKAGE.rglob("*.py")}
+    return tuple(
+        (module, ast.parse(path.read_text()))
+        for module, path in sorted(paths.items())
+        if path != TABLE and not module.startswith("closed_forms/") and not is_drawn(module)
+    )
 
 
 def assigned(node: ast.stmt) -> list[tuple[str, ast.expr]]:

@@ -39,12 +39,12 @@ def test_states_that_are_known_close_by_rotations_alone(every) -> None:
     far = [
         unclosed(r["q"]["stated"], phi)
         for records in every.values()
-        for r in records[::7]
+        for r in records[::70]
         if r["q"]["verb"] == "minima"
         for _, phi in r["answer"]["minima"]
     ]
     checked = [x for x in far if x == x]
-    assert len(checked) > 200 and max(checked) < 1e-9
+    assert len(checked) > 20 and max(checked) < 1e-9
 
 
 def test_quick_questions_are_of_every_group(every) -> None:

@@ -1,22 +1,17 @@
 """Transitions of the admissible space: found without being told where, and confirmed without the sweep."""
 
 import itertools
-import json
 import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paper import events, find_transitions
 from origami_nlp.paper.events import Event, find_events
-from origami_nlp.paper.transitions import signature_of
 from origami_nlp.pattern import degree6, degree8
-from origami_nlp.space import find_space
-from tests.computed_once import once, thinned
+from tests.computed_once import once
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
 
@@ -50,6 +45,7 @@ def test_events_of_degree_8(events8):
     assert any(e.admissible for e in events8)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_one_event_is_listed_once_wherever_rounding_puts_it(monkeypatch):
     """Sector angles on both sides of a multiple of the distance at which two are one; the admissible state is kept."""
     drawn, edge = itertools.count(), (round(0.8 / RESOLVED) + 0.5) * RESOLVED
@@ -65,33 +61,12 @@ def test_one_event_is_listed_once_wherever_rounding_puts_it(monkeypatch):
     assert sum(e.admissible for e in found) > 3
 
 
+@pytest.mark.slow  # a search for curves
 def test_curves_of_events_are_told(events6):
     curve = [e for e in events6 if e.curve]
     assert curve
     assert {round(e.alpha, 9) for e in curve} == {round(math.pi / 3, 9)}
     assert {len(e.walls) for e in curve} == {2}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("make", "alpha", "changes"),
-    thinned(
-        [
-            (degree6, math.pi / 3, True),
-            (degree6, math.pi / 4, False),
-            (degree8, math.pi / 4, False),
-        ],
-        3,
-    ),
-)
-def test_signatures_on_both_sides(make, alpha, changes):
-    below, at, above = (
-        signature_of(find_space(make(a), rings=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
-    )
-    assert below.topology == above.topology
-    assert below.corners != above.corners
-    assert (at.topology != below.topology) == changes
-    assert (above.picture_holes != below.picture_holes) == changes
 
 
 @pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])
@@ -142,35 +117,3 @@ def test_unknown_families_are_refused():
         find_transitions("degree7")
     with pytest.raises(OptionError, match="samples = 1"):
         find_transitions("degree6", samples=1)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("family", "known"),
-    [
-        ("degree6", [math.pi / 4, math.pi / 3]),
-        pytest.param(
-            "degree8",
-            [math.pi / 4],
-            marks=pytest.mark.xfail(
-                reason="corners of the mesh nearer than 3e-6 to pi/4 are not resolved: the sweep reports a second, "
-                "unexplained bracket 2.7e-6 below the event"
-            ),
-        ),
-    ],
-)
-def test_sweep_and_events_agree(family, known, tmp_path):
-    out = tmp_path / "sweep.json"
-    result = CliRunner().invoke(
-        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "-o", str(out)]
-    )
-    assert result.exit_code == 0, result.output
-    data = json.loads(out.read_text())
-    assert data["unexplained"] == []
-    assert data["silent"] == []
-    assert np.allclose([t["alpha"] for t in data["transitions"]], known, rtol=0, atol=1e-13)
-    for t in data["transitions"]:
-        low, high = t["bracket"]
-        assert high - low < 1e-5
-        assert low - 1e-6 <= t["alpha"] <= high + 1e-6
-        assert t["witnesses"]

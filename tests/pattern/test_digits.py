@@ -8,7 +8,7 @@ import pytest
 
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, Poses
-from origami_nlp.pattern_states import find_states, judge
+from origami_nlp.pattern_states import judge
 from tests.fold_files import others
 from tests.relabelled import relabelled
 
@@ -142,19 +142,3 @@ def test_the_folded_square_twist_is_judged_alike_under_other_labels():
         copy, _, _ = relabelled(pattern, seed, mirror=seed % 2 == 1, over=seed % 3 == 1)
         verdicts.append(judge(PatternProblem(copy), copy.reference).verdict)
     assert verdicts == ["minimum"] * 7
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("digits", [9, 6, 4])
-@pytest.mark.parametrize("name", ["miura", "squaretwist", "metasheet"])
-def test_states_do_not_depend_on_digits(name, digits):
-    """As written, a Miura of 3 x 3 with 6 decimals had 42 minima, 18 undecided; with 4 decimals 8 and 36."""
-    size = (3, 3) if name != "squaretwist" else (None, None)
-    one, other = (
-        find_states(made(turned(name, d, *size)), 4, escape=False) for d in (None, digits)
-    )
-    for kind in ("minima", "undecided", "crossing"):
-        a, b = getattr(one, kind), getattr(other, kind)
-        assert len(a) == len(b)
-        for s in a:
-            assert min(np.abs(s.phi - t.phi).max() for t in b) < 500 * 10.0**-digits

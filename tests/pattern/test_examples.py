@@ -9,7 +9,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import examples, parse_fold, vertex_scenes
-from tests.computed_once import once
 from tests.independent.rotations import project
 from tests.pattern.equivalent_vertices import group_equivalent_vertices
 
@@ -110,9 +109,3 @@ def test_resch_tucks_close_as_the_finished_sheet_says():
     ):
         x, residual = project(np.array(sectors), np.arange(6), np.radians([phi]))
         assert residual[0] < 1e-12 and np.abs(np.degrees(x[0]) - phi).max() < 1e-6
-
-
-@pytest.mark.parametrize("name", KNOWN)
-def test_every_example_has_several_states(name):
-    result = once(f"example-{name}", lambda: o.find_minima(examples.by_name(name), prove=False))
-    assert len(result.minima) > 1 and not result.search.undecided

@@ -20,8 +20,6 @@ from origami_nlp.pattern import (
 )
 from origami_nlp.pattern.labels import every_label
 from origami_nlp.pattern_problem import find_labels
-from tests.computed_once import thinned
-from tests.relabelled import relabelled
 
 LAW = sum_of([linear(0.7, 0.4), well(0.5, -1.0, 0.4)])
 
@@ -62,24 +60,6 @@ def test_symmetries_of_a_vertex_with_laws():
     even = replace(plain, laws=(double_well(1.0, 1.0),) * 6)
     assert not any(labels.over for labels in symmetries(odd))
     assert sum(labels.over for labels in symmetries(even)) == len(symmetries(odd)) + 1
-
-
-@pytest.mark.parametrize(
-    ("mirror", "over"), thinned([(True, True), (True, False), (False, True), (False, False)], 3)
-)
-def test_sheets_put_down_otherwise(mirror, over):
-    sheet = o.examples.pattern("miura", 2, 2).with_limits([(-2.5, 2.0)] * 4)
-    sheet = sheet.with_laws([LAW, None, double_well(0.8, 1.0, 0.2), None])
-    copy, creases, sign = relabelled(sheet, 3, mirror, over)
-    # errors are drawn in an order that labels do not change
-    drawn = np.random.default_rng(0).normal(size=4)
-    one, two = (find_labels(p).drawn(drawn) for p in (sheet, copy))
-    assert np.allclose(two, sign * one[creases], atol=1e-12)
-    one, two = (o.find_minima(p, escape=False, starts=1).minima for p in (sheet, copy))
-    assert [m.energy for m in two] == pytest.approx([m.energy for m in one], rel=1e-8)
-    for a, b in zip(one, two, strict=True):
-        theirs = sign * np.array(a.fold_angles)[creases]
-        assert np.abs(theirs - b.fold_angles).max() < 1e-6
 
 
 def test_symmetries_of_a_sheet_with_laws():

@@ -1,7 +1,6 @@
 """Large and hostile files: time grows with their size, or a stated limit says no in one line."""
 
 import json
-import math
 import time
 
 import pytest
@@ -10,9 +9,8 @@ from typer.testing import CliRunner
 from origami_nlp import OrigamiError, Scene, Vertex
 from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
-from origami_nlp.folding import folds_flat
 from origami_nlp.io import parse_toml
-from origami_nlp.pattern import fold_source, fold_vertices, parse_fold, parse_scene
+from origami_nlp.pattern import fold_source, parse_fold, parse_scene
 from tests.fold_files import disc, miura
 
 RUN = CliRunner()
@@ -20,85 +18,13 @@ SLOWER = 5
 """Than the machine where bounds on time were measured; what is not linear takes far longer."""
 
 
-def seconds(job):
-    """Processor time of a job, the best of three."""
-    times = []
-    for _ in range(3):
-        start = time.process_time()
-        job()
-        times.append(time.process_time() - start)
-    return min(times)
-
-
-def assert_linear(make, job, sizes):
-    """The quadruple takes less than 8 times as long: 4 if linear, 16 if quadratic."""
-    small, large = (make(n) for n in sizes)
-    one, four = seconds(lambda: job(small)), seconds(lambda: job(large))
-    assert four < 8 * max(one, 0.02), (one, four)
-
-
-def analyse(text):
-    for frame in parse_fold(text):
-        found, _ = fold_vertices(frame)
-        assert found
-        for v in found:
-            folds_flat(v)
-
-
 def sheet(rows):
     return json.dumps(miura(rows, rows))
-
-
-def sheet_of_faces(rows):
-    data = miura(rows, rows)
-    at = lambda r, c: r * (rows + 1) + c  # noqa: E731
-    data["faces_vertices"] = [
-        [at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)]
-        for r in range(rows)
-        for c in range(rows)
-    ]
-    data["frame_classes"] = ["foldedForm"]
-    data["vertices_coords"] = [[x, y, 0.1 * math.sin(x)] for x, y in data["vertices_coords"]]
-    return json.dumps(data)
-
-
-def spider(n):
-    return json.dumps(disc([360 / n] * n, "MMVM" * (n // 4)))
 
 
 def chain(n):
     frames = [{"frame_inherit": True, "frame_parent": k, "frame_title": f"{k}"} for k in range(n)]
     return json.dumps({**disc([60, 100, 120, 80], "MVVV"), "file_frames": frames})
-
-
-def copies(n):
-    data = disc([60, 100, 120, 80], "MVVV")
-    data["edges_vertices"] += [[1, 0]] * n
-    data["edges_assignment"] += ["V", "M"] * (n // 2)
-    return json.dumps(data)
-
-
-def fan_of_faces(n):
-    data = json.loads(sheet_of_faces(3))
-    data["faces_vertices"] += [[0, 1, 5]] * n  # very many on one side
-    return json.dumps(data)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("make", "sizes"),
-    [
-        # a sheet of 10,000 vertices is timed below
-        pytest.param(sheet, (20, 40), marks=pytest.mark.slow),
-        (sheet_of_faces, (15, 30)),
-        (spider, (1_000, 4_000)),
-        (chain, (200, 800)),
-        (copies, (2_000, 8_000)),
-        (fan_of_faces, (1_000, 4_000)),
-    ],
-)
-def test_time_is_linear(make, sizes):
-    assert_linear(make, analyse, sizes)
 
 
 @pytest.mark.slow

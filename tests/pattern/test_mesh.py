@@ -30,10 +30,7 @@ def test_a_mesh_a_dict_and_a_file_are_one_pattern(tmp_path):
     assert sorted(order) == list(range(read.creases))
     assert (made.stiffness == 2.0).all()
     assert made.rest == pytest.approx(np.sign(read.rest[order]))
-    counts = [
-        len(o.find_minima(x, effort="quick", escape=False, prove=False).minima)
-        for x in (data, {**data, "vertices_coords": points}, path)
-    ]
+    counts = [o.analyze_mobility(x).dof for x in (data, {**data, "vertices_coords": points}, path)]
     assert len(set(counts)) == 1
 
 

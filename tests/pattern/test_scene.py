@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 
 from origami_nlp import Scene, Vertex, examples, format_scene, parse_scene
 from origami_nlp.errors import AngleError
@@ -24,6 +24,7 @@ def test_numbers_read_back_exactly_or_as_a_multiple_of_pi(x):
     assert parse_angle(format_angle(x)) == pytest.approx(x, rel=4e-16, abs=0)
 
 
+@settings(max_examples=40)
 @given(st.text(max_size=80))
 def test_any_text_is_an_angle_or_an_angle_error(text):
     try:

@@ -268,26 +268,6 @@ def test_limits_are_named(monkeypatch):
         contact_descent(problem, start)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "size"), [("waterbomb", (2, 2)), ("yoshimura", (4, 4))])
-def test_planes_and_ipopt_end_in_the_same_state(name, size):
-    """From beside it: closure by CasADi, planes between facets instead of gaps of features.
-
-    From afar IPOPT ends in other basins, or at its iteration limit.
-    """
-    from tests.independent.planes import solve
-
-    problem, start = sprung(name, size, 12)
-    end = contact_descent(problem, start)
-    state = judge(problem, end.phi)
-    assert state.kind == "contact-pinned" and len(state.contacts) > 1
-    start, _ = problem.project(end.phi + 0.02 * (start - end.phi))
-    assert not problem.crossings.find(start)
-    phi = solve(problem, start)
-    assert phi == pytest.approx(end.phi, abs=1e-5)
-    assert problem.scaled_energy(phi) == pytest.approx(problem.scaled_energy(end.phi), abs=1e-4)
-
-
 @cache
 def driven():
     """A metasheet at rest beyond its first touch: the sheet, the creases that are driven, a state before the touch."""

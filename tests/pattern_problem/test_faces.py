@@ -8,16 +8,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import origami_nlp as o
 from origami_nlp import Scene, State, Vertex, check_admissible, classify
-from origami_nlp.display import contact_places
 from origami_nlp.kkt import contact_forces, singular_beside
 from origami_nlp.pattern_problem import (
     CoplanarContact,
     Faces,
     FoldedGeometry,
     PatternProblem,
-    order_layers,
 )
 from origami_nlp.pattern_states import judge
 from origami_nlp.problem import Model, vertices
@@ -204,70 +201,6 @@ def held():
     return problem, scene
 
 
-@pytest.mark.slow
-def test_lower_states_beside_stacked_minima_are_no_paper():
-    """Closed states beside them, by the exact test of single vertices: none that is lower is admissible."""
-    from origami_nlp import find_minima
-
-    problem, scene = held()
-    rng, lower, count = np.random.default_rng(0), 0, 0
-    for m in find_minima(scene, prove=False, escape=False).minima:
-        phi = np.array(m.fold_angles)
-        faces = Faces(problem, phi)
-        if not (faces.known or faces.open):
-            continue
-        state = judge(problem, phi)
-        assert state.verdict == "minimum"
-        count += any(c.type == "face-face" and c.force > 1e-3 for c in state.contacts)
-        z, at_limit = problem.kernel(phi), np.abs(phi) > math.pi - 1e-9
-        for _ in range(60):
-            held_ones = at_limit & (rng.random(6) < 0.6)
-            way = z @ rng.normal(size=z.shape[1])
-            start = phi + 10 ** rng.uniform(-3.5, -1.5) * way / np.linalg.norm(way)
-            start = np.where(held_ones, phi, np.clip(start, -math.pi, math.pi))
-            new, left = problem.project(start, held_ones)
-            if left > 1e-13 or np.abs(new).max() > math.pi or not problem.closure.lifts_to_one(new):
-                continue
-            if problem.scaled_energy(new) < problem.scaled_energy(phi) - 1e-12:
-                assert not check_admissible(scene.vertex, new).admissible
-                lower += 1
-    assert count >= 5 and lower > 50
-
-
-@pytest.mark.slow
-def test_ends_of_a_bird_base_are_held_by_its_layers():
-    """Flat-folded states of random springs: no moments balance them, and lower states beside them are no paper."""
-    rng = np.random.default_rng(1)
-    pattern = o.examples.pattern("birdbase")
-    rest = rng.uniform(-3.1, 3.1, pattern.creases)
-    pattern = pattern.with_springs(list(rng.uniform(0.3, 2, pattern.creases)), list(rest))
-    found, problem = o.find_minima(pattern, starts=1, escape=False), PatternProblem(pattern)
-    pressed, lower = 0, 0
-    assert all(s.verdict != "undecided" for s in found.states)
-    for state in found.minima:
-        phi = state.phi
-        lying = any(c.type == "face-face" for c in state.contacts)
-        if not lying or "closure leaves" not in state.certificate:
-            continue
-        pressed += 1
-        z, at_limit = problem.kernel(phi), np.abs(phi) > math.pi - 1e-9
-        down = -z @ (z.T @ problem.torque(phi))
-        for k in range(100):
-            held_ones = at_limit & (rng.random(len(phi)) < 0.45 * (k % 3))
-            way = z @ rng.normal(size=z.shape[1])
-            way = way / np.linalg.norm(way) + (k % 2) * down / np.linalg.norm(down)
-            start = np.clip(phi + 10 ** rng.uniform(-3, -1.3) * way, -math.pi, math.pi)
-            new, left = problem.project(np.where(held_ones, phi, start), held_ones)
-            if left > 1e-12 or np.abs(new).max() > math.pi or not problem.closure.lifts_to_one(new):
-                continue
-            if problem.scaled_energy(new) < problem.scaled_energy(phi) - 1e-9:
-                assert (
-                    problem.crossings.find(new) or order_layers(problem, new).verdict == "crosses"
-                )
-                lower += 1
-    assert pressed >= 4 and lower > 40
-
-
 def _rolled(rest):
     """A strip of three facets rolled up, the last and shorter one inside or outside of the first."""
     x = np.array([0.0, 1.0, 2.0, 2.6])
@@ -286,31 +219,6 @@ def test_pairs_that_may_lie_either_way_do_so_on_two_pieces():
     assert faces.follow({pair: True}) == {pair: True}
     # both springs open: whichever is inside, the other may go
     assert judge(problem, phi).refuted
-
-
-@pytest.mark.slow
-def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
-    """Contacts of states that a search has found, of a sheet that is not about its middle."""
-    problem, _ = held()
-    corners = problem.pattern.corners + np.array([3.0, -2.0, 0.0])
-    found = o.find_minima(replace(problem.pattern, corners=corners), starts=0, escape=False)
-    lying = 0
-    for state in found.minima:
-        faces = [c for c in state.contacts if c.type == "face-face"]
-        x = FoldedGeometry(PatternProblem(found.pattern).crossings.poses, state.phi).points
-        for contact, place in zip(
-            faces, contact_places(found.pattern, state.phi, faces), strict=True
-        ):
-            for facet in (f - 1 for f in contact.facets):
-                ring = list(found.pattern.polygons[facet])
-                a, b, c = x(np.full(3, facet), np.array(ring))
-                shares = np.linalg.lstsq(np.column_stack([b - a, c - a]), place - a, rcond=None)[0]
-                assert a + np.column_stack([b - a, c - a]) @ shares == pytest.approx(
-                    place, abs=1e-9
-                )
-                assert min(*shares, 1 - shares.sum()) > -1e-9
-                lying += 1
-    assert lying >= 4
 
 
 def test_what_is_beside_a_flat_folded_state_is_not_told_from_it():

@@ -323,6 +323,7 @@ def test_a_miura_sheet_folds_flat_and_large_ones_are_refused_by_name(monkeypatch
     assert "pairs" in far.reason
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_crease_that_passes_close_by_a_border_does_not_pass_through():
     """Two creases that come onto each other, one on a facet beside the other: by arcs of great circles."""
     scene = replace(o.examples.degree6("5*pi/12"), symmetry="none")

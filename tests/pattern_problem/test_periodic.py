@@ -250,11 +250,12 @@ def test_what_a_cell_has_not_is_refused():
         assert "\n" not in str(error.value)
 
 
+@pytest.mark.slow  # seven searches of a cell
 def test_larger_cells_have_the_states_of_smaller_ones_and_more():
     energies = {}
     for columns in (1, 2):
         cell = o.examples.pattern("miura", 1, columns, cell=True)
-        found = o.find_minima(cell, effort="quick", escape=False)
+        found = o.find_minima(cell, effort="quick", escape=False, prove=False)
         energies[columns] = {round(m.energy / columns, 9) for m in found.minima}
         for m in found.minima:
             # a sheet by itself of 2 x 2 cells: it closes, and no facets cross

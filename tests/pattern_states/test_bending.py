@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -65,14 +63,6 @@ def cut(sheet, choices, stiffness):
 
 def alone(sheet, choices):
     return o.find_minima(cut(sheet, choices, 5.0), **ASKED).minima[0].energy
-
-
-@pytest.mark.slow
-def test_the_lowest_state_with_both_diagonals_is_that_of_the_best_choice_of_one_a_facet():
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
-    lowest = o.find_minima(with_bending(sheet, 5.0, "both"), **ASKED).minima[0]
-    choices = itertools.product((False, True), repeat=sheet.facets)
-    assert lowest.energy == pytest.approx(min(alone(sheet, c) for c in choices), abs=1e-9)
 
 
 def test_both_diagonals_are_cut_where_they_cross():

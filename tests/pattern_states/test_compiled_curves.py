@@ -10,9 +10,10 @@ from origami_nlp.pattern_states.clearance import Clearance
 from origami_nlp.pattern_states.curve import ClosedStates, follow_curve
 from origami_nlp.pattern_states.interpolant import interpolate
 from tests.compiled_patterns import PATTERNS, with_and_without
+from tests.computed_once import thinned
 
 
-@pytest.fixture(params=PATTERNS)
+@pytest.fixture(params=thinned([*PATTERNS], 2))
 def both(request, monkeypatch):
     return with_and_without(request.param, monkeypatch)
 

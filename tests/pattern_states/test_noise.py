@@ -99,27 +99,6 @@ def test_rigid_quadrilaterals_do_not_fold_with_errors_of_positions() -> None:
         assert (state.survival.kept, state.survival.springs) == (0, DRAWS)
 
 
-@pytest.mark.slow
-def test_a_vertex_survives_as_often_as_a_sheet() -> None:
-    """A waterbomb with rest angles a little wrong, by both problems: the same states, survived as often."""
-    rest = math.radians(0.06) * np.random.default_rng(2).normal(size=6)
-    pattern = o.examples.pattern("waterbomb", 1, 1)
-    pattern = pattern.with_springs(rest_angles=np.clip(pattern.rest + rest, -math.pi, math.pi))
-    found = find_states(pattern, escape=False, noise=0.06)
-    (loop,) = pattern.vertices
-    round_ = list(loop.creases)
-    x, y, _ = (np.array(loop.signs)[:, None] * pattern.directions[round_]).T
-    sectors = np.diff(np.arctan2(y, x), append=math.atan2(y[0], x[0])) % (2 * math.pi)
-    springs = pattern.stiffness[round_], pattern.rest[round_]
-    scene = o.Scene(o.Vertex(tuple(sectors)), *map(tuple, springs), "none", "full")
-    known = o.find_minima(scene, prove=False, escape=False, noise=0.06).minima
-    assert len(known) == len(found.minima) == 6
-    for minimum in known:
-        near = [s for s in found.minima if np.abs(s.phi[round_] - minimum.phi).max() < 1e-6]
-        assert len(near) == 1 and near[0].survival is not None and minimum.survival is not None
-        assert near[0].survival.kept == minimum.survival.kept in (0, DRAWS)
-
-
 def test_no_time_is_left_for_errors_and_it_is_named() -> None:
     found = find_states(o.examples.pattern("metasheet", 3, 3), starts=4, seconds=0.0, noise=0.1)
     assert "random errors that states survive" in found.search.left_out

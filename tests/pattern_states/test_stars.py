@@ -12,6 +12,7 @@ from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge
 from origami_nlp.search import descend_by_newton, given
+from tests.computed_once import thinned
 from tests.patterns import wheel
 
 
@@ -39,7 +40,7 @@ def _hub() -> Pattern:
     return wheel(sectors * 2 * np.pi / sectors.sum())
 
 
-@pytest.mark.parametrize(("pattern", "creases"), [(_hub(), 400), (_stars(8, 8), 368)])
+@pytest.mark.parametrize(("pattern", "creases"), thinned([(_stars(8, 8), 368), (_hub(), 400)], 2))
 def test_the_first_state_of_a_star_is_certified(pattern: Pattern, creases: int) -> None:
     class Enough(Exception):
         pass

@@ -118,6 +118,7 @@ def test_a_sheet_with_detents_has_the_minima_of_another_search():
 QUARTIC = polynomial([0.0, 0.0, 1.0], 0.5)
 
 
+@pytest.mark.slow  # four seconds
 @pytest.mark.parametrize("creases", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_wells_without_stiffness_are_listed_once(creases):
     """Quartic wells: descents end 1e-4 rad beside the bottom, where torques are rounding; such a search did not end."""

@@ -12,7 +12,7 @@ from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project, spin_sign
 from tests.independent.scenes import SHAPES, build
 
-derandomized = settings(derandomize=True, max_examples=60, database=None)
+derandomized = settings(derandomize=True, max_examples=25, database=None)
 cases = st.tuples(st.sampled_from(SHAPES), st.integers(0, 2**32 - 1))
 
 

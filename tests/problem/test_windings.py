@@ -33,8 +33,8 @@ def scenes(kind, order, flat):
         yield Scene(Vertex(sectors, flat), k, rest, f"{kind}{order}", "fold-limits")
 
 
-@pytest.mark.parametrize("flat", [True, False])
-@pytest.mark.parametrize("order", thinned([7, 5, 6, 3, 4], 2))
+@pytest.mark.parametrize("flat", thinned([False, True], 2))
+@pytest.mark.parametrize("order", thinned([3, 4, 5, 6, 7], 4))
 @pytest.mark.parametrize("kind", ["C", "D"])
 def test_every_winding_closes_the_whole_vertex(kind, order, flat):
     rng, seen = np.random.default_rng(0), set()

@@ -14,8 +14,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
-from origami_nlp.space.chain import chain_of
-from origami_nlp.space.mesh import SEAM, mesh_cover
 from tests.computed_once import once, thinned
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -24,9 +22,6 @@ from tests.independent.search_manifold import Piece
 SCENES = {
     "6, pi/4": degree6("pi/4"),
     "6, pi/3": degree6("pi/3"),
-    "6, 5 pi/12": degree6("5*pi/12"),
-    "8, pi/12": degree8("pi/12"),
-    "8, pi/6": degree8("pi/6"),
     "8, pi/4": degree8("pi/4"),
 }
 
@@ -42,15 +37,6 @@ def test_topology_does_not_depend_on_the_mesh(spaces, name):
     coarse, middle = find_space(SCENES[name], rings=11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_topology_does_not_depend_on_fine_meshes(spaces, name):
-    for size in (65, 128):
-        fine = find_space(SCENES[name], rings=size)
-        assert fine.signature == spaces[name].signature
-        assert fine.picture_holes == spaces[name].picture_holes
 
 
 @pytest.mark.slow
@@ -124,29 +110,8 @@ def test_space_is_two_discs_that_touch_in_the_flat_state(spaces, name):
         assert len(np.unique(mine)) - len(edges) + len(mine) == 1  # a disc
 
 
-@pytest.mark.parametrize(
-    ("scene", "size"), [(degree8("pi/6"), 20), (degree8("pi/4"), 20), (degree6("pi/4"), 12)]
-)
+@pytest.mark.parametrize(("scene", "size"), [(degree8("pi/4"), 20), (degree6("pi/4"), 12)])
 def test_kuhn_triangulation_finds_two_annuli_around_the_flat_state(scene, size):
-    found = kuhn_surface(Piece.of(scene), size, 0.8)
-    assert len(found.polygons) == 2
-    assert found.euler == (0, 0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "size"),
-    [
-        (degree8("pi/12"), 40),
-        (degree8(1.2), 48),
-        (degree6("pi/4"), 16),
-        (degree6(0.95), 16),
-        (degree6(1.1), 18),
-        (degree6("5*pi/12"), 16),
-        (degree6("5*pi/12"), 20),
-    ],
-)
-def test_kuhn_triangulation_finer(scene, size):
     found = kuhn_surface(Piece.of(scene), size, 0.8)
     assert len(found.polygons) == 2
     assert found.euler == (0, 0)
@@ -190,7 +155,7 @@ def test_no_handles_elsewhere(spaces, name):
 
 
 def test_picture_joins_states_that_are_apart(spaces):
-    for name in ("6, pi/3", "6, 5 pi/12"):
+    for name in ("6, pi/3",):
         space = spaces[name]
         assert space.picture_holes == 2
         points = sorted(p for p, _ in space.picture_joins)
@@ -223,14 +188,6 @@ def test_states_negate(spaces, name):
         turned = tuple(sorted(c.translate(swap) if c.startswith("phi_") else c for c in contacts))
         if not space.handles:
             assert corners[turned] == count
-
-
-@pytest.mark.slow
-def test_mesh_of_closed_states_is_a_surface():
-    cover = mesh_cover(chain_of(degree6(0.9)), 20)
-    _, of_triangle = topology.edges_of(cover.triangles)
-    assert np.bincount(of_triangle.ravel()).max() == 2
-    assert (cover.leaf[cover.on >> SEAM & 1 == 1] == 0).all()
 
 
 def test_topology_of_known_complexes():
@@ -273,6 +230,7 @@ def test_bad_input_is_refused_in_one_line(tmp_path):
         find_space(degree6("pi/4", symmetry="none"))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_command_writes_json_and_figures(spaces, tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(degree6("pi/3")))
@@ -302,7 +260,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     assert isinstance(bad.exception, OptionError)
 
 
-@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3", "6, 5 pi/12"])
+@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3"])
 def test_picture_covers_the_pixels_that_the_closed_forms_admit(spaces, name):
     """Area in the (phi_2, phi_3) plane: triangles of the mesh against pixels of the chart's closed forms."""
     scene, mesh = SCENES[name], spaces[name].mesh

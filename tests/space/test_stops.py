@@ -74,6 +74,7 @@ def check_count(scene, rings=16):
     return found
 
 
+@pytest.mark.slow  # a fine mesh
 @pytest.mark.parametrize("seed", [1])
 def test_pieces_are_those_of_pixels(seed):
     check_pixels(stopped(seed, without_flat=True))
@@ -85,6 +86,7 @@ def test_pieces_of_many_are_those_of_pixels(seed):
     check_pixels(stopped(seed, without_flat=True))
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 def test_critical_points_count_the_euler_characteristic():
     scene = stopped(8)
     found = check_count(scene)
@@ -103,6 +105,7 @@ def test_critical_points_of_many_count_the_euler_characteristic(seed):
     assert not o.critical.compare_minima(found, search).comparison.only_search
 
 
+@pytest.mark.slow  # a fine mesh
 def test_stops_that_are_not_reached_change_nothing():
     plain = o.examples.degree6("pi/3")
     most = np.abs(o.find_space(plain, rings=8).mesh.fold_angles).max(axis=0)
@@ -111,6 +114,7 @@ def test_stops_that_are_not_reached_change_nothing():
     assert o.find_space(with_stops, rings=8).signature == o.find_space(plain, rings=8).signature
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_a_space_may_be_empty(tmp_path):
     scene = replace(o.examples.degree6("pi/4"), limits=(0.3, 1.7))
     space = o.find_space(scene, rings=33)

@@ -34,12 +34,13 @@ def swept(axes, tmp_path):
     return sweep, load_states(tmp_path)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize(
     ("place", "values"),
     [
         ("creases.limits_deg[3][2]", [40.0, 120.0]),
         pytest.param("laws.snap.scale", [0.5, 2.0], marks=pytest.mark.slow),
-        ("laws.snap.shift_deg", [-10.0, 20.0]),
+        pytest.param("laws.snap.shift_deg", [-10.0, 20.0], marks=pytest.mark.slow),
         pytest.param("laws.snap.sum[2].energy", [0.2, 1.0], marks=pytest.mark.slow),
     ],
 )

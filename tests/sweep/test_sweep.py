@@ -200,6 +200,7 @@ def test_another_sweep_is_not_mixed_in(finished):
         run_sweep(other, finished)
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_answers_do_not_depend_on_the_order_of_work(finished, tmp_path, monkeypatch):
     monkeypatch.setattr("origami_nlp.sweep.run.range", lambda n: range(n)[::-1], raising=False)
     run_sweep(small(), tmp_path, executor=Inline(), workers=3)
@@ -305,6 +306,7 @@ def alive(numbers):
     return found
 
 
+@pytest.mark.slow  # kills processes of a sweep
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
     spec, out = tmp_path / "sweep.toml", tmp_path / "out"
     spec.write_text(MANY)

@@ -35,6 +35,7 @@ def test_every_section_and_appendix_of_the_paper_is_covered():
         assert place in places
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_every_claim_is_decided(run):
     assert [r.claim.id for r in run.results if not r.verdict.decided] == []
 
@@ -44,6 +45,7 @@ def test_the_whole_run_keeps_to_its_budget(run):
     assert run.seconds < BUDGET_SECONDS
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_a_refutation_carries_a_correction_proved_in_the_same_run(run):
     for r in run.results:
         if r.verdict.verdict in ("refuted", "convention"):
@@ -90,6 +92,7 @@ def test_deciding_times_the_check():
     assert claim.decide().seconds > 0
 
 
+@pytest.mark.slow  # seconds of curves or searches
 def test_the_answer_keeps_the_order_of_the_question():
     chosen = [catalogue.claim_by_id(i) for i in ("s3.stiffness", "s2.valley", "s3.J", "s2.groups")]
     for workers in (1, 2):

@@ -12,6 +12,7 @@ from origami_nlp.closed_forms import (
     degree6,
     wedge3,
 )
+from tests.computed_once import thinned
 from tests.symbolic.closed_forms_reference import (
     DIGITS,
     cone_reference,
@@ -116,7 +117,7 @@ def _wedge_sample(n, near, count=120, seed=3):
 @pytest.mark.parametrize(
     "near", ["flat", "branches meet", pytest.param("", marks=pytest.mark.slow)]
 )
-@pytest.mark.parametrize("n", [2, pytest.param(3, marks=pytest.mark.slow), 5])
+@pytest.mark.parametrize("n", thinned([2, 3, 5], 3))
 def test_wedge3_values(n, near):
     alpha, v, fold = _wedge_sample(n, near)
     coordinates = np.stack([v, fold], axis=-1)

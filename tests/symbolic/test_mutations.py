@@ -13,9 +13,9 @@ from tests.computed_once import thinned
 CLAIMS = catalogue.claims()
 DAMAGED = [(c.id, i) for c in CLAIMS for i in range(len(c.damaged))]
 FIRST = [d for d in DAMAGED if not d[1]]
-"""Every day the first damage of each third claim; the others with the long studies."""
+"""Every day the first damage of each sixth claim; the others with the long studies."""
 CORRECTED = [c.id for c in CLAIMS if c.corrected is not None]
-"""That the whole run proves each is asserted of its verdicts (`test_catalogue`); a fifth is decided once more."""
+"""That the whole run proves each is asserted of its verdicts (`test_catalogue`); a ninth is decided once more."""
 LABELS = (
     "s2.ratio-condition",
     "s3.flat-point",
@@ -59,7 +59,7 @@ def test_every_claim_can_be_damaged(claim_id):
 @pytest.mark.parametrize(
     ("claim_id", "which"),
     [
-        pytest.param(*d, id=f"{d[0]}-{d[1]}", marks=[] if d in FIRST[::3] else [pytest.mark.slow])
+        pytest.param(*d, id=f"{d[0]}-{d[1]}", marks=[] if d in FIRST[::6] else [pytest.mark.slow])
         for d in DAMAGED
     ],
 )
@@ -69,15 +69,14 @@ def test_a_damaged_statement_is_refuted(claim_id, which):
     assert verdict.verdict == "refuted", verdict.evidence
 
 
-@pytest.mark.parametrize("claim_id", thinned(CORRECTED, 5))
-def test_the_corrected_statement_is_accepted(claim_id, run):
+@pytest.mark.parametrize("claim_id", thinned(CORRECTED[::-1], 9))
+def test_the_corrected_statement_is_accepted(claim_id):
     claim = catalogue.claim_by_id(claim_id)
-    (printed,) = [r.verdict.verdict for r in run.results if r.claim.id == claim_id]
-    assert printed in ("refuted", "convention")
+    assert claim.decide(claim.statement).verdict in ("refuted", "convention")
     assert claim.decide(claim.corrected).verdict == "proved"
 
 
-@pytest.mark.parametrize("claim_id", LABELS)
+@pytest.mark.parametrize("claim_id", thinned(LABELS, 3))
 def test_a_claim_that_was_a_label_answers_what_it_is_asked(claim_id):
     claim = catalogue.claim_by_id(claim_id)
     right = claim.statement if claim.corrected is None else claim.corrected

@@ -4,6 +4,7 @@ import pickle
 from pathlib import Path
 
 import nbformat
+import pytest
 from nbclient import NotebookClient
 
 NOTEBOOK = Path(__file__).parents[2] / "notebooks" / "02_equations.ipynb"
@@ -30,6 +31,7 @@ catalogue.decide_all = lambda claims: [catalogue.Result(c, verdicts[c.id]) for c
 """
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_the_committed_notebook_runs_and_is_current(run):
     committed = nbformat.read(NOTEBOOK, as_version=4)
     fresh = nbformat.read(NOTEBOOK, as_version=4)

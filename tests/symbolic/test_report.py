@@ -12,6 +12,7 @@ from origami_nlp.symbolic import report
 ERRATA = Path(__file__).parents[2] / "docs" / "validation" / "errata.md"
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_json_has_the_keys_of_the_schema(run):
     data = json.loads(report.as_json(run.results))
     assert data["schema"] == "origami-nlp/paper/1"
@@ -28,6 +29,7 @@ def test_json_has_the_keys_of_the_schema(run):
     assert count["seconds"] == pytest.approx(sum(c["seconds"] for c in data["claims"]), abs=0.1)
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_the_committed_errata_page_is_current(run):
     fresh = report.errata_page(run.results)
     assert ERRATA.read_text(encoding="utf-8") == fresh, (
@@ -66,6 +68,7 @@ def test_the_tally_counts_statements_readings_and_shared_causes():
         assert words in text
 
 
+@pytest.mark.slow  # the whole catalogue
 def test_the_tally_of_the_catalogue_adds_up(run):
     count = report.tally(run.results)
     parts = ("true", "false", "another_reading", "undecided")

@@ -57,21 +57,21 @@ def _minima(degree, ratio, v0, depth=1e-3):
 
 
 @pytest.mark.parametrize("v0", [0.4, -0.4])
-@pytest.mark.parametrize("degree", [8, 10, 12])
+@pytest.mark.parametrize("degree", [8, 10])
 def test_plateau_of_stable_states_at_large_stiffness_ratio(degree, v0):
     assert abs(v0) < cone_contact_elevation(degree)
     assert _minima(degree, 1e6, v0) == stiff_even_minima(degree // 2)
 
 
-@pytest.mark.parametrize("depth", [0, 1e-3, 0.05, 0.2])
-@pytest.mark.parametrize("degree", [8, 10, 12])
+@pytest.mark.parametrize("depth", [0, 0.05])
+@pytest.mark.parametrize("degree", [8, 10])
 def test_the_plateau_depends_on_the_depth_threshold(degree, depth):
     threshold = sp.Rational(str(depth))
     assert _minima(degree, 1e5, -0.4, depth) == stiff_even_minima(degree // 2, threshold)
 
 
 def test_printed_plateaus_without_a_threshold_are_false():
-    for degree, printed, bare in ((8, 10, 16), (10, 42, 32), (12, 56, 64)):
+    for degree, printed, bare in ((8, 10, 16), (10, 42, 32)):
         claim = claim_by_id(f"s5.plateau-{degree}")
         assert "depth" in claim.title or "deeper" in claim.title
         assert "10^{-3}" in claim.statement_latex

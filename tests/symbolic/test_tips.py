@@ -115,6 +115,7 @@ def test_velocity_of_the_tips_agrees_with_finite_differences(tip):
     assert state.crease_matrix() * descent(c_1, c_2) == sp.zeros(3, 1)
 
 
+@pytest.mark.slow  # a second look at what other tests of the room say
 @pytest.mark.parametrize("alpha", ["pi/12", "pi/6"])
 def test_the_same_direction_descends_from_the_pinned_states_of_the_panels(alpha):
     scene = examples.degree8(alpha, 100)

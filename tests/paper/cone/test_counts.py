@@ -23,7 +23,7 @@ def disagreements(degree, number, seed):
     return wrong
 
 
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+@pytest.mark.parametrize("degree", thinned([6, 12], 2))
 def test_counts_equal_brute_force(degree):
     assert disagreements(degree, 40, seed=1) == []
 
@@ -34,7 +34,7 @@ def test_counts_equal_brute_force_at_2000_points(degree):
     assert disagreements(degree, 2000, seed=2) == []
 
 
-@pytest.mark.parametrize("degree", thinned([6, 8, 12, 10], 2))
+@pytest.mark.parametrize("degree", thinned([8, 6, 12, 10], 4))
 def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
     rng = np.random.default_rng(3)
     compared = 0
@@ -159,7 +159,7 @@ def test_a_branch_may_hold_an_interior_minimum_and_fall_again_at_its_end():
 
 
 @pytest.mark.parametrize(
-    ("degree", "depth"), thinned([(n, d) for n in (6, 10, 130, 24) for d in (0.0, 1e-3)], 3)
+    ("degree", "depth"), thinned([(n, d) for n in (6, 130, 24) for d in (0.0, 1e-3)], 6)
 )
 def test_maps_equal_points(degree, depth):
     rng = np.random.default_rng(degree)

@@ -1,69 +1,13 @@
 """How many branches of a cone hold a minimum: half, where and under which rule; every exception by brute force."""
 
 import math
-from itertools import pairwise, product
 
-import mpmath as mp
 import numpy as np
 import pytest
 
 from origami_nlp.folding import check_admissible
 from origami_nlp.paper import cone
 from tests.independent import cone_branches as brute
-
-
-def tied_ratio(degree, valleys, rest_elevation):
-    """r on the curve U'(0+) = 0 of the class (valleys, up) and of its complement (down), 50 digits."""
-    n, a = degree // 2, valleys
-    k = mp.tan(mp.pi / 4 - mp.pi / degree)
-    odd = 4 * mp.atan(k * mp.tan(mp.mpf(rest_elevation) / 2))
-    return odd / rest_elevation * ((n - a) / k - a * k) / (2 * (2 * a - n))
-
-
-def minima_by_digits(degree, ratio, rest_elevation, nodes=120):
-    """Minima off the flat state of every branch, from 50-digit slopes crease by crease; rest_elevation > 0."""
-    k = mp.tan(mp.pi / 4 - mp.pi / degree)
-    n, nu = degree // 2, mp.mpf(rest_elevation)
-    rest = 4 * mp.atan(k * mp.tan(nu / 2)), -2 * nu
-    found = []
-    for direction, flaps in product((1, -1), product((1, -1), repeat=n)):
-        share = [k if f == direction else 1 / k for f in flaps]
-        end = mp.pi / 2 if -direction not in flaps else mp.pi / 2 - 2 * mp.pi / degree
-
-        def slope(s, share=share, flaps=flaps):
-            t = mp.tan(s / 2)
-            rho = [2 * f * mp.atan(c * t) for f, c in zip(flaps, share, strict=True)]
-            rate = [
-                f * c * (1 + t * t) / (1 + (c * t) ** 2) for f, c in zip(flaps, share, strict=True)
-            ]
-            odd = sum(
-                (rho[j - 1] + rho[j] - rest[0]) * (rate[j - 1] + rate[j]) for j in range(len(rho))
-            )
-            even = sum((-2 * f * s - rest[1]) * -2 * f for f in flaps)
-            return odd + ratio * even
-
-        signs = []
-        for s in [mp.mpf(0), *(end * mp.mpf(i) / nodes for i in range(1, nodes + 1))]:
-            value = slope(s)
-            signs.append(0 if abs(value) < mp.mpf(10) ** -45 else int(mp.sign(value)))
-        minima = sum(a < 0 <= b for a, b in pairwise(signs))
-        found.append(minima + (signs[-1] < 0))
-    return found
-
-
-@pytest.mark.slow
-def test_off_the_curves_the_count_is_half_and_on_a_curve_it_is_not():
-    """N = 8, nu_0 = 0.5, U'(0+) = 0 of M V_3 up and of M_3 V down: four branches each hold none."""
-    with mp.workdps(50):
-        exact = tied_ratio(8, 3, 0.5)
-        assert float(exact) == pytest.approx(0.24690741358, abs=1e-11)
-        for factor, wanted in ((1 - mp.mpf(10) ** -4, 16), (1, 12), (1 + mp.mpf(10) ** -4, 16)):
-            by_digits = minima_by_digits(8, exact * factor, 0.5)
-            assert sum(by_digits) == wanted and max(by_digits) == 1
-            found = cone.count(8, float(exact * factor), 0.5)
-            assert found.branches_with_minimum == wanted
-            # a curve is a tie, and is reported as one
-            assert set(found.undecided) == ({(3, 2, 1), (1, 2, -1)} if factor == 1 else set())
 
 
 @pytest.mark.parametrize("degree", [6, 8, 10, 12])

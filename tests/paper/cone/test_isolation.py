@@ -83,35 +83,3 @@ def test_a_branch_may_hold_two_interior_minima(degree, flaps, r, v):
     lowest = np.nonzero((u[1:-1] < u[:-2]) & (u[1:-1] < u[2:]))[0] + 1
     assert len(lowest) == 2
     np.testing.assert_allclose(s[lowest], m.elevation[own], atol=2e-3)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("degree", range(6, 25, 2))
-def test_two_interior_minima_need_24_creases(degree):
-    """Pieces of r = -A'/B' that hold minima overlap in r on some class of degree 24, on none below.
-
-    Shown on a grid of rest elevations, not proved: windows narrower than the grid would be missed.
-    """
-    overlaps = 0
-    for v in np.concatenate(
-        [np.linspace(-cone.Cone(degree).steep_end, -1e-3, 700), np.linspace(1e-3, math.pi / 2, 700)]
-    ):
-        for direction in (1, -1):
-            side = cone.SideEnergy.of(degree, direction, v)
-            rows = np.nonzero(side.end < 1.5)[0]
-            s = np.linspace(0.0, cone.Cone(degree).steep_end, 150)[1:]
-            odd, even = (x[rows] for x in side.at(s).slopes)
-            with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 at the rest state
-                level = np.nan_to_num(-odd / even, nan=-1.0, posinf=1e300, neginf=-1e300)
-            vertex = side.even_vertex[rows, None]  # B' changes sign there: pieces end
-            right = s[:-1] > vertex
-            change = np.diff(level, axis=1)
-            falling = np.where(right, change < 0, (s[1:] < vertex) & (change > 0))
-            falling &= np.maximum(level[:, :-1], level[:, 1:]) > 0
-            starts = (np.diff(falling.astype(int), axis=1) == 1).sum(axis=1) + falling[:, 0]
-            for row in np.nonzero(starts > 1)[0]:
-                edges = np.nonzero(np.diff(np.r_[0, falling[row].astype(int), 0]))[0]
-                spans = [sorted(level[row, [a, b]]) for a, b in edges.reshape(-1, 2)]
-                low, high = max(x[0] for x in spans), min(x[1] for x in spans)
-                overlaps += high > max(low, 0) * (1 + 1e-9) + 1e-12
-    assert (overlaps > 0) == (degree == 24)

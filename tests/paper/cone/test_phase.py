@@ -56,52 +56,6 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
     assert {"start", "end"} <= kinds if depth == 0 else {"depth", "end"} <= kinds
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("degree", [6, 8, 10, 12, 14, 20])
-@pytest.mark.parametrize("rest", ["waterbomb", "paper"])
-@pytest.mark.parametrize("depth", [0.0, 1e-3, 0.3])
-def test_counts_differ_on_both_sides_of_every_boundary_many(degree, rest, depth):
-    rng = np.random.default_rng(degree)
-    for curve in cone.phase_boundaries(cone.Cone(degree, rest), depth=depth):
-        for k in sample(curve, 8, rng):
-            nu, ratio = float(curve.rest_elevation[k]), float(curve.ratio[k])
-            sides = [counts_of(curve.branches, ratio * (1 + s * SIDE), nu, depth) for s in (-1, 1)]
-            assert sides[0] != sides[1], (curve, nu, ratio)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "degree, depth",
-    [
-        (6, 0.0),
-        pytest.param(8, 1e-3, marks=SLOW),
-        pytest.param(10, 0.0, marks=SLOW),
-        pytest.param(12, 0.02, marks=SLOW),
-    ],
-)
-def test_class_counts_change_only_across_boundaries(degree, depth):
-    """Along a vertical line the changes of every class's counts are the crossings of its curves."""
-    curves = cone.phase_boundaries(degree, depth=depth)
-    low, high = cone.Cone(degree).rest_range
-    for nu in (0.93 * low, 0.31 * high, 0.77 * high):
-        for branches in cone.energy_classes(degree):
-            levels = []
-            for curve in (c for c in curves if c.branches == branches):
-                x, y = curve.rest_elevation, curve.ratio
-                hit = np.flatnonzero((x[:-1] - nu) * (x[1:] - nu) < 0)
-                w = (nu - x[hit]) / (x[hit + 1] - x[hit])
-                levels += np.exp((1 - w) * np.log(y[hit]) + w * np.log(y[hit + 1])).tolist()
-            levels = sorted(r for r in levels if 1e-5 < r < 1e5)
-            between = np.sqrt(np.array([1e-5, *levels]) * np.array([*levels, 1e5]))
-            seen = [counts_of(branches, float(r), nu, depth) for r in between]
-            assert all(a != b for a, b in itertools.pairwise(seen)), (branches, nu)
-            # and nothing happens between two crossings
-            for r, wanted, a, b in zip(between, seen, [1e-5, *levels], [*levels, 1e5], strict=True):
-                for w in (0.2, 0.8):
-                    inner = math.exp((1 - w) * math.log(a) + w * math.log(b))
-                    assert counts_of(branches, inner, nu, depth) == wanted, (branches, nu, r)
-
-
 @given(
     degree=st.sampled_from([6, 8, 10, 12, 14]),
     log_ratio=st.floats(-4, 4),

