@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.barriers.passes import FOLLOWS, Pass, PassKind
+from origami_nlp.barriers.passes import Known, Pass, PassKind
 from origami_nlp.chart import Landscape
 from origami_nlp.display import (
     Content,
@@ -139,7 +139,7 @@ class Barriers(Report, Viewable):
             for k, energy, floor in zip(
                 (p.from_state, p.to_state), self._energies(p), floors, strict=True
             ):
-                exact = p.is_lowest and p.energy <= floor
+                exact = p.known is Known.EXACT and p.energy <= floor
                 rise = p.energy - energy, "" if exact else "at most "
                 least[k] = min(least.get(k, (math.inf, "")), rise)
         known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
@@ -180,14 +180,12 @@ class Barriers(Report, Viewable):
         """
         floor: dict[int, float] = {}
         for p in self.passes:
-            known = p.energy if p.is_lowest else np.nanmax([p.least, *self._energies(p)])
+            known = p.energy if p.known is Known.EXACT else np.nanmax([p.least, *self._energies(p)])
             for k in (p.from_state, p.to_state):
                 floor[k] = min(floor.get(k, math.inf), float(known))
         near = 1 + SAME_ENERGY
         return [
-            (p.energy,) * 2
-            if p.why in FOLLOWS
-            else (floor[p.from_state] * near, floor[p.to_state] * near)
+            (p.energy,) * 2 if p.every else (floor[p.from_state] * near, floor[p.to_state] * near)
             for p in self.passes
         ]
 
@@ -197,7 +195,13 @@ class Barriers(Report, Viewable):
             known = not math.isnan(p.least)
             ends = self._energies(p)
             least = (f">= {max(p.least, *ends) - end:.6g}" if known else "-" for end in ends)
-            return (*pair, *(("no path",) * 2 if p.is_lowest else least), "-", "none", p.why)
+            return (
+                *pair,
+                *(("no path",) * 2 if p.known is Known.EXACT else least),
+                "-",
+                "none",
+                p.why,
+            )
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
         angles = "all 0" if p.pass_kind == "flat state" else angles

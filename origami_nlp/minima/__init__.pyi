@@ -10,7 +10,6 @@ from .canonical import canonical_states as canonical_states
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .descents import Descents as Descents, compiled as compiled
-from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     FEWEST_STARTS as FEWEST_STARTS,

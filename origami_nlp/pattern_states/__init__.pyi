@@ -39,4 +39,3 @@ from .mobility import (
 from .motion import Motion as Motion, find_motion as find_motion
 from .proved import hold_against as hold_against
 from .traced_passes import curve_passes as curve_passes
-from .ways_between import ways_between as ways_between

@@ -8,6 +8,7 @@ from .descend import (
 )
 from .escape import (
     NOTHING_NEAR as NOTHING_NEAR,
+    Move as Move,
     find_escapes as find_escapes,
     softest_modes as softest_modes,
 )

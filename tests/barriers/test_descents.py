@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import LOWEST, NEVER, PROVED
+from origami_nlp.barriers import Known
+from origami_nlp.barriers.bounds import NEVER, PROVED
 from origami_nlp.problem import Model
 from tests.independent import flood_three
 from tests.independent.links import corners, crosses
@@ -88,7 +89,7 @@ def test_paths_are_as_low_as_a_flood_of_a_lattice_finds():
     scene = drawn(6, 0, contact="fold-limits")
     result = o.find_minima(scene, prove=False, escape=False)
     found = o.find_barriers(scene, result)
-    assert checked(found) >= 3 and not any(p.why in LOWEST for p in found.passes)
+    assert checked(found) >= 3 and not any(p.known is Known.EXACT for p in found.passes)
     minima = np.array([m.fold_angles for m in result.minima])
     sectors, k, rest = (
         np.array(x) for x in (scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)

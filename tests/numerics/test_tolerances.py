@@ -23,7 +23,7 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         bifurcation/boundary.AROUND continuation/line.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
-        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
+        bifurcation/event_curve.SHORTEST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
