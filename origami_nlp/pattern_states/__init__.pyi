@@ -1,6 +1,5 @@
 from .branch_points import split as split
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .contact_descents import contact_descent as contact_descent
 from .curve import (
     ClosureCurve as ClosureCurve,
     follow_curve as follow_curve,

@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
-from origami_nlp.pattern_states import contact_descent
 from tests.independent.links import closed, corners, crosses
-from tests.patterns import wheel
+from tests.patterns import downhill, wheel
 
 
 def link(sectors, phi) -> np.ndarray:
@@ -66,7 +65,7 @@ def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
             )
             if not inside or problem.crossings.find(phi) or np.abs(phi).max() < 1e-3:
                 continue
-            held = contact_descent(problem, phi).phi
+            held = downhill(problem, phi).phi
             touching += bool(np.abs(held).max() > math.pi - 1e-9)
             for state in (phi, held):
                 if np.abs(state).max() < 1e-3:

@@ -39,7 +39,7 @@ BESIDE_THE_TABLE = {
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
-        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
+        pattern_problem/pop_signs.JUMPS
         search/terrain.FIRST search/terrain.POPPED space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC
