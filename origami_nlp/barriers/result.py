@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import require
 from origami_nlp.barriers.passes import Known, Pass, PassKind
 from origami_nlp.chart import Landscape
 from origami_nlp.display import (
@@ -120,6 +121,29 @@ class Barriers(Report, Viewable):
         for p in self.passes:
             out[p.from_state - 1, p.to_state - 1] = out[p.to_state - 1, p.from_state - 1] = p.energy
         return out
+
+    def to_networkx(self) -> Any:
+        """Return the graph of states and passes (extra ``graph``).
+
+        Returns
+        -------
+        networkx.Graph
+            A node a minimum, by its number (1-based), with ``energy`` [J] and ``kind``; an edge a pass, with its
+            ``energy``, ``kind`` and whether that is ``exact`` or a ``bound`` (``known``).
+
+        Raises
+        ------
+        OptionError
+            If networkx is not installed.
+        """
+        graph = require("networkx", "a graph of states and passes", "graph").Graph(name=self.label)
+        for number, m in enumerate(self.result.minima, start=1):
+            graph.add_node(number, energy=m.energy, kind=m.kind)
+        for p in self.passes:
+            if math.isfinite(p.energy):
+                more = {"kind": p.pass_kind, "known": p.known.value}
+                graph.add_edge(p.from_state, p.to_state, energy=p.energy, **more)
+        return graph
 
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""

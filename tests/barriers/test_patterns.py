@@ -1,5 +1,6 @@
 """Barriers of patterns: paths between their states, over curves and over any height."""
 
+import itertools
 import math
 
 import numpy as np
@@ -90,6 +91,21 @@ def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
     near = closed & (np.abs(states - phi).max(axis=1) < 0.3)
     assert near.sum() > 900
     assert (np.abs(states[near]).max(axis=1) > math.pi + 1e-6).all()
+
+
+def test_states_and_passes_are_a_graph():
+    networkx = pytest.importorskip("networkx")
+    found = o.find_barriers("metasheet:2x2", o.find_minima("metasheet:2x2", escape=False))
+    graph = found.to_networkx()
+    assert [graph.nodes[k]["energy"] for k in graph] == [m.energy for m in found.result.minima]
+    assert {d["known"] for *_, d in graph.edges(data=True)} <= {"exact", "bound"}
+    # the least highest pass between two states is one of the minimum spanning tree
+    tree = networkx.minimum_spanning_tree(graph, weight="energy")
+    for i in graph:
+        for j in set(graph) - {i}:
+            way = networkx.shortest_path(tree, i, j)
+            over = max(tree.edges[e]["energy"] for e in itertools.pairwise(way))
+            assert over == pytest.approx(found.matrix()[i - 1, j - 1], rel=1e-12)
 
 
 def test_where_facets_may_cross_paths_close_and_climb_no_higher():
