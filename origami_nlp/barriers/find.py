@@ -38,13 +38,13 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, canonical_states, find_minima
+from origami_nlp.minima import MinimaResult, TracedPasses, canonical_states, find_minima
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Model
-from origami_nlp.search import DescentTerrain, softest_modes
+from origami_nlp.search import MOST_CREASES, DescentTerrain, softest_modes
 
 SEARCHING = 0.5
 """Share of a time limit that the search for minima gets."""
@@ -161,7 +161,8 @@ class _Paths:
         self.posed = canonical_states(self._stated.with_contact(contact), result.origami, minima)
         self.late = [MINIMA] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
-        self.ways, self.loose, self.traced = list[PathDown](), list[int](), None
+        self.ways, self.loose = list[PathDown](), list[int]()
+        self.traced: TracedPasses | None = None
 
     def barriers(self) -> Barriers:
         """Find them."""
@@ -172,7 +173,7 @@ class _Paths:
             on_curves, self.traced = known
         open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
         left = {k - 1 for p in open_ for k in (p.from_state, p.to_state)}
-        for k, m in enumerate(result.minima):
+        for k, m in enumerate(result.minima if posed.problem.size <= MOST_CREASES else ()):
             if m.local_dimension and (k in left or on_curves is None):
                 self.loose.append(k)
         leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in self.loose}
@@ -182,7 +183,7 @@ class _Paths:
             (ESCAPES, self._escapes),
             (SADDLES, self._over_saddles),
         ):
-            self._in_time(part, lambda find=find: self.ways.extend(find()))
+            self._in_time(part, partial(self._add, find))
         ways = [
             w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
         ]
@@ -221,6 +222,9 @@ class _Paths:
                 escape = Escape(barrier, BOUND, SHOWN, to + 1, (), barrier < SHALLOW * scale)
                 listed[k] = replace(listed[k], escape=escape)
         return replace(self.result, minima=tuple(listed))
+
+    def _add(self, find: Callable[[], Iterator[PathDown]]) -> None:
+        self.ways.extend(find())
 
     def _in_time(self, part: str, work: Callable[[], object]) -> Any:
         """Do a part of the work for `SECONDS` at most, and note if the time ended it."""
@@ -267,8 +271,8 @@ class _Paths:
     def _between(self) -> Iterator[PathDown]:
         """Walk from minima to the flat state, and to each other where no way is known yet."""
         problem, flat = self.terrain.problem, np.zeros(self.terrain.problem.size)
-        lies = problem.residual(flat) == 0 and not problem.refuses(flat)
-        merges = () if self.traced is None else self.traced.tree.merges
+        lies = problem.pattern.lies_flat and not problem.refuses(flat)
+        merges = [] if self.traced is None else list(self.traced.tree.merges)
         joined = [(m.first[0], m.second[0]) for m in merges]
         walks = Walks(self.terrain, [flat] * lies, joined, self.posed.moves)
         for start, to, path in walks.ways():
@@ -300,7 +304,7 @@ class _Paths:
             if start < 0 and np.array_equal(top, dense[0]):
                 yield PathDown(dense, to)
                 return
-            high = max(0.0, terrain.rise(to, dense[0])) if start >= 0 else 0.0
+            high = max(0.0, float(terrain.rise(to, dense[0]))) if start >= 0 else 0.0
             # of an unrefined way more than two digits hang on where its steps were cut
             rise = high + float(rounded_up(rise - high))
             yield PathDown(dense, to, start, terrain.problem.energy(terrain.minima[to]) + rise)

@@ -7,6 +7,7 @@ from .descend import (
     StartState as StartState,
 )
 from .escape import (
+    MOST_CREASES as MOST_CREASES,
     NOTHING_NEAR as NOTHING_NEAR,
     Move as Move,
     find_escapes as find_escapes,
