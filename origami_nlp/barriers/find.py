@@ -24,7 +24,7 @@ from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.barriers.traced import pattern_passes, vertex_barriers
 from origami_nlp.barriers.walks import Walks, number_of
-from origami_nlp.errors import OptionError, OutOfTime
+from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.kkt import (
     ALONE,
     BOUND,
@@ -104,6 +104,8 @@ def find_barriers(
     ------
     OptionError
         If a scene has dead loads or no degree of freedom, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
@@ -142,7 +144,8 @@ def find_barriers(
     problem, before = result.model, result.model.until
     problem.until = until
     try:
-        return _Paths(result, say).barriers()
+        found = _Paths(result, say).barriers()
+        return unless_stopped(found, found.stopped)
     finally:
         problem.until = before
 
@@ -157,8 +160,12 @@ class _Paths:
     def __init__(self, result: MinimaResult, say: Callable[[str], object]) -> None:
         self.result, self._say, self._stated = result, say, result.model
         contact = self._stated.contact and getattr(result.search, "contact", "full") == "full"
-        minima = self._stated.reduce(np.array([m.fold_angles for m in result.minima]))
-        self.posed = canonical_states(self._stated.with_contact(contact), result.origami, minima)
+        minima = np.array([m.fold_angles for m in result.minima])
+        minima = minima.reshape(-1, self._stated.pattern.creases)
+        self.minima, self.stopped = self._stated.reduce(minima), False
+        self.posed = canonical_states(
+            self._stated.with_contact(contact), result.origami, self.minima
+        )
         self.late = [MINIMA] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
         self.ways, self.loose = list[PathDown](), list[int]()
@@ -187,8 +194,7 @@ class _Paths:
         ways = [
             w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
         ]
-        minima = self._stated.reduce(np.array([m.fold_angles for m in result.minima]))
-        graph, cut = graph_of(self._stated, minima, ways, self.traced)
+        graph, cut = graph_of(self._stated, self.minima, ways, self.traced)
         whole = passes_over(self._stated, result, graph, self._stated.scale, _unknown, cut)
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
@@ -202,7 +208,7 @@ class _Paths:
             if was is not None and (was.every or was.energy <= p.energy + level):
                 p = was
             passes.append(bounded(p, result, bound, level))
-        found = replace(whole, passes=tuple(passes), left_out=(*self.late,))
+        found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
         return replace(found, result=self._with_escapes(found.matrix(), energies, level))
 
     def _with_escapes(
@@ -233,11 +239,12 @@ class _Paths:
         until = self._stated.until
         try:
             for problem in problems:
-                problem.until = min(until, time.monotonic() + SECONDS)
+                problem.until = min(until, time.monotonic() + SECONDS * (not self.stopped))
             self._stated.check_time()
             return work()
-        except OutOfTime:
+        except (OutOfTime, KeyboardInterrupt) as stop:
             self.late.append(part)
+            self.stopped |= isinstance(stop, KeyboardInterrupt)
         finally:
             for problem in problems:
                 problem.until = until

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -81,6 +81,8 @@ class Barriers(Report, Viewable):
         The merge tree: where branches meet, in order of energy.
     left_out
         Parts that the time limit ended: passes that they would have found are missing.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
 
     Examples
     --------
@@ -95,6 +97,7 @@ class Barriers(Report, Viewable):
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
     left_out: tuple[str, ...] = ()
+    stopped: bool = field(default=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
@@ -252,7 +255,8 @@ class Barriers(Report, Viewable):
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.left_out:
-            yield f"{OUT_OF_TIME}, not through with: {', '.join(self.left_out)}"
+            ended = "interrupted" if self.stopped else OUT_OF_TIME
+            yield f"{ended}, not through with: {', '.join(self.left_out)}"
         if self.result.is_pattern and getattr(self.result.search, "contact", "") == "full":
             signs = PopSigns(self.result.pattern)
             for p in self.passes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.records import Interval
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Table, Words, angle_columns
-from origami_nlp.errors import OptionError, unless_stopped
+from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact
@@ -130,6 +130,8 @@ class BifurcationSet(Report):
     interrupted
         Whether the time was over before all was followed: curves are those until then, and minima are not counted on
         lines that were not followed whole.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
 
     Examples
     --------
@@ -146,8 +148,13 @@ class BifurcationSet(Report):
     lines: tuple[CountedLine, ...]
     seconds: float
     interrupted: bool = False
+    stopped: bool = field(default=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/3"
+
+    @property
+    def _ended(self) -> str:
+        return "interrupted" if self.stopped else OUT_OF_TIME
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for curve in self.curves:
@@ -182,7 +189,7 @@ class BifurcationSet(Report):
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
         if self.interrupted:
             yield Words(
-                "interrupted: curves are those until then; on lines that were not followed whole minima are not "
+                f"{self._ended}: curves are those until then; on lines that were not followed whole minima are not "
                 "counted",
                 "bold",
             )
@@ -278,7 +285,7 @@ def find_bifurcation_set(
         stopped = True
     late = stopped or time.monotonic() > until or not all(line.intervals for line in counted)
     seconds = time.perf_counter() - begin
-    found = BifurcationSet(scene, (a, b), tuple(curves), tuple(counted), seconds, late)
+    found = BifurcationSet(scene, (a, b), tuple(curves), tuple(counted), seconds, late, stopped)
     return unless_stopped(found, stopped)
 
 

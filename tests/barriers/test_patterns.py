@@ -9,6 +9,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.barriers import Known
 from origami_nlp.barriers.bounds import RIGID
+from origami_nlp.errors import Interrupted
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
@@ -91,6 +92,20 @@ def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
     near = closed & (np.abs(states - phi).max(axis=1) < 0.3)
     assert near.sum() > 900
     assert (np.abs(states[near]).max(axis=1) > math.pi + 1e-6).all()
+
+
+def test_ctrl_c_keeps_the_paths_that_were_found(monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    result = o.find_minima("yoshimura:2x2", escape=False)
+    monkeypatch.setattr("origami_nlp.barriers.find.escape_paths_of_each", interrupt)
+    with pytest.raises(Interrupted) as stop:
+        o.find_barriers("yoshimura:2x2", result)
+    found = stop.value.result
+    assert found.left_out == ("escape paths", "saddles beside paths") and found.interrupted
+    checked(found)
+    assert math.isfinite(found.passes[0].energy) and "time limit" not in str(found)
 
 
 def test_states_and_passes_are_a_graph():
