@@ -4,6 +4,9 @@ Each message is one line that names the field, the value found, and the fix.  Th
 an `OrigamiError` into that line and exit code 2; anything else is a bug of ours.
 """
 
+from typing import TypeVar
+
+T = TypeVar("T")
 OUT_OF_TIME = "interrupted by the time limit"
 """What is said of all that a time limit ended."""
 
@@ -20,6 +23,13 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, result: object) -> None:
         super().__init__("interrupted: .result holds what was found")
         self.result = result
+
+
+def unless_stopped(result: T, stopped: bool) -> T:
+    """Return a result, or raise `Interrupted` with it where the user has stopped what it is of."""
+    if stopped:
+        raise Interrupted(result)
+    return result
 
 
 class OutOfTime(Exception):

@@ -1,10 +1,27 @@
 """Patterns of many vertices that the tests of this room fold, made from points alone."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.kkt import follow
 from origami_nlp.pattern import Pattern, make_pattern
+from origami_nlp.search import TRUST
+
+
+class Downhill(NamedTuple):
+    """Where a descent of the kernel ends, whether at a minimum, and after how many steps."""
+
+    phi: np.ndarray
+    arrived: bool
+    steps: int
+
+
+def downhill(problem, phi: np.ndarray) -> Downhill:
+    """Follow the energy downhill from a closed state in which no facets cross."""
+    found = follow(problem, phi, curved=True, longest=TRUST, most_steps=400)
+    return Downhill(found.end, found.what.verdict == "minimum", len(found.states) - 1)
 
 
 def grid(points: np.ndarray, without: tuple[tuple[int, int], ...] = (), **options) -> Pattern:

@@ -1,4 +1,4 @@
-"""The merge tree of a scene's minima as a figure: leaves at their energies, joined at the passes between them."""
+"""The disconnectivity graph (merge tree) of minima: leaves at their energies, joined at the passes between them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Tree = tuple[Any, ...]
 
 
 def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
-    """Draw the merge tree of a scene, or of several scenes each tree of another shape once.
+    """Draw the disconnectivity graph (merge tree) of one result, or of several each tree of another shape once.
 
     Two trees have one shape if the same kinds of passes join as many minima in the same way.
 

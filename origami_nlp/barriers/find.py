@@ -1,37 +1,69 @@
 """Barriers: for each pair of minima the lowest pass between them that is known, and a path through it.
 
-With one degree of freedom along traced curves (`traced`), of a vertex with more along descents (`descents`), of a
-pattern along curves and paths over any height (`patterns`); Newton on the KKT system makes the top of a path an exact
-pass where it is a saddle (`passes`).
+With one degree of freedom of a vertex along traced curves (`traced`).  Else along curves where there are some, and
+along ways on one terrain (`search.DescentTerrain`): escape paths, straight walks, and descents from saddles, which
+Newton on the KKT system finds where the lowest ways are highest (`passes`).  `bounds` says what lies below.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
-from origami_nlp.arguments import (
-    check_callback,
-    check_type,
-    check_until,
-    check_whole,
-    refuse,
-)
-from origami_nlp.barriers.descents import descent_barriers
-from origami_nlp.barriers.patterns import pattern_barriers
+import numpy as np
+
+from origami_nlp.arguments import check_callback, check_type, check_until, check_whole
+from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
+from origami_nlp.barriers.graph import PathDown, graph_of, passes_over
+from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.traced import vertex_barriers
-from origami_nlp.errors import OptionError
-from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.barriers.traced import pattern_passes, vertex_barriers
+from origami_nlp.barriers.walks import Walks, number_of
+from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
+from origami_nlp.kkt import (
+    ALONE,
+    BOUND,
+    TRACED,
+    Escape,
+    barriers,
+    down_to,
+    energy_scale,
+    escape_paths_of_each,
+    highest,
+    level_of,
+    rounded_up,
+)
+from origami_nlp.minima import MinimaResult, TracedPasses, canonical_states, find_minima
+from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
+from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Model
+from origami_nlp.search import MOST_CREASES, DescentTerrain, softest_modes
 
-_OF_A_PATTERN = dict.fromkeys(("seconds", "progress"), "barriers of a vertex take seconds")
-"""What a pattern alone takes, and why."""
 SEARCHING = 0.5
 """Share of a time limit that the search for minima gets."""
+MINIMA, ON_CURVES, ESCAPES, BETWEEN, SADDLES = (
+    "the search for minima",
+    "passes along traced curves",
+    "escape paths",
+    "ways between minima",
+    "saddles beside paths",
+)
+"""Parts that the time may end."""
+SECONDS = 60.0
+"""For ways of each kind, of wall time."""
+MOST_STATES = 12
+"""Minima out of which escape paths go: those of lowest energy, images under symmetries not counted."""
+MOST_SADDLES = 40
+"""Highest states of ways beside which saddles are looked for, those first that the most pairs of minima pass."""
+NEAR = 0.3
+"""Newton finds a saddle within this distance [rad] of the highest state of a way."""
 
 
 def find_barriers(
@@ -44,11 +76,10 @@ def find_barriers(
 ) -> Barriers:
     """Find the lowest pass between every two minima of a vertex or of a pattern.
 
-    Of a pattern paths go along traced curves and, with contact, over any height.  With one degree of freedom passes are
-    those of all curves of closed states, exactly.  Of a vertex they join states that wind once round the axis, or
-    `Scene.winding` times: no path within the symmetry leads to others.  With two or more degrees of freedom they are
-    upper bounds by paths that descents show, and exact where the flat state parts two minima and a path climbs no
-    higher.
+    With one degree of freedom passes are those of all curves of closed states, exactly.  With more they are upper
+    bounds by paths: along traced curves, by descents out of each minimum, straight to others, and over saddles; exact
+    where the flat state of a vertex parts two minima and a path climbs no higher.  Of a vertex they join states that
+    wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
 
     Parameters
     ----------
@@ -59,10 +90,10 @@ def find_barriers(
     seed
         Of the search for minima.
     seconds
-        Of a pattern, wall time: what was found by then is returned, and what was left out named.  None: the search for
-        minima takes 300 s at most.
+        Wall time: what was found by then is returned, and what was left out named.  None: a search for minima of a
+        pattern takes 300 s at most, and each part of the search for paths 60 s.
     progress
-        Of a pattern, called with what it is at.
+        Called with what it is at.
 
     Returns
     -------
@@ -72,8 +103,9 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or no degree of freedom, facets of a pattern may cross and no curve of it is known,
-        or an argument is not what it must be.
+        If a scene has dead loads or no degree of freedom, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
@@ -85,49 +117,205 @@ def find_barriers(
     """
     until = check_until(seconds)
     check_callback("progress", progress)
-    scene = as_origami(origami)
+    say = progress or (lambda _: None)
+    stated = as_origami(origami)
     check_whole("seed", seed, 0)
-    if not isinstance(scene, Scene):
-        if result is None:
-            left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
-            result = find_states(
-                scene, seed=seed, escape=False, seconds=left, progress=_in_words(progress)
+    if isinstance(stated, Scene):
+        stated.check_no_forces("barriers")
+        if (dof := pose(stated).dof) < 1:
+            raise OptionError(
+                f"[model] symmetry = {stated.symmetry!r} leaves {dof} degrees of freedom; barriers need one: "
+                "state another symmetry"
             )
-        check_type("result", result, MinimaResult)
-        return pattern_barriers(result, until, progress)
-    refuse("vertex", _OF_A_PATTERN, seconds=seconds, progress=progress)
-    scene.check_no_forces("barriers")
-    if result is not None:
-        check_type("result", result, MinimaResult)
-    check_dof(scene)
-    model = Model(scene)
+        stated = stated.of_one_winding
     if result is None:
-        result = find_minima(scene.of_one_winding, prove=False, escape=False, seed=seed)
-    # no path within the symmetry leads from one winding to another
-    here = tuple(m for m in result.minima if m.winding == model.structure.winding)
-    if len(here) < len(result.minima):
-        result = replace(result, minima=here)
-    return vertex_barriers(model, result) if model.dof == 1 else descent_barriers(model, result)
+        left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
+        told = None if progress is None else partial(_told, progress)
+        find: Any = find_minima if isinstance(stated, Scene) else find_states
+        result = find(stated, seed=seed, prove=False, escape=False, seconds=left, progress=told)
+    check_type("result", result, MinimaResult)
+    if isinstance(stated, Scene):
+        # no path within the symmetry leads from one winding to another
+        here = tuple(m for m in result.minima if m.winding == stated.windings[0])
+        result = replace(result, minima=here) if len(here) < len(result.minima) else result
+        model = Model(stated)
+        if model.dof == 1:
+            return vertex_barriers(model, result)
+    problem, before = result.model, result.model.until
+    problem.until = until
+    try:
+        found = _Paths(result, say).barriers()
+        return unless_stopped(found, found.stopped)
+    finally:
+        problem.until = before
 
 
-def _in_words(progress: Callable[[str], object] | None) -> Callable[[int, int, str], object] | None:
-    """Return what a search calls, in words."""
-    if progress is None:
-        return None
-    return lambda starts, minima, at: progress(f"{starts} starts, {minima} minima, {at}")
+def _told(progress: Callable[[str], object], starts: int, minima: int, at: object) -> None:
+    progress(f"{starts} starts, {minima} minima, {at}")
 
 
-def check_dof(scene: Scene) -> None:
-    """Raise an error for a scene that no symmetric motion folds.
+class _Paths:
+    """Curves and ways between minima, until the time of their problem is over."""
 
-    Raises
-    ------
-    OptionError
-        With the number of degrees of freedom it has.
-    """
-    dof = Model(scene).dof
-    if dof < 1:
-        raise OptionError(
-            f"[model] symmetry = {scene.symmetry!r} leaves {dof} degrees of freedom; barriers need one: "
-            "state another symmetry"
+    def __init__(self, result: MinimaResult, say: Callable[[str], object]) -> None:
+        self.result, self._say, self._stated = result, say, result.model
+        contact = self._stated.contact and getattr(result.search, "contact", "full") == "full"
+        minima = np.array([m.fold_angles for m in result.minima])
+        minima = minima.reshape(-1, self._stated.pattern.creases)
+        self.minima, self.stopped = self._stated.reduce(minima), False
+        self.posed = canonical_states(
+            self._stated.with_contact(contact), result.origami, self.minima
         )
+        self.late = [MINIMA] * (result.search.stopped_by == "time")
+        self.beyond = np.full(len(result.minima), math.inf)
+        self.ways, self.loose = list[PathDown](), list[int]()
+        self.traced: TracedPasses | None = None
+
+    def barriers(self) -> Barriers:
+        """Find them."""
+        result, posed, on_curves = self.result, self.posed, None
+        if not result.minima:
+            return Barriers(result, (), (), (*self.late,))
+        if (known := self._in_time(ON_CURVES, lambda: pattern_passes(result))) is not None:
+            on_curves, self.traced = known
+        open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
+        left = {k - 1 for p in open_ for k in (p.from_state, p.to_state)}
+        for k, m in enumerate(result.minima if posed.problem.size <= MOST_CREASES else ()):
+            if m.local_dimension and (k in left or on_curves is None):
+                self.loose.append(k)
+        leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in self.loose}
+        self.terrain = DescentTerrain(posed.problem, posed.minima, leaving=leaving)
+        for part, find in (
+            (BETWEEN, self._between),
+            (ESCAPES, self._escapes),
+            (SADDLES, self._over_saddles),
+        ):
+            self._in_time(part, partial(self._add, find))
+        ways = [
+            w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
+        ]
+        graph, cut = graph_of(self._stated, self.minima, ways, self.traced)
+        whole = passes_over(self._stated, result, graph, self._stated.scale, _unknown, cut)
+        energies = np.array([m.energy for m in result.minima])
+        level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
+        before = (
+            {} if on_curves is None else {(p.from_state, p.to_state): p for p in on_curves.passes}
+        )
+        passes, bound = [], flat_bound(posed.problem)
+        bound = posed.unit * bound[0], bound[1]
+        for p in whole.passes:
+            was = before.get((p.from_state, p.to_state))
+            if was is not None and (was.every or was.energy <= p.energy + level):
+                p = was
+            passes.append(bounded(p, result, bound, level))
+        found = replace(whole, passes=tuple(passes), left_out=(*self.late,), stopped=self.stopped)
+        return replace(found, result=self._with_escapes(found.matrix(), energies, level))
+
+    def _with_escapes(
+        self, heights: np.ndarray, energies: np.ndarray, level: float
+    ) -> MinimaResult:
+        """Return the minima with what passes of some heights [M, M] say of leaving them, where no less is known."""
+        scale, listed = (
+            energy_scale(np.array(self.result.origami.stiffness)),
+            list(self.result.minima),
+        )
+        np.fill_diagonal(heights, math.inf)
+        beyond = self.posed.unit * self.beyond
+        for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+            known = listed[k].escape
+            exact = known is not None and known.method in (TRACED, ALONE)
+            if math.isfinite(barrier) and not (known and (exact or known.barrier <= barrier)):
+                escape = Escape(barrier, BOUND, SHOWN, to + 1, (), barrier < SHALLOW * scale)
+                listed[k] = replace(listed[k], escape=escape)
+        return replace(self.result, minima=tuple(listed))
+
+    def _add(self, find: Callable[[], Iterator[PathDown]]) -> None:
+        self.ways.extend(find())
+
+    def _in_time(self, part: str, work: Callable[[], object]) -> Any:
+        """Do a part of the work for `SECONDS` at most, and note if the time ended it."""
+        self._say(part)
+        problems = self._stated, self.posed.problem
+        until = self._stated.until
+        try:
+            for problem in problems:
+                problem.until = min(until, time.monotonic() + SECONDS * (not self.stopped))
+            self._stated.check_time()
+            return work()
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            self.late.append(part)
+            self.stopped |= isinstance(stop, KeyboardInterrupt)
+        finally:
+            for problem in problems:
+                problem.until = until
+        return None
+
+    def _escapes(self) -> Iterator[PathDown]:
+        """Go escape paths out of each minimum on to where they end, those of images under symmetries as these."""
+        terrain, moves = self.terrain, self.posed.moves
+        alike = [
+            sorted({number_of(x, terrain.minima) for m in moves for x in [m(y)]})
+            for y in terrain.minima
+        ]
+        # minima are in order of energy
+        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:MOST_STATES]
+        for k, found in escape_paths_of_each(terrain, first):
+            for way in found:
+                if way.to < 0:
+                    for j in {k, *alike[k]} - {-1}:
+                        self.beyond[j] = min(self.beyond[j], way.height)
+                elif (down := down_to(terrain, way.states[-1])) is not None and down[1] != k:
+                    states = np.concatenate([terrain.minima[k][None], way.states, down[0][1:]])
+                    for one in self._checked(states, down[1], k):
+                        yield one
+                        for move in moves:
+                            whole = move(one.states)
+                            ends = [number_of(x, terrain.minima) for x in (whole[0], whole[-1])]
+                            if min(ends) >= 0 and ends != [k, down[1]]:
+                                whole[[0, -1]] = terrain.minima[ends]
+                                yield PathDown(whole, ends[1], ends[0], one.energy)
+
+    def _between(self) -> Iterator[PathDown]:
+        """Walk from minima to the flat state, and to each other where no way is known yet."""
+        problem, flat = self.terrain.problem, np.zeros(self.terrain.problem.size)
+        lies = problem.pattern.lies_flat and not problem.refuses(flat)
+        merges = [] if self.traced is None else list(self.traced.tree.merges)
+        joined = [(m.first[0], m.second[0]) for m in merges]
+        walks = Walks(self.terrain, [flat] * lies, joined, self.posed.moves)
+        for start, to, path in walks.ways():
+            yield PathDown(path, to, start)
+
+    def _over_saddles(self) -> Iterator[PathDown]:
+        """Go down both sides of saddles beside the highest states of the lowest ways."""
+        terrain, known, tried = self.terrain, list[np.ndarray](), set[bytes]()
+        while len(tried) < MOST_SADDLES:
+            graph, _ = graph_of(terrain.problem, terrain.minima, self.ways, self.traced)
+            merges = sorted(graph.tree.merges, key=lambda m: -len(m.first) * len(m.second))
+            tops = (graph.top(merge.first[0], merge.second[0]) for merge in merges)
+            top = next((x for x in tops if x.tobytes() not in tried), None)
+            if top is None:
+                return
+            tried.add(top.tobytes())
+            for one in critical_near(terrain.problem, top[None], NEAR):
+                if not any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in known):
+                    known.append(one.x)
+                    for states, to in both_sides(terrain, one):
+                        yield from self._checked(states, to)
+
+    def _checked(self, states: np.ndarray, to: int, start: int = -1) -> Iterator[PathDown]:
+        """Cut steps of a way finely, and bound what it climbs; nothing where that leaves closed admissible states."""
+        terrain = self.terrain
+        apart = [True, *(np.abs(a - b).max() > 0 for a, b in itertools.pairwise(states))]
+        if (found := highest(terrain, to, states[apart])) is not None:
+            rise, top, dense = found
+            if start < 0 and np.array_equal(top, dense[0]):
+                yield PathDown(dense, to)
+                return
+            high = max(0.0, float(terrain.rise(to, dense[0]))) if start >= 0 else 0.0
+            # of an unrefined way more than two digits hang on where its steps were cut
+            rise = high + float(rounded_up(rise - high))
+            yield PathDown(dense, to, start, terrain.problem.energy(terrain.minima[to]) + rise)
+
+
+def _unknown(i: int, j: int, height: float) -> str:
+    return ""

@@ -10,36 +10,33 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Literal
 
 import numpy as np
 
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import State, follow, judge_branch, newton, project
+from origami_nlp.kkt import State, Terrain, down_to, judge_branch, newton, project
 from origami_nlp.numerics import (
     BALANCED,
     CLOSURE_TOL,
     CURVED,
     DUPLICATE_TOL,
-    ENDPOINT_TOL,
     NONZERO,
 )
 from origami_nlp.problem import Contact, Problem
 
-PROVED = "proved: admissible states above and below the flat state meet there only"
-EVERY = "no lower path: all curves of the one degree of freedom are known"
-FOLLOWED = (
-    "no lower path: motions from the first state follow traced curves, up to where others meet them"
-)
-NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
-STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
-RIGID = "no path: one of the two is isolated, as its certificate says"
-LOWEST = (PROVED, EVERY, FOLLOWED, NEVER, STOPPED, RIGID)
-"""What bounds a barrier from below by its own height."""
-FOLLOWS = (EVERY, FOLLOWED)
-"""Of these, what says that all paths are known up to that height, not only those between the two."""
+
+class Known(Enum):
+    """What is known of a barrier."""
+
+    EXACT = "exact"
+    """It is the height that is stated; inf: no path leads from one state to the other."""
+    BOUND = "bound"
+    """It is at most that."""
+
+
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "bound", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""
@@ -71,6 +68,10 @@ class Pass(ShortRepr):
         [M].
     why
         What bounds the barrier from below.
+    known
+        ``exact`` or ``bound``: whether the barrier is its height, or at most that.
+    every
+        Whether all paths up to that height are known, not only those between the two.
     least
         Of a vertex: energy that every path has at least, where the flat state parts the two; nan elsewhere.
     """
@@ -85,12 +86,9 @@ class Pass(ShortRepr):
     path: np.ndarray = field(repr=False)
     path_energy: np.ndarray = field(repr=False)
     why: str
+    known: Known = Known.BOUND
+    every: bool = False
     least: float = math.nan
-
-    @property
-    def is_lowest(self) -> bool:
-        """Whether the barrier is its height, and not at most that."""
-        return self.why in LOWEST
 
 
 @dataclass(frozen=True)
@@ -119,20 +117,6 @@ class Critical:
     residual: float
     kind: PassKind
     direction: np.ndarray | None = field(repr=False, default=None)
-
-
-@dataclass(frozen=True)
-class Descent:
-    """A path down from a pass: states [m, n] from next to the pass to where it ends.
-
-    Attributes
-    ----------
-    lands_on
-        Position of the minimum it ends in among those given, or None.
-    """
-
-    states: np.ndarray = field(repr=False)
-    lands_on: int | None
 
 
 def critical_near(model: Problem, starts: np.ndarray, reach: float) -> list[Critical]:
@@ -190,45 +174,25 @@ def critical_at(state: State) -> Critical | None:
     return Critical(x, judged[0].rows, index, residual, kind, direction)
 
 
-def slide(
-    model: Problem, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
-) -> Descent | None:
-    """Descend from an admissible state; None if the start is not admissible."""
-    try:
-        path = follow(model, start, most_steps=most_steps)
-    except ValueError:
-        return None
-    near = [float(np.abs(path.end - m).max()) for m in minima]
-    # None: a minimum that is not listed, or a descent that stopped on its way
-    lands = int(np.argmin(near)) if near and min(near) <= ENDPOINT_TOL else None
-    return Descent(path.states, lands)
+def both_sides(terrain: Terrain, critical: Critical) -> list[tuple[np.ndarray, int]]:
+    """Descend from a saddle along both senses of its unstable direction: states [S, n] and numbers of minima.
 
-
-def both_sides(
-    model: Problem,
-    pass_: Critical,
-    minima: Sequence[np.ndarray],
-    go: Callable[[Problem, np.ndarray, Sequence[np.ndarray]], Descent | None] = slide,
-) -> tuple[Descent, Descent] | None:
-    """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state.
-
-    `go` descends, as `slide`.
+    None where one side has no lower state, or does not end at a minimum.
     """
-    if pass_.direction is None:
-        return None
-    sides = []
+    problem, sides = terrain.problem, list[tuple[np.ndarray, int]]()
+    if critical.direction is None:
+        return []
+    held = critical.rows if critical.kind == "contact saddle" else ()
     for sign in (1.0, -1.0):
         # far enough off the pass that the energy falls by more than rounding, near enough not to jump to another valley
         for off in OFF:
-            held = pass_.rows if pass_.kind == "contact saddle" else ()
-            y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
-            y = model.fold_limits.clip(y)
-            lower = model.energy_change(pass_.x, y) < 0
-            if residual <= CLOSURE_TOL and lower and not model.refuses(y):
-                down = go(model, y, minima)
-                if down is not None:
-                    sides.append(down)
+            y, residual = project(problem, critical.x + sign * off * critical.direction, held)
+            y = problem.fold_limits.clip(y)
+            lower = problem.energy_change(critical.x, y) < 0
+            if residual <= CLOSURE_TOL and lower and not problem.refuses(y):
+                if (down := down_to(terrain, y)) is not None:
+                    sides.append((np.concatenate([critical.x[None], down[0]]), down[1]))
                     break
         else:
-            return None
-    return sides[0], sides[1]
+            return []
+    return sides

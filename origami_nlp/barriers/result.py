@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.barriers.passes import FOLLOWS, Pass, PassKind
+from origami_nlp.arguments import require
+from origami_nlp.barriers.passes import Known, Pass, PassKind
 from origami_nlp.chart import Landscape
 from origami_nlp.display import (
     Content,
@@ -80,6 +81,8 @@ class Barriers(Report, Viewable):
         The merge tree: where branches meet, in order of energy.
     left_out
         Parts that the time limit ended: passes that they would have found are missing.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
 
     Examples
     --------
@@ -94,6 +97,7 @@ class Barriers(Report, Viewable):
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
     left_out: tuple[str, ...] = ()
+    stopped: bool = field(default=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
@@ -121,6 +125,29 @@ class Barriers(Report, Viewable):
             out[p.from_state - 1, p.to_state - 1] = out[p.to_state - 1, p.from_state - 1] = p.energy
         return out
 
+    def to_networkx(self) -> Any:
+        """Return the graph of states and passes (extra ``graph``).
+
+        Returns
+        -------
+        networkx.Graph
+            A node a minimum, by its number (1-based), with ``energy`` [J] and ``kind``; an edge a pass, with its
+            ``energy``, ``kind`` and whether that is ``exact`` or a ``bound`` (``known``).
+
+        Raises
+        ------
+        OptionError
+            If networkx is not installed.
+        """
+        graph = require("networkx", "a graph of states and passes", "graph").Graph(name=self.label)
+        for number, m in enumerate(self.result.minima, start=1):
+            graph.add_node(number, energy=m.energy, kind=m.kind)
+        for p in self.passes:
+            if math.isfinite(p.energy):
+                more = {"kind": p.pass_kind, "known": p.known.value}
+                graph.add_edge(p.from_state, p.to_state, energy=p.energy, **more)
+        return graph
+
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
         rows = [self._cells(p)[:-1] for p in self.passes]
@@ -139,7 +166,7 @@ class Barriers(Report, Viewable):
             for k, energy, floor in zip(
                 (p.from_state, p.to_state), self._energies(p), floors, strict=True
             ):
-                exact = p.is_lowest and p.energy <= floor
+                exact = p.known is Known.EXACT and p.energy <= floor
                 rise = p.energy - energy, "" if exact else "at most "
                 least[k] = min(least.get(k, (math.inf, "")), rise)
         known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
@@ -180,14 +207,12 @@ class Barriers(Report, Viewable):
         """
         floor: dict[int, float] = {}
         for p in self.passes:
-            known = p.energy if p.is_lowest else np.nanmax([p.least, *self._energies(p)])
+            known = p.energy if p.known is Known.EXACT else np.nanmax([p.least, *self._energies(p)])
             for k in (p.from_state, p.to_state):
                 floor[k] = min(floor.get(k, math.inf), float(known))
         near = 1 + SAME_ENERGY
         return [
-            (p.energy,) * 2
-            if p.why in FOLLOWS
-            else (floor[p.from_state] * near, floor[p.to_state] * near)
+            (p.energy,) * 2 if p.every else (floor[p.from_state] * near, floor[p.to_state] * near)
             for p in self.passes
         ]
 
@@ -197,7 +222,13 @@ class Barriers(Report, Viewable):
             known = not math.isnan(p.least)
             ends = self._energies(p)
             least = (f">= {max(p.least, *ends) - end:.6g}" if known else "-" for end in ends)
-            return (*pair, *(("no path",) * 2 if p.is_lowest else least), "-", "none", p.why)
+            return (
+                *pair,
+                *(("no path",) * 2 if p.known is Known.EXACT else least),
+                "-",
+                "none",
+                p.why,
+            )
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
         angles = "all 0" if p.pass_kind == "flat state" else angles
@@ -224,7 +255,8 @@ class Barriers(Report, Viewable):
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.left_out:
-            yield f"{OUT_OF_TIME}, not through with: {', '.join(self.left_out)}"
+            ended = "interrupted" if self.stopped else OUT_OF_TIME
+            yield f"{ended}, not through with: {', '.join(self.left_out)}"
         if self.result.is_pattern and getattr(self.result.search, "contact", "") == "full":
             signs = PopSigns(self.result.pattern)
             for p in self.passes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.records import Interval
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Table, Words, angle_columns
-from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact
@@ -130,6 +130,8 @@ class BifurcationSet(Report):
     interrupted
         Whether the time was over before all was followed: curves are those until then, and minima are not counted on
         lines that were not followed whole.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
 
     Examples
     --------
@@ -146,8 +148,13 @@ class BifurcationSet(Report):
     lines: tuple[CountedLine, ...]
     seconds: float
     interrupted: bool = False
+    stopped: bool = field(default=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/3"
+
+    @property
+    def _ended(self) -> str:
+        return "interrupted" if self.stopped else OUT_OF_TIME
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for curve in self.curves:
@@ -182,7 +189,7 @@ class BifurcationSet(Report):
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
         if self.interrupted:
             yield Words(
-                f"{OUT_OF_TIME}: curves are those until then; on lines that were not followed whole minima are not "
+                f"{self._ended}: curves are those until then; on lines that were not followed whole minima are not "
                 "counted",
                 "bold",
             )
@@ -233,6 +240,8 @@ def find_bifurcation_set(
     ------
     OptionError
         If the scene has no such parameters, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
 
     Examples
     --------
@@ -256,20 +265,28 @@ def find_bifurcation_set(
     ends = plane.corner, plane.corner + plane.size
     where = np.linspace(ends[0][1], ends[1][1], lines) if lines > 1 else [np.mean(ends, axis=0)[1]]
     inside = np.linspace(ends[0][0], ends[1][0], across + 2)[1:-1]
-    for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
-        if time.monotonic() > until:
-            break
-        family = plane.family(plane.parameters[1 - axis].t_of(u), axis)
-        atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
-        assert atlas.web is not None  # of one that was just followed
-        met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
-        names = plane.parameters[axis].name, plane.parameters[1 - axis].t_of(u)
-        counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
-    _from_ends(plane, curves, tally, until)
-    late = time.monotonic() > until or not all(line.intervals for line in counted)
-    return BifurcationSet(
-        scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin, late
-    )
+    stopped = False
+    try:
+        for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+            if time.monotonic() > until:
+                break
+            family = plane.family(plane.parameters[1 - axis].t_of(u), axis)
+            atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
+            assert atlas.web is not None  # of one that was just followed
+            if atlas.stopped:
+                raise KeyboardInterrupt
+            met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
+            names = plane.parameters[axis].name, plane.parameters[1 - axis].t_of(u)
+            counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
+        _from_ends(plane, curves, tally, until)
+    except KeyboardInterrupt:
+        if not counted:
+            raise
+        stopped = True
+    late = stopped or time.monotonic() > until or not all(line.intervals for line in counted)
+    seconds = time.perf_counter() - begin
+    found = BifurcationSet(scene, (a, b), tuple(curves), tuple(counted), seconds, late, stopped)
+    return unless_stopped(found, stopped)
 
 
 def _events_on(

@@ -41,7 +41,7 @@ from origami_nlp.continuation import (
     ParameterLine,
 )
 from origami_nlp.critical import find_critical_points
-from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, unless_stopped
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, PatternSearchReport, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
@@ -123,6 +123,8 @@ def follow(
     ------
     OptionError
         If the scene has no such parameter, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
 
     Examples
     --------
@@ -146,16 +148,18 @@ def follow(
     if not isinstance(what, Scene):
         refuse("pattern", _OF_A_SCENE, **given)
         named = origami if isinstance(origami, str) else what
-        return follow_family(pattern_family(named, stated), **asked)
+        sheet = follow_family(pattern_family(named, stated), **asked)
+        return unless_stopped(sheet, sheet.stopped)
     refuse("scene", _OF_A_PATTERN, **given)
     what = with_generic_symmetry(what, (stated,))
-    first, *others = (
-        follow_family(family_of(one, stated), **asked) for one in what.of_each_winding
-    )
-    if not others:
-        return first
-    late = any(atlas.interrupted for atlas in (first, *others))
-    return replace(first, others=tuple(others), interrupted=late)
+    found = list[Atlas]()
+    for one in what.of_each_winding:
+        found.append(follow_family(family_of(one, stated), **asked))
+        if found[-1].stopped:
+            break
+    late = any(atlas.interrupted for atlas in found)
+    whole = replace(found[0], others=tuple(found[1:]), interrupted=late)
+    return unless_stopped(whole, found[-1].stopped)
 
 
 def follow_family(
@@ -268,7 +272,13 @@ class _Survey:
         scenes = [self.family.scene(t) for t in values]
         listed = ", ".join(f"{t:.4g}" for t in values)
         self._say(f"search at {self.parameter.name} = {listed}")
-        results = self.family.search(scenes, left, **self._search)
+        try:
+            results = self.family.search(scenes, left, **self._search)
+        except Interrupted:
+            if not self.checks:
+                raise KeyboardInterrupt from None  # nothing is followed yet
+            self.web.stop()
+            return
         seconds = time.perf_counter() - begin
         self._begin += seconds
         for t, result in zip(values, results, strict=True):

@@ -111,6 +111,15 @@ class Atlas(Report, Viewable):
             object.__setattr__(self, "family", made)
 
     @property
+    def stopped(self) -> bool:
+        """Whether the user (Ctrl-C) ended it, in place of the time."""
+        return self.web is not None and self.web.stopped
+
+    @property
+    def _ended(self) -> str:
+        return "interrupted" if self.stopped else OUT_OF_TIME
+
+    @property
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
@@ -177,7 +186,7 @@ class Atlas(Report, Viewable):
         if changes:
             where = ", ".join(changes) if len(changes) <= MOST_NAMED else f"{len(changes)} values"
             said += f"; their number changes at {where}"
-        said += f"; {OUT_OF_TIME}" if self.interrupted else ""
+        said += f"; {self._ended}" if self.interrupted else ""
         return said + (f"; {len(self.alarms)} alarms" if self.alarms else "")
 
     def table(self) -> Table:
@@ -215,7 +224,7 @@ class Atlas(Report, Viewable):
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
         if self.interrupted:
             yield Words(
-                f"{OUT_OF_TIME}: branches and checks are those until then; intervals count what was followed",
+                f"{self._ended}: branches and checks are those until then; intervals count what was followed",
                 "bold",
             )
         yield Details(tuple(self._details()), "Branches, fold angles, checks")

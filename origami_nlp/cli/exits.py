@@ -19,6 +19,6 @@ class Ended(IntEnum):
     OUT_OF_TIME = 124
     """The time of ``--seconds`` was over, as of `timeout`; what is whole until then is written."""
     INTERRUPTED = 130
-    """Ctrl-C, 128 + SIGINT; searches and sweeps write what they found."""
+    """Ctrl-C, 128 + SIGINT; searches, paths, barriers and sweeps write what they found."""
     CLOSED_PIPE = 141
     """Who reads what is printed has gone, 128 + SIGPIPE."""

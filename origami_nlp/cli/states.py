@@ -178,20 +178,16 @@ def contacts(
 def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Along traced curves; with two or more degrees of freedom along descents and, of patterns, paths over any height, as
-    upper bounds, exact where the flat state parts two minima of a vertex.
+    Along traced curves; with two or more degrees of freedom along descents and straight paths, as upper bounds, exact
+    where the flat state parts two minima of a vertex.
     """
-    from origami_nlp.barriers import check_dof, find_barriers
-    from origami_nlp.pattern import Scene
+    from origami_nlp.barriers import find_barriers
 
     stated = origami.read_whole()
     with progress(f"{origami.name}: barriers") as report:
-        if not isinstance(stated, Scene):
-            options: dict[str, Any] = {"seed": seed, "progress": lambda text: report(text=text)}
-            return clock.within(find_barriers, stated, **options)
-        check_dof(stated)
-        result = search(clock, stated, origami.name, seed=seed, escape=False)
-        return find_barriers(stated, result, seed=seed)
+        return clock.within(
+            find_barriers, stated, seed=seed, progress=lambda text: report(text=text)
+        )
 
 
 SMALLEST, LARGEST = 16, 4097

@@ -92,6 +92,8 @@ class BifurcationDiagram:
         What it cost.
     interrupted
         Whether the time was over before all that comes of the states given was followed.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
     """
 
     def __init__(
@@ -111,7 +113,7 @@ class BifurcationDiagram:
         self.lazy, self.progress, self.stops = lazy, progress, stops
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, until=min(steps.until, until))
-        self.interrupted = False
+        self.interrupted = self.stopped = False
         self.through_folds, self.functions = through_folds, tuple(functions)
         self.nodes: list[SpecialPoint] = []
         self.arcs: list[BranchSegment] = []
@@ -123,6 +125,10 @@ class BifurcationDiagram:
         """Whether the time is over; then what was to be followed is not."""
         self.interrupted |= time.monotonic() > self.steps.until
         return self.interrupted
+
+    def stop(self) -> None:
+        """Follow no further, as the user wants it: what is known stays."""
+        self.interrupted = self.stopped = True
 
     @cached_property
     def flat(self) -> list[tuple[float, np.ndarray]]:
@@ -180,10 +186,13 @@ class BifurcationDiagram:
         while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
-                if self.progress is not None:
-                    self.progress(len(self.arcs), self.nodes[number].s)
                 self.nodes[number].used.append(k)
-                todo += self._follow(number, self.nodes[number].halves[k])
+                try:
+                    if self.progress is not None:
+                        self.progress(len(self.arcs), self.nodes[number].s)
+                    todo += self._follow(number, self.nodes[number].halves[k])
+                except KeyboardInterrupt:
+                    self.stop()
         if todo and not self.interrupted:
             self.nodes[todo[0][0]].why = f"more than {self.steps.arcs} arcs"
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
+from origami_nlp.errors import Interrupted, NothingInTime, OptionError, OutOfTime
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
@@ -42,10 +42,13 @@ def search_minima(
     """
     left = None if until == math.inf else max(until - time.monotonic(), 0.0)
     asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **options}
-    if isinstance(origami, Scene):
-        result = find_minima(origami, full=False, **asked)
-    else:
-        result = find_states(origami, **asked)
+    try:
+        if isinstance(origami, Scene):
+            result = find_minima(origami, full=False, **asked)
+        else:
+            result = find_states(origami, **asked)
+    except Interrupted:  # what it found is no path
+        raise KeyboardInterrupt from None
     if result.search.stopped_by == "time":
         raise OutOfTime
     return tuple(result.minima)

@@ -15,9 +15,10 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.continuation import ContinuationOptions
-from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
+from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
 from origami_nlp.loading.driver import IDENTITY, driver_of, search_minima
 from origami_nlp.loading.job import FollowedLoad
+from origami_nlp.loading.records import STOPPED
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.yielding import YieldingHinges, go_yielding
 from origami_nlp.minima import JudgedState
@@ -94,6 +95,8 @@ def load_path(
     ------
     OptionError
         If an argument is not what it must be, there is no such stable state, or the time was over before it began.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
 
     Examples
     --------
@@ -144,7 +147,15 @@ def load_path(
                 job.between(*ends)
     except OutOfTime:  # of a descent
         job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+    except KeyboardInterrupt:
+        job.web.stop()
+    stopped = any(one.web.stopped for one in (job, *job.record.jobs))
+    if stopped:
+        if not job.record.ways:
+            raise KeyboardInterrupt
+        job.record.alarms.append(STOPPED)
     if not job.record.ways and not hinges:
         late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         raise OptionError(job.record.alarms[0] if seconds is None else late)
-    return job.path(number, search if confirm else None)
+    found = job.path(number, search if confirm and not stopped else None)
+    return unless_stopped(found, stopped)

@@ -222,7 +222,8 @@ class FollowedLoad:
             if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
                     keep(LATE)
-                alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                if not self.web.stopped:
+                    alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
                 alarms.append(f"no stable states lead on from load {s:.9g}")

@@ -11,6 +11,8 @@ PITCHFORK = "pitchfork"
 """Why a leg ends where stable states branch off, along which the load goes on."""
 YIELDS, HOLDS = "yields", "unloads"
 """Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
+STOPPED = "interrupted: the path goes on from where it ends here"
+"""What an alarm says where the user (Ctrl-C) ended a path."""
 COLLAPSE = "collapses"
 """Why a leg ends where hinges yield and nothing stable goes on."""
 

@@ -32,6 +32,7 @@ from origami_nlp.loading.records import (
     COLLAPSE,
     HOLDS,
     PITCHFORK,
+    STOPPED,
     YIELDS,
     ConfirmedSnap,
     Leg,
@@ -116,7 +117,7 @@ class LoadPath(Report, Viewable):
     @property
     def interrupted(self) -> bool:
         """Whether the time was over before the path came to its end, or its snaps were confirmed; an alarm says so."""
-        return any(line.startswith(OUT_OF_TIME) for line in self.alarms)
+        return any(line.startswith((OUT_OF_TIME, STOPPED)) for line in self.alarms)
 
     @property
     def label(self) -> str:

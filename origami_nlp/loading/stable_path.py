@@ -17,11 +17,12 @@ from origami_nlp.continuation import (
     ParameterLine,
     SpecialPoint,
 )
-from origami_nlp.kkt import Classification, State, classify, singular_beside
+from origami_nlp.kkt import Classification, State, classify, follow, singular_beside
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED, first_largest
-from origami_nlp.pattern_states import classified, contact_descent
-from origami_nlp.search import descend_by_newton
+from origami_nlp.pattern_problem import MOST_DENSE
+from origami_nlp.pattern_states import classified
+from origami_nlp.search import TRUST, descend_by_newton
 
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
@@ -32,6 +33,10 @@ LEAST_SPAN = 1e-3
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
 rest at a certified minimum."""
+MOST_STEPS = 400
+"""Of a descent."""
+UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
+"""Why a descent ends at a state that is neither held on every piece nor left on one."""
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
 WALL = ("refused", "singular", "touches", "closes")
@@ -182,22 +187,39 @@ def release(
             ):  # lower states are beside where a facet ends, unless others hold
                 starts = [] if lower is None else [lower]
             for start in starts:
-                end = None
-                if problem.sparse and all(c.is_limit for c in node.held):
-                    end = descend_by_newton(problem, start)
-                    crossed = any(map(problem.crossings.find, (*end.path, end.phi)))
-                    end = None if crossed else end
-                end = end or contact_descent(problem, start)
-                if np.abs(end.phi - phi).max() <= 10 * share:
+                end, lost = start, ""
+                if free := problem.sparse and all(c.is_limit for c in node.held):
+                    down = descend_by_newton(problem, start)
+                    free = not any(map(problem.crossings.find, (*down.path, down.phi)))
+                    end, lost = down.phi, "" if down.arrived else down.why
+                if not free:
+                    end, lost = _downhill(problem, start)
+                if np.abs(end - phi).max() <= 10 * share:
                     continue
-                what = classified(problem, end.phi)
-                beside = singular_beside(problem, end.phi)
-                if end.arrived and what.verdict == "minimum" and beside is None:
-                    return end.phi, s, what
-                why = what.reason if end.arrived else end.why
+                what = classified(problem, end)
+                if not lost and what.verdict == "minimum" and singular_beside(problem, end) is None:
+                    return end, s, what
+                why = lost or what.reason
     finally:
         posed.until = math.inf
     return why or "no lower state was reached"
+
+
+def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:
+    """Follow the energy downhill along states in which no facets cross; where to, and why that is no minimum."""
+    if problem.size > MOST_DENSE:
+        many = f"the pattern has {problem.size:,} creases, contact is solved up to {MOST_DENSE}"
+        return start, many
+    try:
+        found = follow(problem, start, curved=True, longest=TRUST, most_steps=MOST_STEPS)
+    except np.linalg.LinAlgError:  # a ValueError as well
+        raise
+    except ValueError as refused:
+        return start, str(refused)
+    if found.what.verdict != "minimum":
+        return found.end, UNTOLD
+    problem.kept("classified", found.end, lambda: found.what)
+    return found.end, ""
 
 
 def stiffness_at(frame: Equilibrium, root: np.ndarray, driver: Driver) -> float:

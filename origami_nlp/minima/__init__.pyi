@@ -7,7 +7,6 @@ from . import (
 from .account import SearchReport as SearchReport
 from .canonical import canonical_states as canonical_states
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
-from .escape import with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
     METHODS as METHODS,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from origami_nlp.kkt import project
 from origami_nlp.numerics import OUTSIDE
-from origami_nlp.pattern import Relabelling, Scene, canonical_labels, symmetries
-from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.pattern import Pattern, Relabelling, Scene, canonical_labels, symmetries
+from origami_nlp.pattern_problem import PatternProblem, find_labels, image, pose
 
 DIGITS = 11
 """After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
@@ -24,9 +24,9 @@ class CanonicalStates:
     Attributes
     ----------
     stated, problem
-        The scene as it is stated, and under canonical labels, posed; the same where labels are as they are.
-    scene
-        Under those labels.
+        As it is stated, and under canonical labels, posed; the same where labels are as they are.
+    moves
+        Symmetries of creases and springs, of states [..., n] of `problem`.
     labels
         These; None where they are as stated.
     minima
@@ -37,7 +37,7 @@ class CanonicalStates:
 
     stated: PatternProblem
     problem: PatternProblem
-    scene: Scene
+    moves: Sequence[Callable[[np.ndarray], np.ndarray]]
     labels: Relabelling | None
     minima: np.ndarray
     unit: float
@@ -48,17 +48,18 @@ class CanonicalStates:
             return x
         return np.asarray(self.stated.reduce(self.labels.back(self.problem.expand(x))))
 
-    @property
-    def moves(self) -> list[Callable[[np.ndarray], np.ndarray]]:
-        """Symmetries of creases and springs, of states [..., n] of `problem`."""
-        p = self.problem
-        return [partial(_moved, p, move) for move in symmetries(self.scene)]
 
-
-def canonical_states(stated: PatternProblem, scene: Scene, states: np.ndarray) -> CanonicalStates:
-    """Pose states [M, n] of a scene under labels that do not depend on its own."""
+def canonical_states(
+    stated: PatternProblem, scene: Scene | Pattern, states: np.ndarray
+) -> CanonicalStates:
+    """Pose states [M, n] of a scene under labels that do not depend on its own; of a pattern as they are."""
+    if isinstance(scene, Pattern):
+        found = find_labels(scene).symmetries(scene)
+        return CanonicalStates(
+            stated, stated, [partial(image, s) for s in found], None, states, 1.0
+        )
     if not scene.group.is_trivial or scene.loads:
-        return CanonicalStates(stated, stated, scene, None, states, 1.0)
+        return CanonicalStates(stated, stated, _moves(stated, scene), None, states, 1.0)
     labels = canonical_labels(scene)
     other = labels.relabelled(scene)
     problem = pose(other)
@@ -68,7 +69,11 @@ def canonical_states(stated: PatternProblem, scene: Scene, states: np.ndarray) -
     still = (problem.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
     exact = project(problem, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
     unit = float(np.mean(scene.stiffness))
-    return CanonicalStates(stated, problem, other, labels, exact, unit)
+    return CanonicalStates(stated, problem, _moves(problem, other), labels, exact, unit)
+
+
+def _moves(problem: PatternProblem, scene: Scene) -> list[Callable[[np.ndarray], np.ndarray]]:
+    return [partial(_moved, problem, move) for move in symmetries(scene)]
 
 
 def _moved(problem: PatternProblem, move: Relabelling, x: np.ndarray) -> np.ndarray:

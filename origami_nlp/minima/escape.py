@@ -10,7 +10,6 @@ import numpy as np
 
 from origami_nlp.kkt import (
     ALONE,
-    BOUND,
     TRACED,
     Escape,
     barriers,
@@ -65,44 +64,6 @@ def with_escapes(
     if not found:
         found = _bounded(problem or pose(model.scene), model.scene, states, isolated)
     return [replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
-
-
-def with_merge_tree(
-    model: Model,
-    minima: Sequence[JudgedState],
-    heights: np.ndarray,
-    why: str,
-    beyond: np.ndarray,
-) -> list[JudgedState]:
-    """Add what the merge tree of paths says of leaving each minimum.
-
-    Parameters
-    ----------
-    model
-        The problem.
-    minima
-        Its minima.
-    heights
-        Energy of the lowest pass between two of them, [M, M]; inf where there is none.
-    why
-        What that rests on.
-    beyond
-        What a way from each to a lower state that is not listed climbs, [M]; inf for none.
-
-    Returns
-    -------
-    list of JudgedState
-        With `escape` where the tree knows an escape path from a minimum; the others as they were.
-    """
-    energies = np.array([m.energy for m in minima])
-    scale = energy_scale(np.array(model.scene.stiffness))
-    listed = barriers(energies, heights, level_of(energies, scale), scale, beyond)
-    return [
-        replace(m, escape=Escape(barrier, BOUND, why, to + 1, (), barrier < SHALLOW * scale))
-        if math.isfinite(barrier)
-        else m
-        for m, (barrier, to) in zip(minima, listed, strict=True)
-    ]
 
 
 def _exact(

@@ -1,6 +1,5 @@
 from .branch_points import split as split
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .contact_descents import contact_descent as contact_descent
 from .curve import (
     ClosureCurve as ClosureCurve,
     follow_curve as follow_curve,
@@ -39,4 +38,3 @@ from .mobility import (
 from .motion import Motion as Motion, find_motion as find_motion
 from .proved import hold_against as hold_against
 from .traced_passes import curve_passes as curve_passes
-from .ways_between import ways_between as ways_between

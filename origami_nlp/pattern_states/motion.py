@@ -85,6 +85,14 @@ class Motion(Report, Viewable):
     touching: tuple[OneBased, OneBased] | None
     layers: str = ""
 
+    def __post_init__(self) -> None:
+        states = (len(self.arc), self.pattern.creases)
+        if self.fold_angles.shape != states or self.energy.shape != self.arc.shape:
+            raise OptionError(
+                f"motion: fold_angles {self.fold_angles.shape}, arc {self.arc.shape} and energy {self.energy.shape} "
+                f"must be of as many states, of {self.pattern.creases} fold angles each"
+            )
+
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
         """Of a cell that repeats the lattice or tube at each state; of one degree of freedom also how it gives way."""

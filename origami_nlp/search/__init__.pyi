@@ -9,7 +9,9 @@ from .descend import (
 )
 from .draws import Draws as Draws
 from .escape import (
+    MOST_CREASES as MOST_CREASES,
     NOTHING_NEAR as NOTHING_NEAR,
+    Move as Move,
     find_escapes as find_escapes,
     softest_modes as softest_modes,
 )

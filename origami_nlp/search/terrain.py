@@ -122,6 +122,12 @@ class DescentTerrain(Terrain):
             p.expand(a), p.expand(b)
         )
 
+    def sides(self, states: np.ndarray) -> np.ndarray:
+        """On which side of its flat state each vertex is, in states [S, n]: 1, -1, or 0 where it is flat, [S, v]."""
+        phi = self.problem.expand(states)
+        flat = np.array(list(map(self._pops.flat, phi)))
+        return np.asarray(self.problem.contact * np.sign(self._pops.sums(phi)) * ~flat)
+
     def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
         """Return the gaps that are closed at a state, whichever way facets pass."""
         if (key := x.tobytes()) not in self._shut:
@@ -415,11 +421,12 @@ class DescentTerrain(Terrain):
 
         Short steps may, see `PopSigns.is_jump`; None where there is no such admissible state beside them.
         """
-        sums, out = self._pops.sums(path), [path[0]]
+        sums, out = self.sides(path), [path[0]]
         for k, x in enumerate(path[1:]):
             if (passed := sums[k] * sums[k + 1] < 0).any():
                 around = [self._pops.around[v] for v in np.flatnonzero(passed)]
-                kept = np.isin(np.arange(len(x)), np.concatenate(around))
+                creases = np.isin(np.arange(self.problem.pattern.creases), np.concatenate(around))
+                kept = self.problem.reduce(1.0 * creases) != 0
                 middle = self._closed_one(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
                 if middle is None or np.abs(middle - x).max() > DENSE:
                     return None

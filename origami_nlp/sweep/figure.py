@@ -98,6 +98,8 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
 def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
     y, x = (_edges(_values(grid, n), grid["log"][n]) for n in names)
     panels = {"all minima": grid["count"], **_by_kind(grid)}
+    if (grid["count_unstable"] > 0).any():
+        panels["stable"] = np.nan_to_num(grid["count_stable"], nan=-1)
     columns = 2 if len(panels) == 4 else min(3, len(panels))
     rows = -(-len(panels) // columns)
     size = (1.4 + 2.9 * columns, 0.4 + 2.9 * rows)

@@ -63,8 +63,9 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``lowest_energy``, ``status``; a scene that is
-        not done has count -1 and energy NaN.
+        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``count_stable`` and ``count_unstable`` (NaN
+        where that is not known of each), ``lowest_energy``, ``status``; a scene that is not done has count -1 and
+        energy NaN.
 
     Raises
     ------
@@ -105,18 +106,26 @@ def _grid(folder: str | Path) -> dict[str, Any]:
     total = int(np.prod(shape))
     status, count = np.full(total, "waiting", dtype="<U8"), np.full(total, -1)
     by_kind = {kind: np.full(total, -1) for kind in KINDS}
-    energy = np.full(total, np.nan)
+    energy, stable, unstable = np.full((3, total), np.nan)
     for k, said in _columns(folder, "scenes", "scene", "status"):
         status[k] = said
         if said == "done":
-            for array in (count, *by_kind.values()):
+            for array in (count, stable, unstable, *by_kind.values()):
                 array[k] = 0
-    for k, value, kind in _columns(folder, "states", "scene", "energy", "kind"):
+    for k, value, kind, known in _columns(folder, "states", "scene", "energy", "kind", "stable"):
         count[k] += 1
+        stable[k] += np.nan if known is None else known
+        unstable[k] += np.nan if known is None else 1 - known
         by_kind[kind][k] += 1
         energy[k] = np.fmin(energy[k], value)
     flat = {f"count_{kind.replace('-', '_')}": v for kind, v in by_kind.items()}
-    flat |= {"count": count, "lowest_energy": energy, "status": status}
+    flat |= {
+        "count": count,
+        "count_stable": stable,
+        "count_unstable": unstable,
+        "lowest_energy": energy,
+        "status": status,
+    }
     return {
         "axes": {name: np.array(values, float) for name, _, values, _ in sweep["axes"]},
         "places": {name: list(places) for name, places, _, _ in sweep["axes"]},

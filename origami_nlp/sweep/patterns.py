@@ -34,7 +34,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError, SweepError
@@ -52,13 +52,16 @@ from origami_nlp.pattern import (
 from origami_nlp.pattern_problem import PatternProblem, check_orders
 from origami_nlp.sweep.spec import LARGEST, Sweep, checked_search, parse_scenes, read_axes
 
+if TYPE_CHECKING:
+    from origami_nlp.minima import MinimaResult
+
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
 _SIZES = ("rows", "columns")
 
 
 @dataclass(frozen=True)
 class PatternSweep(Sweep):
-    """A sweep of patterns: `pattern(index)` is pattern number `index` of `count`.
+    """A sweep of patterns: `scene(index)` is pattern number `index` of `count`.
 
     Attributes
     ----------
@@ -72,7 +75,7 @@ class PatternSweep(Sweep):
 
     ONE, MANY = "pattern", "patterns"
 
-    def pattern(self, index: int) -> Pattern:
+    def scene(self, index: int) -> Pattern:  # type: ignore[override]
         """Make pattern `index`.
 
         Parameters
@@ -98,6 +101,13 @@ class PatternSweep(Sweep):
             return with_places(problem, {p: v for p, v in given.items() if is_place(p)})
         except OptionError as error:
             raise SweepError(f"set = {error}") from None
+
+    def minima(self, made: Pattern) -> MinimaResult:  # type: ignore[override]
+        """Search for the minima of one of its patterns."""
+        from origami_nlp.pattern_states import find_states
+
+        more = {key: self.search[key] for key in ("starts", "contact", "seed")}
+        return find_states(made, escape=False, prove=False, **more)
 
     def _drawn(self, options: Mapping[str, float]) -> Pattern:
         """Draw the example with these options, or return the sheet of the file."""
@@ -150,7 +160,7 @@ def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> Pattern
                     f'axes[{number}].set = {place!r} is no place of a pattern: write "creases.stiffness", '
                     '"mountains.rest_angles", "valleys.stiffness" or "creases.stiffness[3]"'
                 )
-    sweep.pattern(0)  # a mistake is found now, not in every worker
+    sweep.scene(0)  # a mistake is found now, not in every worker
     return sweep
 
 

@@ -16,10 +16,8 @@ from typing import Any
 
 from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
 from origami_nlp.errors import SweepError
-from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.sweep.patterns import PatternSweep
 from origami_nlp.sweep.spec import Sweep
-from origami_nlp.sweep.store import Outcome, Rows, Store, attempted, row_of
+from origami_nlp.sweep.store import Outcome, Store, attempted
 from origami_nlp.workers import stop_workers, worker_pool
 
 Progress = Callable[[int, int, int], None]
@@ -50,29 +48,7 @@ class SweepReport:
 
 def run_scene(sweep: Sweep, index: int) -> Outcome:
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
-    s = sweep.search
-    quick: dict[str, Any] = {"seed": s["seed"], "escape": False, "prove": False}
-
-    def states_of_pattern(pattern: Pattern) -> tuple[Rows, int, None]:
-        from origami_nlp.pattern_states import find_states
-
-        found = find_states(pattern, starts=s["starts"], contact=s["contact"], **quick)
-        return tuple(row_of(m, m.dof, None) for m in found.minima), found.search.starts, None
-
-    def states(scene: Scene) -> tuple[Rows, int, float]:
-        from origami_nlp.minima import find_minima
-
-        more = {key: s[key] for key in ("effort", "max_starts", "full")}
-        result = find_minima(scene, starts=s["starts"] or None, **more, **quick)
-        rows = tuple(
-            row_of(m, m.local_dimension, m.full_space.verdict if m.full_space else None)
-            for m in result.minima
-        )
-        return rows, result.search.starts, result.search.expected_undiscovered
-
-    if isinstance(sweep, PatternSweep):
-        return attempted(index, sweep.pattern, states_of_pattern)
-    return attempted(index, sweep.scene, states)
+    return attempted(index, sweep.scene, sweep.minima)
 
 
 def run_sweep(

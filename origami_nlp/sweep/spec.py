@@ -42,7 +42,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -50,6 +50,9 @@ from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
 from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict, with_symmetry_of
 from origami_nlp.sweep.places import check_place, give_way, put
+
+if TYPE_CHECKING:
+    from origami_nlp.minima import MinimaResult
 
 MOST_SCENES = 10_000_000
 MOST_COMPARED = 64
@@ -151,6 +154,14 @@ class Sweep:
             If these values make no scene (sector angles that do not sum to 2 pi, say).
         """
         return self.scene_with(self.parameters(index))
+
+    def minima(self, made: Scene) -> MinimaResult:
+        """Search for the minima of one of its scenes."""
+        from origami_nlp.minima import find_minima
+
+        s = self.search
+        more = {key: s[key] for key in ("effort", "max_starts", "full", "seed")}
+        return find_minima(made, starts=s["starts"] or None, escape=False, prove=False, **more)
 
     @cached_property
     def generic(self) -> Scene | None:

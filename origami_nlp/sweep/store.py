@@ -6,8 +6,9 @@ kill -9: a scene is there whole or not at all.  Tables (documented, so that othe
 - ``sweep(key, value)``: the sweep as JSON, schema and version;
 - ``scenes(scene, <one column an axis>, status, reason, seconds, starts, expected_undiscovered)``: status is
   ``done``, ``invalid`` (these values make no scene) or ``failed``;
-- ``states(scene, state, energy, kind, dimension, closure, kkt, polished, full_space, fold_angles)``: the minima
-  of each scene by energy; fold angles [rad] as a JSON list.
+- ``states(scene, state, energy, kind, dimension, closure, kkt, polished, full_space, stable, fold_angles)``: the
+  minima of each scene by energy; stable is 1 or 0, null where the full space was not asked; fold angles [rad] as a
+  JSON list.
 
 Only the process that runs the sweep writes: it holds ``sweep.lock`` beside it, an empty database, for as long as it
 lives; a second one is informed of it.
@@ -23,13 +24,16 @@ from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from origami_nlp.arguments import check_path
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 
-SCHEMA = "origami-nlp/sweep/1"
+if TYPE_CHECKING:
+    from origami_nlp.minima import MinimaResult
+
+SCHEMA = "origami-nlp/sweep/2"
 FILE, LOCK = "sweep.sqlite", "sweep.lock"
 T = TypeVar("T")
 Rows = tuple[tuple[Any, ...], ...]
@@ -37,7 +41,7 @@ Rows = tuple[tuple[Any, ...], ...]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one scene; states: rows (energy, kind, dimension, closure, kkt, polished, full, angles)."""
+    """What became of one scene; states: rows, see the module."""
 
     scene: int
     status: str
@@ -48,9 +52,7 @@ class Outcome:
     states: Rows
 
 
-def attempted(
-    index: int, make: Callable[[int], T], find: Callable[[T], tuple[Rows, int, float | None]]
-) -> Outcome:
+def attempted(index: int, make: Callable[[int], T], find: Callable[[T], MinimaResult]) -> Outcome:
     """Make a scene and find its states; errors become the outcome, so that one scene does not end a sweep.
 
     Parameters
@@ -60,7 +62,7 @@ def attempted(
     make
         Makes it.
     find
-        Returns its states as rows, the starts of the search, and how many are expected to be missing, if known.
+        Returns its minima.
 
     Returns
     -------
@@ -73,20 +75,24 @@ def attempted(
     except OrigamiError as error:
         return Outcome(index, "invalid", str(error), 0.0, 0, None, ())
     try:
-        rows, starts, missing = find(made)
+        found = find(made)
     except Exception as error:  # whatever it is: it is reported, by name
         reason = f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
         return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
-    if missing is not None and not math.isfinite(missing):
-        missing = None
-    return Outcome(index, "done", "", time.perf_counter() - begin, starts, missing, rows)
+    missing = getattr(found.search, "expected_undiscovered", math.inf)
+    rows = tuple(
+        (*row, int(m.polished), m.full_space and m.full_space.verdict, known, list(m.fold_angles))
+        for m, (*row, known) in zip(found.minima, map(_known, found._rows()), strict=True)
+    )
+    seconds = time.perf_counter() - begin
+    missing = missing if math.isfinite(missing) else None
+    return Outcome(index, "done", "", seconds, found.search.starts, missing, rows)
 
 
-def row_of(state: Any, dimension: int, full: str | None) -> tuple[Any, ...]:
-    """Return a minimum as a row of `Outcome.states`; full: its verdict in the full space, if it is known."""
-    kkt = state.kkt_residual if math.isfinite(state.kkt_residual) else None
-    polished, angles = int(getattr(state, "polished", True)), list(state.fold_angles)
-    return state.energy, state.kind, dimension, state.closure_residual, kkt, polished, full, angles
+def _known(row: dict[str, Any]) -> list[Any]:
+    """Return what of a row of a table of minima is kept."""
+    kkt = row["kkt"] if math.isfinite(row["kkt"]) else None
+    return [*(row[k] for k in ("energy_J", "kind", "dimension", "closure")), kkt, row["stable"]]
 
 
 class Store:
@@ -142,7 +148,7 @@ class Store:
             self._db.execute(
                 "CREATE TABLE states (scene INTEGER, state INTEGER, energy REAL, kind TEXT, "
                 "dimension INTEGER, closure REAL, kkt REAL, polished INTEGER, full_space TEXT, "
-                "fold_angles TEXT, PRIMARY KEY (scene, state))"
+                "stable INTEGER, fold_angles TEXT, PRIMARY KEY (scene, state))"
             )
             rows = [
                 ("schema", SCHEMA),
@@ -167,7 +173,7 @@ class Store:
                 f"INSERT OR REPLACE INTO scenes VALUES ({', '.join('?' * len(row))})", row
             )
             self._db.executemany(
-                "INSERT INTO states VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO states VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 [(o.scene, k, *s[:-1], json.dumps(s[-1])) for k, s in enumerate(o.states, start=1)],
             )
 

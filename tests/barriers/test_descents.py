@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import NEVER, PROVED
+from origami_nlp.barriers.bounds import NEVER, PROVED
 from origami_nlp.problem import Model
 from tests.independent.links import corners, crosses
 

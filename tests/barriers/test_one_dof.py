@@ -81,11 +81,7 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
     assert o.draw(barriers, tmp_path / "b.png").axes
 
 
-def test_what_has_more_dof_is_refused_in_one_line():
-    found = o.find_minima("waterbomb:1x1", max_starts=4, contact="fold-limits", escape=False)
-    assert max(m.dof for m in found.minima) > 1
-    with pytest.raises(OptionError, match="no curve of states is known, and facets may cross"):
-        o.find_barriers(found.pattern, found)
+def test_what_cannot_fold_is_refused_in_one_line():
     rigid = o.Scene(o.Vertex.from_degrees([100, 120, 140]), (1.0,) * 3, (0.4,) * 3, symmetry="none")
     with pytest.raises(OptionError, match="leaves 0 degrees of freedom; barriers need one"):
         o.find_barriers(rigid)

@@ -1,13 +1,15 @@
 """Barriers of patterns: paths between their states, over curves and over any height."""
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.passes import RIGID
-from origami_nlp.errors import OptionError
+from origami_nlp.barriers import Known
+from origami_nlp.barriers.bounds import RIGID
+from origami_nlp.errors import Interrupted
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
@@ -24,8 +26,9 @@ def checked(found) -> None:
         ends = [found.result.minima[k - 1].phi for k in (p.from_state, p.to_state)]
         assert all(np.abs(x - y).max() < 1e-6 for x, y in zip(p.path[[0, -1]], ends, strict=True))
         energies = pattern.energy(p.path)
-        assert energies.max() == pytest.approx(p.energy, rel=1e-9)
-        assert max(p.path_energy) == pytest.approx(p.energy, rel=1e-9)
+        assert energies.max() == pytest.approx(max(p.path_energy), rel=1e-9)
+        assert energies.max() <= p.energy * (1 + 1e-12)
+        assert energies.max() >= p.energy * (1 - 1e-9) or p.pass_kind == "bound"
         assert np.abs(np.diff(p.path, axis=0)).max() < 0.5
         for x in p.path:
             assert problem.residual(x) < 1e-12 and not problem.crossings.find(x)
@@ -45,7 +48,7 @@ def test_the_barrier_of_a_yoshimura(tmp_path):
     found = o.read_result(out)
     (p,) = found.passes
     flat = float(found.result.pattern.energy(np.zeros(found.result.pattern.creases)))
-    assert 0.372453 < p.energy <= flat * (1 + 1e-12) and not p.is_lowest
+    assert 0.372453 < p.energy <= flat * (1 + 1e-12) and p.known is Known.BOUND
     checked(found)
     assert found.matrix().max() == p.energy and len(o.draw(found, tmp_path / "b.png").axes) == 1
 
@@ -57,7 +60,7 @@ def test_a_twist_passes_through_its_flat_state():
     pattern = found.result.pattern
     flat = float(pattern.energy(np.zeros(pattern.creases)))
     exact = [p for p in found.passes if p.pass_kind == "flat state"]
-    assert len(exact) == 6 and all(p.is_lowest for p in exact)
+    assert len(exact) == 6 and all(p.known is Known.EXACT for p in exact)
     assert [p.energy for p in exact] == pytest.approx([flat] * 6, rel=1e-12)
     checked(found)
     others = [p for p in found.passes if math.isinf(p.energy)]
@@ -92,10 +95,43 @@ def test_a_miura_folded_flat_at_all_creases_cannot_move(signs):
     assert (np.abs(states[near]).max(axis=1) > math.pi + 1e-6).all()
 
 
-def test_facets_that_may_cross_and_no_curve_are_refused():
+def test_ctrl_c_keeps_the_paths_that_were_found(monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    result = o.find_minima("yoshimura:2x2", escape=False)
+    monkeypatch.setattr("origami_nlp.barriers.find.escape_paths_of_each", interrupt)
+    with pytest.raises(Interrupted) as stop:
+        o.find_barriers("yoshimura:2x2", result)
+    found = stop.value.result
+    assert found.left_out == ("escape paths", "saddles beside paths") and found.interrupted
+    checked(found)
+    assert math.isfinite(found.passes[0].energy) and "time limit" not in str(found)
+
+
+def test_states_and_passes_are_a_graph():
+    networkx = pytest.importorskip("networkx")
+    found = o.find_barriers("metasheet:2x2", o.find_minima("metasheet:2x2", escape=False))
+    graph = found.to_networkx()
+    assert [graph.nodes[k]["energy"] for k in graph] == [m.energy for m in found.result.minima]
+    assert {d["known"] for *_, d in graph.edges(data=True)} <= {"exact", "bound"}
+    # the least highest pass between two states is one of the minimum spanning tree
+    tree = networkx.minimum_spanning_tree(graph, weight="energy")
+    for i in graph:
+        for j in set(graph) - {i}:
+            way = networkx.shortest_path(tree, i, j)
+            over = max(tree.edges[e]["energy"] for e in itertools.pairwise(way))
+            assert over == pytest.approx(found.matrix()[i - 1, j - 1], rel=1e-12)
+
+
+def test_where_facets_may_cross_paths_close_and_climb_no_higher():
     free = o.find_minima("yoshimura:2x2", contact="fold-limits", starts=2, escape=False)
-    with pytest.raises(OptionError, match="facets may cross"):
-        o.find_barriers(free.pattern, free)
+    pattern = free.pattern
+    assert len(free.minima) > 1
+    for p in o.find_barriers(pattern, free).passes:
+        assert math.isfinite(p.energy) and np.abs(p.path).max() <= math.pi + 1e-12
+        assert np.abs(sheet_of(pattern).closure(p.path)[0]).max() < 1e-9
+        assert pattern.energy(p.path).max() <= p.energy * (1 + 1e-12)
 
 
 @pytest.mark.slow

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.barriers import Known
+from origami_nlp.barriers.walks import Walks
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import ways_between
 from origami_nlp.search import DescentTerrain
 from tests.barriers.test_patterns import checked
 from tests.independent.search_sheets import sheet_of
@@ -33,8 +34,9 @@ def test_all_states_are_joined():
     for p in found.passes:
         ends = [found.result.minima[k - 1].energy for k in (p.from_state, p.to_state)]
         assert p.energy >= max(ends)
-    high = [p for p in found.passes if not p.is_lowest and p.pass_kind == "saddle"]
-    assert len(high) == 3 and max(p.residual for p in high) < 1e-9
+    high = [p for p in found.passes if p.known is Known.BOUND and p.pass_kind == "saddle"]
+    assert len(high) == 4 and max(p.residual for p in high) < 1e-9
+    assert "an upper bound" in str(found)
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
@@ -71,7 +73,7 @@ def test_sheets_folded_onto_themselves_are_unfolded_in_stages():
     assert residual < 1e-12 and np.abs(np.degrees(state) - degrees).max() < 0.01
     terrain = DescentTerrain(problem, state[None])
     assert not terrain.walk_to(state, flat)[1]
-    ((start, to, path),) = ways_between(problem, state[None], [flat], [])
+    ((start, to, path),) = Walks(terrain, [flat], [], []).ways()
     assert (start, to) == (-1, 0) and not path[0].any() and (path[-1] == state).all()
     assert np.abs(np.diff(path, axis=0)).max() < 0.5
     assert np.abs(sheet.closure(path)[0]).max() < 1e-9

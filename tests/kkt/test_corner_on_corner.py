@@ -10,8 +10,9 @@ import origami_nlp as o
 from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
-from origami_nlp.pattern_states import contact_descent, judge
+from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
+from tests.patterns import downhill
 
 
 @cache
@@ -23,7 +24,7 @@ def pressed():
     start, _ = problem.project(0.3 * pattern.signs)
     path = descend_by_newton(problem, start).path
     free = [x for x in path if not problem.crossings.find(x)]
-    end = contact_descent(problem, free[-1])
+    end = downhill(problem, free[-1])
     assert len(free) < len(path) and end.arrived
     return problem, o.State(problem, end.phi)
 

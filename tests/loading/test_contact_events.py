@@ -7,8 +7,8 @@ import pytest
 
 from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve, Hold
 from origami_nlp.pattern_problem import PatternProblem, Torque
-from origami_nlp.pattern_states import contact_descent
 from tests.loading.test_loads_in_contact import Turned, by_small_steps, loaded, sprung
+from tests.patterns import downhill
 
 
 @pytest.mark.slow
@@ -31,7 +31,7 @@ def test_a_descent_beyond_a_fold_in_contact_does_not_creep():
     (snap,) = loaded(6, 4.1).snaps
     for share in (1e-5, 1e-4):
         under = PatternProblem(pattern).under(Torque(pattern, (crease,)), snap.t * (1 + share))
-        end = contact_descent(under, np.array(snap.before))
+        end = downhill(under, np.array(snap.before))
         assert end.arrived and end.steps < 30
 
 

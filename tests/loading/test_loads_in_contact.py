@@ -14,10 +14,10 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern_problem import PatternProblem, Torque
-from origami_nlp.pattern_states import contact_descent, judge
+from origami_nlp.pattern_states import judge
 from tests.independent.rigid import Rigid, collide
 from tests.independent.trigonometry import quadrilateral
-from tests.patterns import QUAD, metasheet
+from tests.patterns import QUAD, downhill, metasheet
 
 FIRST_TOUCH = -2.0762838873
 """Angle of class 2 at which facets of the metasheet of 3 x 3 meet: a prototype's bisection, ten digits."""
@@ -217,7 +217,7 @@ def sprung(seed, name="yoshimura", size=(3, 3)):
     phi, _ = problem.project(start)
     return (
         pattern,
-        judge(problem, contact_descent(problem, phi).phi),
+        judge(problem, downhill(problem, phi).phi),
         int(rng.integers(pattern.creases)) + 1,
     )
 
@@ -276,7 +276,7 @@ def by_small_steps(seed, to, count=60):
     pattern, start, crease = sprung(seed)
     problem, phi = PatternProblem(pattern), start.phi
     for t in np.linspace(0.0, to, count)[1:]:
-        end = contact_descent(problem.under(Torque(pattern, (crease,)), t), phi)
+        end = downhill(problem.under(Torque(pattern, (crease,)), t), phi)
         assert end.arrived
         phi = end.phi
     return phi

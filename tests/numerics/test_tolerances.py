@@ -23,7 +23,7 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         bifurcation/boundary.AROUND continuation/line.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
-        bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/passes.OFF
+        bifurcation/event_curve.SHORTEST barriers/passes.OFF
         chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
@@ -39,7 +39,7 @@ BESIDE_THE_TABLE = {
         continuation/branch_point.FAR
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
-        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
+        pattern_problem/pop_signs.JUMPS
         search/terrain.FIRST search/terrain.POPPED space/cells.RADIUS
         space/mesh.DIFFERENCE
         starts/batch_closure.QUADRATIC

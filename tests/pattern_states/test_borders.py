@@ -8,9 +8,9 @@ import pytest
 
 from origami_nlp.kkt import newton
 from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem, choices
-from origami_nlp.pattern_states import contact_descent, judge
+from origami_nlp.pattern_states import judge
 from origami_nlp.problem import Contact
-from tests.patterns import wheel
+from tests.patterns import downhill, wheel
 from tests.relabelled import relabelled
 
 SIXTH = np.full(6, math.pi / 3)
@@ -131,7 +131,7 @@ def test_a_descent_on_what_is_left_comes_back():
             start, residual = problem.project(start, SHUT)
             if residual > 1e-12 or np.abs(start).max() > math.pi or problem.crossings.find(start):
                 continue
-            end = contact_descent(problem, start)
+            end = downhill(problem, start)
             assert end.arrived
             back += np.abs(end.phi - state.phi).max() < 1e-9
         assert back

@@ -31,7 +31,7 @@ def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
     tables = {"pattern": {"file": "folded.fold"}, "axes": axes, "search": {"starts": 0}}
     sweep = parse_sweep(tables, tmp_path)
     for k in range(2):
-        made = sweep.pattern(k)
+        made = sweep.scene(k)
         again = pattern_from_dict(json.loads(json.dumps(pattern_to_dict(made))))
         for one in (made, again):
             assert one.orders == read.orders and one.stiffness[0] == axes[0]["values"][k]
@@ -55,7 +55,7 @@ def test_places_of_a_pattern(tmp_path):
     )
     sweep = read_sweep(tmp_path / "sweep.toml")
     (tmp_path / "sheet.fold").unlink()  # the sweep has it
-    made = sweep.pattern(1)
+    made = sweep.scene(1)
     assert sweep.count == 2 and made.stiffness[[1, 3]].tolist() == [5, 5] and made.rest[0] == 1
     assert made.stiffness[[0, 2]] == pytest.approx(problem.stiffness[[0, 2]])
     drawn = parse_sweep(
@@ -64,9 +64,9 @@ def test_places_of_a_pattern(tmp_path):
             "axes": [{"set": "alpha", "values": [1.0, "pi/3"]}, {"set": "rows", "values": [2, 3]}],
         }
     )
-    assert drawn.pattern(3).facets == 6
+    assert drawn.scene(3).facets == 6
     same = o.examples.pattern("miura", 2, 2, alpha=1.0).with_springs(rest_angles=1.0)
-    assert pattern_to_dict(drawn.pattern(0)) == pattern_to_dict(same)
+    assert pattern_to_dict(drawn.scene(0)) == pattern_to_dict(same)
     assert pattern_to_dict(pattern_from_dict(pattern_to_dict(made))) == pattern_to_dict(made)
 
 

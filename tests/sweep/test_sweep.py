@@ -159,6 +159,35 @@ def test_a_sweep_is_its_scenes(finished):
     assert states.closure.max() < 1e-13
 
 
+@pytest.mark.parametrize("full", ["true", "false"])
+def test_stable_states_are_counted_as_results_say(tmp_path, full):
+    """Minima that a broken symmetry leaves are unstable; where nobody asked that is not known."""
+    text = f"""
+    [scene]
+    example = "degree6"
+    alpha = "pi/3"
+    [[axes]]
+    set = "ratio"
+    values = [1.0, 100.0]
+    [search]
+    full = {full}
+    """
+    sweep = parse_sweep(tomllib.loads(text))
+    run_sweep(sweep, tmp_path, executor=Inline())
+    counts, lost = load_sweep(tmp_path), 0
+    for index in range(2):
+        alone = find_minima(sweep.scene(index), prove=False, escape=False, full=full == "true")
+        here = counts.isel(ratio=index)
+        assert here["count"] == len(alone.minima)
+        if full == "false":
+            assert np.isnan(here["count_stable"]) and np.isnan(here["count_unstable"])
+            continue
+        assert here["count_stable"] == len(alone.stable)
+        assert here["count_unstable"] == len(alone.minima) - len(alone.stable)
+        lost += int(here["count_unstable"])
+    assert lost or full == "false"
+
+
 @pytest.mark.slow
 def test_a_sweep_is_its_sheets(stores):
     finished = stores(PATTERNS)

@@ -1,4 +1,4 @@
-"""Ways between stable states of a sheet: straight to the flat state, and to each other, over any height.
+"""Ways between stable states: straight to the flat state, and to each other, over any height.
 
 Walks from minima lead straight to the flat state and to other minima; and from where such a walk meets contact, down
 again.  Sheets that are folded onto themselves are unfolded in stages: to where every crease is flat or fully folded,
@@ -12,9 +12,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from origami_nlp.kkt import down_to
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, groups
-from origami_nlp.pattern_problem import PatternProblem, PopSigns, find_labels, image
-from origami_nlp.search import DescentTerrain
+from origami_nlp.search import DescentTerrain, Move
 
 NEAREST = 8
 """Other minima that walks from a minimum lead to, while no way to them is known."""
@@ -24,55 +24,40 @@ PLACES = 6
 """Decimals of distances that are compared: more are rounding."""
 
 
-def ways_between(
-    problem: PatternProblem,
-    minima: np.ndarray,
-    tops: Sequence[np.ndarray],
-    joined: Sequence[tuple[int, int]],
-) -> Iterator[tuple[int, int, np.ndarray]]:
-    """Walk from minima to states that ways may pass, and to other minima where no way is known yet.
+def number_of(x: np.ndarray, states: np.ndarray) -> int:
+    """Return which of some states [M, n] this is, -1 for none of them."""
+    apart = np.abs(states - x).max(axis=1)
+    return int(apart.argmin()) if apart.min() <= NEAR_SINGULAR_TOL else -1
+
+
+class Walks:
+    """Walks from minima, and what they have joined.
 
     Parameters
     ----------
-    problem
-        Of the pattern.
-    minima
-        Stable states, [M, n].
+    terrain
+        With the minima.
     tops
         States that ways may pass, [n] each: the flat one, if there is one.
     joined
         Pairs that a way is known between: of minima by number, and of tops, M and further.
-
-    Yields
-    ------
-    tuple
-        Number of the minimum that a way begins at, -1 for a top; of that it ends at; and its states, [S, n].
+    moves
+        Symmetries of the problem, as functions of states.
     """
-    yield from _Walks(problem, minima, tops, joined).ways()
-
-
-class _Walks:
-    """Walks from minima, and what they have joined."""
 
     def __init__(
         self,
-        problem: PatternProblem,
-        minima: np.ndarray,
+        terrain: DescentTerrain,
         tops: Sequence[np.ndarray],
         joined: Sequence[tuple[int, int]],
+        moves: Sequence[Move],
     ) -> None:
-        self.minima, self.tops, self.joined = minima, tops, list(joined)
-        self.terrain = DescentTerrain(problem, minima)
-        pattern = problem.pattern
-        self._symmetries, signs = find_labels(pattern).symmetries(pattern), PopSigns(pattern)
-        self._nodes = np.array([*minima, *tops])
-        self._sides = np.sign(signs.sums(self._nodes)) * ~np.array(
-            list(map(signs.flat, self._nodes))
-        )
-        self._descents = MOST_DESCENTS
+        self.terrain, self.minima, self.joined = terrain, terrain.minima, list(joined)
+        self._moves, self._nodes = moves, np.array([*self.minima, *tops])
+        self._sides, self._descents = terrain.sides(self._nodes), MOST_DESCENTS
 
     def ways(self) -> Iterator[tuple[int, int, np.ndarray]]:
-        """Go all of them."""
+        """Yield the number of the minimum that a way begins at, -1 for a top; of that it ends at; its states [S, n]."""
         many = len(self.minima)
         for top in range(many, len(self._nodes)):
             for k in range(many):
@@ -142,17 +127,10 @@ class _Walks:
         if len(path) < 2 or not self._descents:
             return -1, path
         self._descents -= 1
-        down = self.terrain.path_down(path[-1], lambda _: False)
-        apart = np.abs(self.minima - down[-1]).max(axis=1)
-        to = int(apart.argmin())
-        if len(down) < 2 or apart[to] > NEAR_SINGULAR_TOL or to == k:
+        down = down_to(self.terrain, path[-1])
+        if down is None or down[1] == k:
             return -1, path
-        return to, np.concatenate([path, down[1:-1], self.minima[to][None]])
-
-    def _number(self, x: np.ndarray) -> int:
-        """Return which state this is, -1 for none of them."""
-        apart = np.abs(self._nodes - x).max(axis=1)
-        return int(apart.argmin()) if apart.min() <= NEAR_SINGULAR_TOL else -1
+        return down[1], np.concatenate([path, down[0][1:]])
 
     def _with_images(
         self, start: int, to: int, path: np.ndarray
@@ -164,9 +142,9 @@ class _Walks:
         path = np.concatenate([self._nodes[start][None], whole[1:-1], self._nodes[to][None]])
         self.joined.append((to, start))
         yield (start if start < many else -1), to, path
-        for symmetry in self._symmetries:
-            whole = image(symmetry, path)
-            start, to = self._number(whole[0]), self._number(whole[-1])
+        for move in self._moves:
+            whole = move(path)
+            start, to = (number_of(x, self._nodes) for x in (whole[0], whole[-1]))
             if min(start, to) >= 0 and not {(to, start), (start, to)} & set(self.joined):
                 self.joined.append((to, start))
                 whole[0], whole[-1] = self._nodes[start], self._nodes[to]
