@@ -21,6 +21,8 @@ from origami_nlp.proof.certificate import Certificate, StatedSheet, read_certifi
 
 STATES = 4_000
 """Of a curve."""
+PARTS = 40
+"""Into which what is between two of them is cut, again and again."""
 START = np.geomspace(1e-5, 5e-4, 50)
 """Of a curve, its first states [rad]."""
 NEAR = 1e-5
@@ -227,15 +229,12 @@ def _minima(said: StatedSheet) -> Iterator[np.ndarray]:
             continue
         if not inside.all():
             end = int(np.argmin(inside))
-            low, high = theta[end - 1 : end + 1].tolist()
-            while (middle := 0.5 * (low + high)) not in (low, high):
-                closes = not np.isnan(states(np.array([middle]))[1][0])
-                low, high = (middle, high) if closes else (low, middle)
+            low = _until(lambda x: ~np.isnan(states(x)[1]), *theta[end - 1 : end + 1])
             # folds move as a root of what is left of theta there
-            near = low - (low - theta[max(end - 2, 0)]) * np.linspace(1, 0, STATES // 10)[1:] ** 2
+            near = low - (low - theta[max(end - 2, 0)]) * np.linspace(1, 0, PARTS)[1:] ** 2
             theta = np.r_[theta[: max(end - 2, 0) + 1], near]
         off = states(theta)[1]
-        if np.nanmax(np.abs(off)) < CLOSED:
+        if np.nanmedian(np.abs(off)) < CLOSED:
             curves += 1
             for side in (1, -1):
 
@@ -249,12 +248,9 @@ def _minima(said: StatedSheet) -> Iterator[np.ndarray]:
                 for x in _wells(energy, theta):
                     yield side * states(np.array([x]))[0][:, 0]
             continue
-        for i in np.flatnonzero((off[:-1] * off[1:] < 0) & (np.abs(off[:-1] - off[1:]) < 1)):
-            a, b = theta[i], theta[i + 1]
-            for _ in range(60):
-                middle = 0.5 * (a + b)
-                beyond = states(np.array([middle]))[1][0] * off[i] > 0
-                a, b = (middle, b) if beyond else (a, middle)
+        steps = np.abs(np.diff(off))
+        for i in np.flatnonzero((off[:-1] * off[1:] < 0) & (steps > NEAR) & (steps < 1)):
+            a = _until(lambda x, s=float(off[i]): states(x)[1] * s > 0, *theta[i : i + 2])  # type: ignore[misc]
             at = states(np.array([a]))[0][:, 0]
             yield from (at, -at)
     if not curves or not rest.any():
@@ -278,15 +274,25 @@ def _scan(
     return np.array([folds[c] for c in sorted(folds)]), off
 
 
+def _until(holds: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> float:
+    """Return up to where something holds from a number on."""
+    for _ in range(12):
+        some = np.linspace(low, high, PARTS + 1)
+        fails = np.flatnonzero(~holds(some))
+        last = int(fails[0]) if len(fails) else PARTS
+        low, high = float(some[max(last - 1, 0)]), float(some[last])
+    return low
+
+
 def _wells(energy: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> Iterator[float]:
     """Yield where an energy is least along states of a number, its last one included, its first not."""
     u = energy(x)
     for i in np.flatnonzero((u[1:] <= u[:-1]) & (u[1:] <= np.r_[u[2:], np.inf])) + 1:
         low, high = float(x[i - 1]), float(x[min(i + 1, len(x) - 1)])
-        for _ in range(50):
-            a, b = low + 0.382 * (high - low), high - 0.382 * (high - low)
-            one, two = energy(np.array([a, b]))
-            low, high = (low, b) if one < two else (a, high)
+        for _ in range(12):
+            some = np.linspace(low, high, PARTS + 1)
+            least = int(np.argmin(energy(some)))
+            low, high = float(some[max(least - 1, 0)]), float(some[min(least + 1, PARTS)])
         yield high if i == len(x) - 1 else 0.5 * (low + high)
 
 

@@ -6,6 +6,8 @@ one sheet do not contradict each other.
 
 import numpy as np
 import pytest
+from origami_nlp.proof.check_lists import Refused
+from origami_nlp.proof.check_mesh import MeshCheck
 
 import origami_nlp as o
 from origami_nlp.pattern import make_pattern
@@ -14,8 +16,6 @@ from origami_nlp.proof import (
     check_proof,
     prove_mesh,
 )
-from origami_nlp.proof.check_lists import Refused
-from origami_nlp.proof.check_mesh import MeshCheck
 from tests.folding_rows import folding_row
 
 
