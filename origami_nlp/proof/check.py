@@ -287,7 +287,8 @@ def _until(holds: Callable[[np.ndarray], np.ndarray], low: float, high: float) -
 def _wells(energy: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> Iterator[float]:
     """Yield where an energy is least along states of a number, its last one included, its first not."""
     u = energy(x)
-    for i in np.flatnonzero((u[1:] <= u[:-1]) & (u[1:] <= np.r_[u[2:], np.inf])) + 1:
+    falls, rises = u[1:] <= u[:-1], u[1:] <= np.r_[u[2:], np.inf]
+    for i in (np.flatnonzero(falls & rises) + 1).tolist():
         low, high = float(x[i - 1]), float(x[min(i + 1, len(x) - 1)])
         for _ in range(12):
             some = np.linspace(low, high, PARTS + 1)

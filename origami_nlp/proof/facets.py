@@ -30,7 +30,7 @@ TOGETHER = 2.0**-30
 """Width of theta within which facets are asked of the state at a fold limit [rad]."""
 
 
-class Touch(NamedTuple):
+class FacetTouch(NamedTuple):
     """Two polygons that meet: g = sign det(x1 - x0, x2 - x0, x3 - x0) > 0 where they are apart; corners by places."""
 
     polygons: tuple[int, int]
@@ -220,12 +220,12 @@ class Placed:
                     return True
         return False
 
-    def gap(self, touch: Touch) -> Any:
+    def gap(self, touch: FacetTouch) -> Any:
         """Return g."""
         x = [self.x[p][k] for p, k in touch.corners]
         return touch.sign * _det(*(_minus(p, x[0]) for p in x[1:]))
 
-    def _rate(self, touch: Touch) -> Any:
+    def _rate(self, touch: FacetTouch) -> Any:
         """Return g'."""
         x, r = ([z[p][k] for p, k in touch.corners] for z in (self.x, self.rate))
         u, v = ([_minus(p, z[0]) for p in z[1:]] for z in (x, r))
@@ -233,7 +233,7 @@ class Placed:
             _det(*(v[j] if i == j else u[j] for j in range(3))) for i in range(3)
         )
 
-    def _touch(self, a: int, b: int) -> Touch | None:
+    def _touch(self, a: int, b: int) -> FacetTouch | None:
         """Return the corners with which two polygons meet, if they are certain."""
         far, i, j = min(_nearest(self.middle[a], self.middle[b]))
         if not np.isfinite(far):
@@ -242,7 +242,7 @@ class Placed:
             return self._corner_on_facet(a, b, i)
         return self._corner_on_facet(b, a, j) if i == -1 else self._edge_on_edge(a, b, i, j)
 
-    def _corner_on_facet(self, a: int, b: int, i: int) -> Touch | None:
+    def _corner_on_facet(self, a: int, b: int, i: int) -> FacetTouch | None:
         """Return how corner i of polygon a meets b, if its others are on one side and a side at it goes through."""
         x, y = self.x[a], self.x[b]
         others = {sign_of(_height(y, p)) for k, p in enumerate(x) if k != i}
@@ -251,9 +251,9 @@ class Placed:
             return None
         n = len(y)
         corners = ((b, 0), (b, n // 3), (b, 2 * n // 3), (a, i))
-        return Touch((a, b), corners, others.pop())
+        return FacetTouch((a, b), corners, others.pop())
 
-    def _edge_on_edge(self, a: int, b: int, i: int, j: int) -> Touch | None:
+    def _edge_on_edge(self, a: int, b: int, i: int, j: int) -> FacetTouch | None:
         """Return how side i of polygon a meets side j of b, if both lie beyond and one goes through beside it."""
         x, y = self.x[a], self.x[b]
         i2, j2 = (i + 1) % len(x), (j + 1) % len(y)
@@ -271,7 +271,7 @@ class Placed:
         if ends[0] * ends[1] >= 0 or turn != {sign}:
             return None
         # det(x1 - x0, y1 - y0, y0 - x0) = det(x1 - x0, y1 - x0, y0 - x0)
-        return Touch((a, b), ((a, i), (a, i2), (b, j2), (b, j)), sign)
+        return FacetTouch((a, b), ((a, i), (a, i2), (b, j2), (b, j)), sign)
 
     def _parted(self, pair: tuple[int, int], flat: int, fold: int) -> bool:
         """Return whether one of two facets that come to lie on each other is between two polygons, until they do.

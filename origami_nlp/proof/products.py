@@ -76,10 +76,6 @@ class FoldingSheet:
         self.quantities = [q + equal.slack for q in equal.known]
         self.deviation, self.unsure = equal.deviation, ""
 
-    def search(self, contact: bool, budget: Budget) -> ProductSearch:
-        """Return the search for minima within fold limits."""
-        return ProductSearch(self, budget)
-
     def _cross(self, one: VertexRound, equal: Equal) -> Cross:
         a = one.sectors
         equal.deviates(a[0] + a[2] - arb.pi())
@@ -230,7 +226,7 @@ def _fold(m: Any, side: int, t: Any) -> Any:
     return side * arb.pi() - 2 * (t / m).atan() if side else 2 * (m * t).atan()
 
 
-class Chart(Curve):
+class GroupChart(Curve):
     """An energy in T, or near a side of 180 degrees in 1/T."""
 
     def __init__(self, energy: GroupEnergy, side: int) -> None:
@@ -309,7 +305,7 @@ class ProductSearch:
         energy, zeros = GroupEnergy(self.sheet, group), list[tuple[int, Any]]()
         for side, low, high in ((0, -1.0, 1.0), (-1, -1.0, 0.0), (1, 0.0, 1.0)):
             rests = energy.even and not side
-            known = least(Chart(energy, side), low, high, self.budget, rests)
+            known = least(GroupChart(energy, side), low, high, self.budget, rests)
             self.maxima += known.maxima
             for _, _, why in known.open:
                 self._leave(f"where the energy is least along a curve: {why}")

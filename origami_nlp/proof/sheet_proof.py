@@ -11,8 +11,9 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.facets import why_no_contact_of_quads
-from origami_nlp.proof.products import FoldingSheet, as_folding
-from origami_nlp.proof.quads import QuadSheet, as_quads
+from origami_nlp.proof.products import FoldingSheet, ProductSearch, as_folding
+from origami_nlp.proof.quad_states import QuadSheet, as_quads
+from origami_nlp.proof.quads import QuadSearch
 from origami_nlp.proof.sheets import SheetMinimum, flat_sheet, precision
 from origami_nlp.proof.slopes import Budget
 
@@ -193,7 +194,11 @@ def prove_sheet(
         raise OptionError(f"pattern = {pattern.title}: its contact cannot be proved: {why}")
     budget = Budget(boxes, lambda: time.monotonic() > until)
     with precision():
-        search = sheet.search(contact, budget)
+        search = (
+            ProductSearch(sheet, budget)
+            if isinstance(sheet, FoldingSheet)
+            else QuadSearch(sheet, contact, budget)
+        )
         search.run()
     return SheetProof(
         folds_flat=sheet.folds_flat,

@@ -61,7 +61,7 @@ class Crossing(Exception):
         self.at_end = at_end
 
 
-class Piece(NamedTuple):
+class CurvePiece(NamedTuple):
     """An interval: its kind, the sign of U' (of U'' of `BEND`), that of the slopes of gaps, and their names."""
 
     low: float
@@ -71,7 +71,7 @@ class Piece(NamedTuple):
     way: int = 0
     gaps: tuple[Any, ...] = ()
 
-    def joins(self, other: Piece) -> bool:
+    def joins(self, other: CurvePiece) -> bool:
         """Return whether both say the same."""
         return self.kind != HELD and self[2:] == other[2:]
 
@@ -112,7 +112,7 @@ class Least:
 def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = False) -> Least:
     """Find where the energy of a curve is least between two numbers, from 0 on where U' is 0 there, if it `rests`."""
     found = Least()
-    pieces: list[Piece] = []
+    pieces: list[CurvePiece] = []
     for one in _pieces(curve, low, high, budget):
         if pieces and pieces[-1].joins(one):
             pieces[-1] = pieces[-1]._replace(high=one.high)
@@ -142,7 +142,7 @@ def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = F
     return found
 
 
-def _pieces(curve: Curve, low: float, high: float, budget: Budget) -> Iterator[Piece]:
+def _pieces(curve: Curve, low: float, high: float, budget: Budget) -> Iterator[CurvePiece]:
     front = [(low, high, 0)]
     while front:
         a, b, depth = front.pop()
@@ -152,16 +152,16 @@ def _pieces(curve: Curve, low: float, high: float, budget: Budget) -> Iterator[P
         if piece is not None:
             yield piece
         elif over or depth == DEPTH or middle in (a, b):
-            yield Piece(a, b, OPEN)
+            yield CurvePiece(a, b, OPEN)
         else:
             front += [(middle, b, depth + 1), (a, middle, depth + 1)]
 
 
-def _piece(curve: Curve, a: float, b: float) -> Piece | None:
+def _piece(curve: Curve, a: float, b: float) -> CurvePiece | None:
     """Return what is known of an interval; None: it is to be halved."""
     box = curve.over(arb(a).union(arb(b)))
     if box is None or any(value < 0 for value, _ in box.gaps.values()):
-        return Piece(a, b, GONE)
+        return CurvePiece(a, b, GONE)
     met = {name: gap for name, gap in box.gaps.items() if not gap[0] > 0}
     slope, bend = sign_of(box.first), sign_of(box.second)
     if not (slope or (bend and not met)):
@@ -169,16 +169,16 @@ def _piece(curve: Curve, a: float, b: float) -> Piece | None:
     try:
         touching = curve.facets(box, a, b, tuple(met))
     except Crossing as crossing:
-        return Piece(a, b, GONE, gaps=(crossing.at_end,) * crossing.at_end)
+        return CurvePiece(a, b, GONE, gaps=(crossing.at_end,) * crossing.at_end)
     if touching is None:
         return None
     met |= touching
     if not met:
-        return Piece(a, b, SLOPE, slope) if slope else Piece(a, b, BEND, bend)
+        return CurvePiece(a, b, SLOPE, slope) if slope else CurvePiece(a, b, BEND, bend)
     ways = {sign_of(rate) for _, rate in met.values()}
     if not slope or len(ways) > 1 or 0 in ways:
         return None
-    return Piece(a, b, HELD, slope, ways.pop(), tuple(met))
+    return CurvePiece(a, b, HELD, slope, ways.pop(), tuple(met))
 
 
 def _slope(curve: Curve, x: float) -> int:

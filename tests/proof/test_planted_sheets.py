@@ -10,12 +10,14 @@ from origami_nlp.proof import (
     check_proof,
     products,
     prove_sheet,
+    quad_states,
     quads as quad_sheets,
     slopes,
 )
 from origami_nlp.proof.facets import Facets, Placed
 from origami_nlp.proof.products import FoldingSheet, ProductSearch
-from origami_nlp.proof.quads import QuadCurve, QuadSheet, QuadVertex
+from origami_nlp.proof.quad_states import QuadSheet, QuadVertex
+from origami_nlp.proof.quads import QuadCurve
 from tests.independent.strips import StripInContact, StripOfHinges
 from tests.patterns import strip
 from tests.proof.test_hinges_along_curves import drawn
@@ -106,12 +108,13 @@ def with_a_sign_across_wrong(patch):
 
 
 def without_remainders(patch):
-    true = quad_sheets.narrowed
+    true = quad_states.narrowed
 
     def narrowed(box, at, away):
         return true(arb_series([*(box[j] for j in range(3)), 0], 4), at, 1e-6 * away)
 
-    patch.setattr(quad_sheets, "narrowed", narrowed)
+    for module in (quad_states, quad_sheets):
+        patch.setattr(module, "narrowed", narrowed)
 
 
 def with_bends_of_the_other_sign(patch):
