@@ -70,7 +70,7 @@ paper cone branch --flaps mvv --elevation 0.2
 paper cone foldings --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""
-EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh"}
+EXTRAS = {"design": "clarabel", "minima.glb": "trimesh"}
 """What a word in a command needs beside the core."""
 WRITTEN = ("-o", "--certificate")
 """Options that are followed by a file."""

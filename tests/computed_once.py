@@ -24,7 +24,7 @@ from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
 from origami_nlp.problem import Model
-from origami_nlp.proof import prove_mesh, prove_quad_mesh
+from origami_nlp.proof import prove_sheet
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -114,7 +114,7 @@ def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
     return ask
 
 
-prove_quad_mesh, prove_mesh = by_pattern(prove_quad_mesh), by_pattern(prove_mesh)
+prove_sheet = by_pattern(prove_sheet)
 """As tests of proofs and of their check ask, and searches: each sheet is proved once a run."""
 
 

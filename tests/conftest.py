@@ -65,8 +65,7 @@ def _once_a_scene(_folder_of_the_run):
         windings = importlib.import_module("origami_nlp.minima.windings")
         patch.setattr(windings, "with_escapes", computed_once.by_minima(windings.with_escapes))
         proved = importlib.import_module("origami_nlp.pattern_states.proved")
-        for name in ("prove_quad_mesh", "prove_mesh"):
-            patch.setattr(proved, name, getattr(computed_once, name))
+        patch.setattr(proved, "prove_sheet", computed_once.prove_sheet)
         find = importlib.import_module("origami_nlp.pattern_states.find")
         patch.setattr(find, "with_escapes", computed_once.by_states(find.with_escapes))
         yield

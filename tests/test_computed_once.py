@@ -70,7 +70,7 @@ def test_a_shared_search_of_a_pattern_is_that_of_its_springs():
     sheet = examples.pattern("metasheet", 2, 2)
     stiffer = sheet.with_springs([math.nextafter(sheet.stiffness[0], 1), *sheet.stiffness[1:]])
     with pytest.MonkeyPatch.context() as patch:
-        for owner, name in ((proved, "prove_quad_mesh"), (find, "with_escapes")):
+        for owner, name in ((proved, "prove_sheet"), (find, "with_escapes")):
             patch.setattr(owner, name, getattr(owner, name).__wrapped__)
         fresh = find_minima(sheet, starts=1)
     shared = [find_minima(one, starts=1) for one in (sheet, sheet, stiffer)]

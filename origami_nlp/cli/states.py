@@ -105,18 +105,14 @@ def minima(
 
 def _check_provable(pattern: Any, file: str, contact: str) -> None:
     """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh
+    from origami_nlp.proof import why_no_sheet
 
     pattern.check_plain_hinges("--certificate")
-    flat, other = why_no_mesh(pattern), why_no_quad_mesh(pattern)
-    if flat and other:
-        raise OptionError(
-            f"--certificate = {file!r}: the list of a pattern is proved of meshes "
-            f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
-        )
+    if why := why_no_sheet(pattern):
+        raise OptionError(f"--certificate = {file!r}: the list of a pattern is not proved: {why}")
     if contact == "full":
         raise OptionError(
-            "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
+            "--certificate: the check knows sheets within fold limits; it is written for --contact fold-limits"
         )
 
 
@@ -128,28 +124,19 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     if found is None or not found.boxes:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
-    if not result.is_pattern:
-        made: Any = proof.certificate_of_scene(result.scene, found.boxes)
-    else:
-        generic = not proof.why_no_quad_mesh(result.pattern)
-        prove = proof.prove_quad_mesh if generic else proof.prove_mesh
-        mesh = prove(result.pattern, boxes=found.boxes)
-        made = proof.certificate_of_mesh(result.pattern, mesh, generic=generic)
-    proof.write_certificate(made, file)
+    origami = result.pattern if result.is_pattern else result.scene
+    proof.write_certificate(proof.certify(origami, found.boxes), file)
 
 
 @writes("json")
 def check_proof(out: Output, proof: str = o.PROOF) -> int:
-    """Check a proof that the list of minima of a mesh is complete, claim by claim, in ball arithmetic.
+    """Check the proof of a list of minima of a sheet: a second program, with shared lemmas, finds the list again.
 
-    Exit code 1 if a claim is not confirmed: the first one is named.
+    Exit code 1 if a state is not found again, or another one is: the first one is named.
     """
-    from origami_nlp.proof import MeshCertificate, check_proof as check, read_certificate
+    from origami_nlp.proof import check_proof as check
 
-    certificate = read_certificate(proof)
-    size = len(certificate.minima) if isinstance(certificate, MeshCertificate) else 0
-    with progress(f"check of {proof}", size) as report:
-        found = check(certificate, lambda done, total: report(done, total))
+    found = check(proof)
     out.say("\n".join(found.lines))
     out.write("json", found.to_dict)
     return Ended.NO if found.refused else Ended.DONE

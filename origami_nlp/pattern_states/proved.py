@@ -18,14 +18,12 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.judgement import judge, judge_end
 from origami_nlp.proof import (
-    MeshProof,
     ProofOptions,
     SheetProof,
-    prove_mesh,
-    prove_quad_mesh,
+    as_sheet,
+    prove_sheet,
     why_no_contact,
-    why_no_mesh,
-    why_no_quad_mesh,
+    why_no_sheet,
 )
 
 FEW = 2
@@ -44,9 +42,10 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     # before its sectors are read, which takes seconds for thousands of vertices
     if many > FEW_ROUND:
         return False
-    if not why_no_quad_mesh(pattern):
-        return many <= (FEW if contact else FEW_ROUND)
-    return many <= FEW and not contact and not why_no_mesh(pattern)
+    sheet, _ = as_sheet(pattern)
+    if sheet is None or (contact and sheet.folds_flat):
+        return False
+    return many <= (FEW if contact or sheet.folds_flat else FEW_ROUND)
 
 
 def covers(pattern: Pattern, contact: bool) -> bool:
@@ -54,7 +53,8 @@ def covers(pattern: Pattern, contact: bool) -> bool:
 
     Meshes that need not fold flat are searched as well: their curves say what it takes to leave a state.
     """
-    return not contact and not why_no_mesh(pattern)
+    sheet, _ = as_sheet(pattern)
+    return sheet is not None and sheet.folds_flat and not contact
 
 
 def prove_list(
@@ -86,9 +86,7 @@ def prove_list(
     added : list of JudgedState
         What the proof found, and was judged.
     """
-    flat, generic = why_no_mesh(pattern), why_no_quad_mesh(pattern)
-    if flat and generic:
-        why = f"no mesh that folds flat: {flat}; no other mesh: {generic}"
+    if why := why_no_sheet(pattern):
         return Completeness("not-proved", why), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
     if wanted is None:
@@ -97,12 +95,9 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
-    if generic:
-        mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
-        return hold_against(mesh, problem, known, contact)
     facets = contact and not why_no_contact(pattern)
-    quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
-    return hold_against(quads, problem, known, contact)
+    proof = prove_sheet(pattern, contact=facets, boxes=options.boxes, until=until)
+    return hold_against(proof, problem, known, contact)
 
 
 def hold_against(
@@ -162,13 +157,9 @@ def hold_against(
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
-        if isinstance(proof, MeshProof):
-            why = "contact of meshes that fold flat is not proved"
-        else:
-            why = why_no_contact(problem.pattern)
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
-            f"{why}: states that touching facets hold are not enumerated"
+            f"{why_no_contact(problem.pattern)}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(

@@ -1,215 +1,188 @@
-"""A proof as a file: what it claims, in JSON that another program can read.
+"""A proof as a file: what was asked, the list, what stays open and what is proved, in JSON that others can read.
 
-Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
-doubles; the two must agree. ``others``: documents of the same form for states that wind more often. ``points``,
-``singular``, ``undecided``: lists of objects with the names below. Nothing in a file is evaluated.
+Schema ``origami-nlp/proof/2``: a ``scene``, the tables of a scene file, or a ``sheet``; all numbers are the doubles
+that were proved.  Nothing in a file is evaluated.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
-from origami_nlp.errors import CertificateError
+from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
-from origami_nlp.pattern import Scene
-from origami_nlp.proof.mesh_certificate import (
-    MESH_SCHEMA,
-    MeshCertificate,
-    mesh_from_dict,
-    mesh_to_dict,
-)
+from origami_nlp.pattern import Pattern, Scene, in_plane
+from origami_nlp.problem import Model
+from origami_nlp.proof.options import ProofOptions
+from origami_nlp.proof.sheet_proof import prove_sheet
+from origami_nlp.proof.touches import prove
 
-SCHEMA = "origami-nlp/proof/1"
+SCHEMA = "origami-nlp/proof/2"
 LARGEST = 1_000_000_000
 """Bytes of a file."""
 
-Sign: TypeAlias = Literal[-1, 0, 1]
-
 
 @dataclass(frozen=True)
-class CertifiedPoint:
-    """A critical point that is claimed: it exists, and is alone in its box.
+class StatedSheet:
+    """A flat sheet with springs, the doubles of the pattern.
 
     Attributes
     ----------
-    x
-        Fold angles, shape [N] [rad].
-    stratum
-        Sign of each pinned crease, 0 where free, shape [N].
-    moment
-        m with k_i (x_i - rest_i) = m . c_i at free creases, shape [number of closure equations].
-    radius
-        The true one is within so much of `x` (largest difference) [rad].
-    unique_radius
-        No other of its stratum is within so much of `x` [rad].
-    index
-        Negative directions of the energy's Hessian on the stratum; None: not claimed.
-    pinned_signs
-        At pinned creases, -1 if it pushes against its limit, +1 if it would leave, 0 if not claimed; 0 at free ones.
-    energy
-        U.
-    is_minimum
-        True, False, or None: not claimed.
+    corners, facets, creases
+        Points [V], corners of each facet, corners that each crease joins [n].
+    stiffness, rest
+        Of the creases, [n] [N m/rad] and [rad].
+    deviation
+        By how much these corners differ at most from a sheet whose equal sectors are equal exactly, and whose vertices
+        fold flat if they do so nearly, which is meant [rad].
     """
 
-    x: tuple[Finite, ...]
-    stratum: tuple[Sign, ...]
-    moment: tuple[Finite, ...]
+    corners: tuple[tuple[Finite, Finite], ...]
+    facets: tuple[tuple[int, ...], ...]
+    creases: tuple[tuple[int, int], ...]
+    stiffness: tuple[Finite, ...]
+    rest: tuple[Finite, ...]
+    deviation: Finite
+
+
+@dataclass(frozen=True)
+class CertifiedState:
+    """A minimum: fold angles [rad] to within a radius."""
+
+    fold_angles: tuple[Finite, ...]
     radius: Finite
-    unique_radius: Finite
-    index: int | None
-    pinned_signs: tuple[Sign, ...]
-    energy: Finite
-    is_minimum: bool | None
 
 
 @dataclass(frozen=True)
-class UndecidedBox:
-    """A box that the proof leaves open.
-
-    Attributes
-    ----------
-    lower, upper
-        Its ends, shape [N] [rad].
-    stratum
-        Sign of each pinned crease, 0 where free.
-    reason
-        In words.
-    """
+class OpenRegion:
+    """What is left open: fold angles [rad] between two states, and why."""
 
     lower: tuple[Finite, ...]
     upper: tuple[Finite, ...]
-    stratum: tuple[Sign, ...]
     reason: str
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a proof claims of a scene.
+    """What a proof claims.
 
     Attributes
     ----------
-    scene
-        The scene.
-    r0
-        Radius [rad] around the flat state within which there is no other critical point; 0.0 where that is not claimed.
-    points
-        Critical points.
-    singular, undecided
-        What is left open: states of dependent axes, and all else.
-    others
-        The same for states that wind more than once round the axis of their symmetry, each with a scene that says how
-        often.
+    over
+        Over which states, in words.
+    minima
+        All of them, within fold limits.
+    undecided
+        What is left open.
+    scene, sheet
+        Of what: one of them.
     """
 
-    scene: Scene
-    r0: float
-    points: tuple[CertifiedPoint, ...]
-    singular: tuple[UndecidedBox, ...]
-    undecided: tuple[UndecidedBox, ...]
-    others: tuple[Certificate, ...] = ()
+    over: str
+    minima: tuple[CertifiedState, ...]
+    undecided: tuple[OpenRegion, ...]
+    scene: Scene | None = field(default=None, metadata={"omit": True})
+    sheet: StatedSheet | None = field(default=None, metadata={"omit": True})
 
 
-@dataclass(frozen=True)
-class _Document:
-    """What a file holds, but its schema."""
-
-    scene: Scene
-    exact: dict[str, tuple[str, ...]]
-    r0: Finite
-    points: tuple[CertifiedPoint, ...]
-    singular: tuple[UndecidedBox, ...]
-    undecided: tuple[UndecidedBox, ...]
-    others: tuple[_Document, ...] = field(default=(), metadata={"omit": True})
-
-
-def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
-    """Write a certificate as plain data.
+def certify(origami: Scene | Pattern, boxes: int) -> Certificate:
+    """Prove the list of an origami within fold limits, in the form that is written to a file.
 
     Parameters
     ----------
-    certificate
-        The certificate.
+    origami
+        A scene, or a sheet of which `why_no_sheet` says nothing.
+    boxes
+        That a proof may take.
 
     Returns
     -------
-    dict
-        Of schema ``origami-nlp/proof/1``.
+    Certificate
+        Of all windings of a scene.
+
+    Raises
+    ------
+    OptionError
+        If facets may touch, a facet is of several pieces, or a sheet has stops or hinge laws: the check knows none.
     """
-    return {"schema": SCHEMA, **to_plain(_document(certificate))}
+    return _of_scene(origami, boxes) if isinstance(origami, Scene) else _of_sheet(origami, boxes)
 
 
-def _document(certificate: Certificate) -> _Document:
-    return _Document(
-        certificate.scene,
-        _exact(certificate.scene),
-        certificate.r0,
-        certificate.points,
-        certificate.singular,
-        certificate.undecided,
-        tuple(map(_document, certificate.others)),
+def _of_scene(scene: Scene, boxes: int) -> Certificate:
+    if scene.contact == "full":
+        raise OptionError(
+            "a certificate names no touches of facets: it is for contact = 'fold-limits'"
+        )
+    minima, undecided, flat = [], [], []
+    for one in scene.of_each_winding:
+        model = Model(one)
+        proof = prove(model, options=ProofOptions(boxes=boxes))
+        variable = model.variable_of_crease
+
+        def creases(x: tuple[float, ...], of: Any = variable) -> tuple[float, ...]:
+            return tuple(x[v] for v in of)
+
+        flat.append(proof.flat)
+        minima += [CertifiedState(creases(p.x), p.radius) for p in proof.minima]
+        undecided += [
+            OpenRegion(creases(c.lower), creases(c.upper), c.reason)
+            for c in (*proof.singular, *proof.undecided)
+        ]
+    over = f"all closed states within fold limits, in boxes of fold angles; flat: {'; '.join(flat)}"
+    return Certificate(over, tuple(minima), tuple(undecided), scene=scene)
+
+
+def _of_sheet(pattern: Pattern, boxes: int) -> Certificate:
+    pattern.check_plain_hinges("the certificate of a sheet")
+    if len(pattern.polygons) != pattern.facets:
+        raise OptionError(
+            f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
+        )
+    proof = prove_sheet(pattern, boxes=boxes)
+    sheet = StatedSheet(
+        corners=tuple((x, y) for x, y in in_plane(pattern).tolist()),
+        facets=tuple(tuple(map(int, p)) for p in pattern.polygons),
+        creases=tuple((a, b) for a, b in pattern.ends.tolist()),
+        stiffness=tuple(pattern.stiffness.tolist()),
+        rest=tuple(pattern.rest.tolist()),
+        deviation=proof.deviation,
+    )
+    return Certificate(
+        proof.over,
+        tuple(CertifiedState(tuple(m.fold_angles.tolist()), m.radius) for m in proof.minima),
+        tuple(
+            OpenRegion(tuple(low.tolist()), tuple(high.tolist()), why)
+            for low, high, why in proof.undecided
+        ),
+        sheet=sheet,
     )
 
 
-def write_certificate(certificate: Certificate | MeshCertificate, target: str | Path) -> None:
-    """Write a certificate to a file, whole or not at all.
-
-    Parameters
-    ----------
-    certificate
-        Of a vertex or of a mesh.
-    target
-        The file, or ``"-"`` for standard output.
+def write_certificate(certificate: Certificate, target: str | Path) -> None:
+    """Write a certificate to a file, or ``"-"`` for standard output, whole or not at all.
 
     Raises
     ------
     OptionError
         If it cannot be written.
     """
-    if isinstance(certificate, MeshCertificate):
-        write_json(mesh_to_dict(certificate), target)
-    else:
-        write_json(certificate_to_dict(certificate), target)
+    write_json({"schema": SCHEMA, **to_plain(certificate)}, target)
 
 
-def read_certificate(source: str | Path) -> Certificate | MeshCertificate:
-    """Read a certificate from a file.
-
-    Parameters
-    ----------
-    source
-        The file, or ``"-"`` for standard input.
-
-    Returns
-    -------
-    Certificate or MeshCertificate
-        Of a vertex or of a mesh: well formed, nothing in it is checked.
+def read_certificate(source: str | Path) -> Certificate:
+    """Read a certificate from a file, or ``"-"`` for standard input: well formed, nothing in it is checked.
 
     Raises
     ------
     CertificateError
         If it cannot be read or is not one.
     """
-    data = read_json(source, LARGEST, "proof", CertificateError)
-    if isinstance(data, dict) and data.get("schema") == MESH_SCHEMA:
-        return mesh_from_dict(data)
-    return certificate_from_dict(data)
+    return certificate_from_dict(read_json(source, LARGEST, "proof", CertificateError))
 
 
 def certificate_from_dict(data: Any) -> Certificate:
     """Make a certificate of plain data.
-
-    Parameters
-    ----------
-    data
-        As `certificate_to_dict` writes it.
-
-    Returns
-    -------
-    Certificate
-        The certificate.
 
     Raises
     ------
@@ -218,38 +191,27 @@ def certificate_from_dict(data: Any) -> Certificate:
     """
     check_schema(data, SCHEMA, "proof", CertificateError)
     own = {key: value for key, value in data.items() if key != "schema"}
-    return _certificate(from_plain(_Document, own, "proof", CertificateError))
+    said = from_plain(Certificate, own, "proof", CertificateError)
+    if (said.scene is None) == (said.sheet is None):
+        raise CertificateError("the proof must be of a scene or of a sheet")
+    n = len(said.sheet.creases) if said.sheet else said.scene.degree  # type: ignore[union-attr]
+    sizes = [("minima", "fold_angles", said.minima), ("undecided", "lower", said.undecided)]
+    sizes += [("undecided", "upper", said.undecided)]
+    many = [
+        (f"{a}[{i}].{key}", getattr(x, key)) for a, key, xs in sizes for i, x in enumerate(xs, 1)
+    ]  # type: ignore[var-annotated,arg-type]
+    if said.sheet:
+        many += [(f"sheet.{key}", getattr(said.sheet, key)) for key in ("stiffness", "rest")]
+        _check_corners(said.sheet)
+    for name, values in many:
+        if len(values) != n:
+            raise CertificateError(f"{name} of the proof must be {n} numbers")
+    return said
 
 
-def _certificate(said: _Document) -> Certificate:
-    for name, values in _exact(said.scene).items():
-        if said.exact.get(name) != values:
-            raise CertificateError(f"exact.{name} is not what the scene of the proof says")
-    n = len(set(said.scene.group.orbit))  # variables: one for each orbit of creases
-    for name in ("points", "singular", "undecided"):
-        for i, one in enumerate(getattr(said, name), start=1):
-            for key in ("x", "stratum", "pinned_signs", "lower", "upper"):
-                if len(getattr(one, key, range(n))) != n:
-                    raise CertificateError(f"{name}[{i}].{key} of the proof must be {n} numbers")
-            if not 1 <= len(getattr(one, "moment", "m")) <= 3:
-                raise CertificateError(f"{name}[{i}].moment of the proof must be 3 numbers")
-    others = tuple(map(_certificate, said.others))
-    return Certificate(said.scene, said.r0, said.points, said.singular, said.undecided, others)
-
-
-def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
-    numbers = {
-        "sector_angles": scene.vertex.sector_angles,
-        "stiffness": scene.stiffness,
-        "rest_angles": scene.wound_angles,
-    }
-    if scene.limits:
-        numbers["limits"] = tuple(float(a) for a in scene.limit_angles.T.ravel())
-    for i, law in enumerate(scene.laws, start=1):
-        if law is not None:
-            numbers[f"laws[{i}]"] = tuple(
-                float(v) for v in (*law.breaks, *sum(law.coefficients, ()))
-            )
-    if scene.laws and scene.preload:
-        numbers["preload"] = scene.preload
-    return {name: tuple(v.hex() for v in values) for name, values in numbers.items()}
+def _check_corners(said: StatedSheet) -> None:
+    numbers = [c for row in (*said.facets, *said.creases) for c in row]
+    if not numbers or not 0 <= min(numbers) <= max(numbers) < len(said.corners):
+        raise CertificateError("facets and creases of the proof must be numbers of its corners")
+    if any(len(set(f)) < max(3, len(f)) for f in said.facets):
+        raise CertificateError("facets of the proof must have three corners or more, each once")

@@ -16,11 +16,15 @@ absolute values of these products are bounded by what Horner's rule gives with |
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from flint import arb
 
 from origami_nlp.pattern import HingeLaw
 from origami_nlp.problem import Model
@@ -192,23 +196,6 @@ class LawPieces:
         out[2] += ROUND * size
         return np.asarray(out)
 
-    def slopes(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Bound the slopes between angles: least and most, [2, K]."""
-        first, last = self.touched(low, high)
-        left = self._over(first, low, np.maximum(low, np.minimum(high, self._end(first))))[1]
-        right = self._over(last, np.minimum(high, np.maximum(low, self._begin(last))), high)[1]
-        most = np.maximum(left[1], right[1])
-        least = np.minimum(left[0], right[0])
-        most = np.maximum(most, self._stiffest.largest(first + 1, last - 1))
-        least = np.minimum(least, -self._softest.largest(first + 1, last - 1))
-        return np.array([least, most])
-
-    def _begin(self, piece: np.ndarray) -> np.ndarray:
-        return np.where(piece > 0, self.breaks[piece], -np.inf)
-
-    def _end(self, piece: np.ndarray) -> np.ndarray:
-        return np.where(piece < len(self.c) - 1, self.breaks[piece + 1], np.inf)
-
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torque and slope at angles [...]."""
         piece = np.searchsorted(self.inner, x, side="right")
@@ -224,6 +211,46 @@ class LawPieces:
             near = away <= within * (1 + 4 * UNIT)
             out = out + np.where(near, size / np.maximum(away, np.finfo(float).tiny), 0.0)
         return out
+
+
+class LawBalls:
+    """A law over balls (python-flint): the torque that is meant, and its slopes on both sides of what is a knot."""
+
+    def __init__(self, law: HingeLaw) -> None:
+        self.inner = law.breaks[1:-1]
+        self.pieces = [
+            (arb(b), [arb(v) for v in row])
+            for b, row in zip(law.breaks[:-1], law.coefficients, strict=True)
+        ]
+        self.drift = arb(0, _jumps(law.breaks, law.coefficients)[0])
+
+    def over(self, phi: Any) -> tuple[Any, Any]:
+        """Return the torque and its slope; nothing where the angle is not known."""
+        if not phi.is_finite():
+            return arb.nan(), arb.nan()
+        low, high = (
+            bisect(self.inner, math.nextafter(float(end), way))
+            for bisect, end, way in (
+                (bisect_left, phi.lower(), -math.inf),
+                (bisect_right, phi.upper(), math.inf),
+            )
+        )
+        found = []
+        for k in range(low, high + 1):
+            start, (a, b, c, d) = self.pieces[k]
+            x = phi
+            if k > low or k < high:
+                ends = [
+                    phi.lower() if k == low else start,
+                    phi.upper() if k == high else self.pieces[k + 1][0],
+                ]
+                x = ends[0].union(ends[1])
+            t = x - start
+            found.append((((a * t + b) * t + c) * t + d, (3 * a * t + 2 * b) * t + c))
+        torque, slope = found[0]
+        for one, other in found[1:]:
+            torque, slope = torque.union(one), slope.union(other)
+        return torque + self.drift, slope
 
 
 class LawTorques:

@@ -195,7 +195,7 @@ BAD_CALLS = {
     ),
     "certificate of a pattern": (
         ["minima", "waterbomb:2x2", "--certificate", "a"],
-        "certificate = 'a': the list of a pattern is proved of meshes ",
+        "certificate = 'a': the list of a pattern is not proved: ",
     ),
     "certificate of a mesh with contact": (
         ["minima", "metasheet:3x3", "--effort", "quick", "--certificate", "a"],

@@ -4,15 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from flint import arb
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import HingeLaw, detent, double_well, linear, one_sided, sum_of, well
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import judge
-from origami_nlp.proof import why_no_mesh, why_no_quad_mesh
-from origami_nlp.proof.law_torques import LawPieces
-from tests.computed_once import prove_mesh, prove_quad_mesh
+from origami_nlp.proof import why_no_sheet
+from origami_nlp.proof.law_torques import LawBalls
+from tests.computed_once import prove_sheet
 from tests.independent.strips import StripOfHinges
 from tests.patterns import strip
 
@@ -42,10 +43,6 @@ def drawn(seed, vertices):
     return pattern.with_laws(laws) if seed % 3 and any(laws) else pattern
 
 
-def stops(m):
-    return getattr(m, "stops", ())
-
-
 def at_limit(m):
     return (np.abs(m.fold_angles) == math.pi).any()
 
@@ -56,11 +53,11 @@ def _closest(states, x):
 
 def _against_scan(seed, vertices):
     pattern = drawn(seed, vertices)
-    proof = prove_quad_mesh(pattern)
+    proof = prove_sheet(pattern)
     assert not proof.undecided
     wells = list(StripOfHinges(pattern).wells())
-    held = [m.fold_angles for m in proof.minima if stops(m)]
-    inside = [m.fold_angles for m in proof.minima if not (stops(m) or at_limit(m))]
+    held = [m.fold_angles for m in proof.minima if m.stops]
+    inside = [m.fold_angles for m in proof.minima if not (m.stops or at_limit(m))]
     for phi, stop in wells:
         assert _closest(held if stop else inside, phi) < 1e-7, (seed, stop)
     problem, missing = PatternProblem(pattern), 0
@@ -90,7 +87,7 @@ def test_minima_of_two_hundred_strips():
 def test_a_linear_law_is_a_spring():
     pattern = strip(2, 3, 2)
     laws = [linear(k, r) for k, r in zip(pattern.stiffness, pattern.rest, strict=True)]
-    plain, law = prove_quad_mesh(pattern), prove_quad_mesh(pattern.with_laws(laws))
+    plain, law = prove_sheet(pattern), prove_sheet(pattern.with_laws(laws))
     assert law.boxes == plain.boxes and len(law.minima) == len(plain.minima)
     for one, other in zip(plain.minima, law.minima, strict=True):
         assert np.abs(one.fold_angles - other.fold_angles).max() < 1e-12
@@ -104,37 +101,37 @@ def test_slopes_of_a_law_are_enclosed():
         double_well(2.0, 1.2, 0.1),
         sum_of([linear(1.0, 0.2), detent(0.4, 5, 0.3)]),
     ):
-        pieces = LawPieces(law, 0.0, 1.0)
-        middle, half = rng.uniform(-3, 3, 500), 10.0 ** rng.uniform(-6, 0, 500)
-        least, most = pieces.slopes(middle - half, middle + half)
-        for share in np.linspace(-1, 1, 41):
-            slope = law.slope(np.clip(middle + share * half, law.breaks[0], law.breaks[-1]))
-            inside = np.abs(middle + share * half) < 3.1
-            room = 1e-9 * (1 + np.abs(slope))
-            assert ((least - room <= slope) & (slope <= most + room))[inside].all()
-        width = 6 * np.abs(law.coefficients).max() * half
-        assert (most - least >= -1e-12).all() and (
-            (most - least)[half < 1e-3] < 5 + width[half < 1e-3]
-        ).all()
+        balls = LawBalls(law)
+        for middle, half in zip(
+            rng.uniform(-3, 3, 200), 10.0 ** rng.uniform(-6, 0, 200), strict=True
+        ):
+            torque, slope = balls.over(arb(float(middle), float(half)))
+            x = np.linspace(max(middle - half, -3.1), min(middle + half, 3.1), 41)
+            for ball, values in ((torque, law.torque(x)), (slope, law.slope(x))):
+                room = 1e-9 * (1 + np.abs(values).max())
+                assert float(ball.lower()) - room <= values.min()
+                assert values.max() <= float(ball.upper()) + room
+            if half < 1e-3:
+                assert slope.rad() < 5 + 6 * np.abs(law.coefficients).max() * half
 
 
 def test_a_search_has_the_same_list():
     pattern = drawn(2, 2)
     found = o.find_minima(pattern, contact="fold-limits", prove=True, escape=False)
     assert found.completeness.proved
-    assert len(found.minima) == len(prove_quad_mesh(pattern).minima)
+    assert len(found.minima) == len(prove_sheet(pattern).minima)
 
 
 def test_what_is_not_proved_is_named():
     pattern = strip(0, 3, 2)
     limits = [(0.0, 2.0)] + [(-math.pi, math.pi)] * 6
-    assert "stop at 0 degrees" in why_no_quad_mesh(pattern.with_limits(limits))
+    assert "stop at 0 degrees" in why_no_sheet(pattern.with_limits(limits))
     sheet = o.examples.pattern("miura", 2, 3)
-    assert "stops" in why_no_mesh(sheet.with_limits((-2.0, 2.0)))
+    assert "stops" in why_no_sheet(sheet.with_limits((-2.0, 2.0)))
     bent = sheet.with_laws([linear(1.0, 0.2)] * sheet.creases)
-    assert "hinge laws" in why_no_mesh(bent)
+    assert "hinge laws" in why_no_sheet(bent)
     with pytest.raises(OptionError, match="hinge law"):
-        prove_mesh(bent)
+        prove_sheet(bent)
     found = o.find_minima(bent, contact="fold-limits", prove=True, starts=1, escape=False)
     assert not found.completeness.proved and "hinge laws" in found.completeness.reason
 
@@ -143,9 +140,9 @@ def test_what_is_not_proved_is_named():
 def test_a_stop_where_a_curve_ends_is_no_facet(contact):
     """A crease is at its stop where another one is fully folded, to rounding: asked of stops, not of facets."""
     pattern = strip(3, 3, 2)
-    (end,) = [m.fold_angles for m in prove_quad_mesh(pattern).minima if at_limit(m)]
+    (end,) = [m.fold_angles for m in prove_sheet(pattern).minima if at_limit(m)]
     crease, limits = 5, [(-math.pi, math.pi)] * pattern.creases
     a = float(end[crease])
     limits[crease] = (-math.pi, a) if a > 0 else (a, math.pi)
-    proof = prove_quad_mesh(pattern.with_limits(limits), contact=contact)
+    proof = prove_sheet(pattern.with_limits(limits), contact=contact)
     assert proof.undecided or _closest([m.fold_angles for m in proof.minima], end) < 1e-6

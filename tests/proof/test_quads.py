@@ -1,6 +1,5 @@
 """All minima of meshes that need not fold flat: against scans that place directions, searches and the check."""
 
-import functools
 import math
 from dataclasses import replace
 
@@ -8,16 +7,10 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import CertificateError, OptionError
+from origami_nlp.errors import OptionError
 from origami_nlp.pattern import make_pattern
-from origami_nlp.proof import (
-    certificate_of_mesh,
-    check_proof,
-    prove_quad_mesh,
-    read_certificate,
-    why_no_quad_mesh,
-    write_certificate,
-)
+from origami_nlp.proof import as_sheet, certify, check_proof, why_no_sheet
+from tests.computed_once import prove_sheet
 from tests.independent.quad_scan import scan
 from tests.independent.rigid import Rigid
 
@@ -53,11 +46,10 @@ def half_turns(seed):
     )
 
 
-@functools.cache
 def proved(make, seed):
     """A sheet, and its proof."""
     sheet = make(seed)
-    return sheet, prove_quad_mesh(sheet, boxes=30_000)
+    return sheet, prove_sheet(sheet, boxes=30_000)
 
 
 def rigid_states(pattern, steps):
@@ -82,10 +74,6 @@ def same_states(one, two, within):
     return far.min(axis=0).max() < within and far.min(axis=1).max() < within
 
 
-def without(certificate, k):
-    return replace(certificate, minima=certificate.minima[:k] + certificate.minima[k + 1 :])
-
-
 @pytest.mark.parametrize(
     "seed",
     [
@@ -100,14 +88,13 @@ def test_generic_meshes_have_flat_and_rigid_states_alone(seed):
         return
     assert (proof.curves, proof.maxima, proof.undecided) == (0, 0, ())
     flat, beside = proof.minima[-1], [m.fold_angles for m in proof.minima[:-1]]
-    assert not flat.fold_angles.any() and proof.rigid == len(beside)
+    assert not flat.fold_angles.any() and proof.alone == len(beside)
     rigid = Rigid(sheet)
     for minimum in proof.minima:
         assert np.abs(rigid.open(minimum.fold_angles)).max() < 1e-9
         assert minimum.radius < 1e-9
     assert same_states(beside, rigid_states(sheet, 60_000 if seed == 37 else 6_000), 1e-3)
-    found = check_proof(certificate_of_mesh(sheet, proof, generic=True))
-    assert found.lines[0].startswith("checked: complete")
+    assert not check_proof(certify(sheet, 30_000)).refused
 
 
 @pytest.mark.parametrize(
@@ -115,7 +102,7 @@ def test_generic_meshes_have_flat_and_rigid_states_alone(seed):
 )
 def test_half_turns_of_a_quadrangle_have_two_curves(seed):
     sheet, proof = proved(half_turns, seed)
-    assert (proof.curves, proof.rigid, proof.undecided) == (2, 0, ())
+    assert (proof.curves, proof.alone, proof.undecided) == (2, 0, ())
     theta = np.linspace(1e-4, 0.5 * math.pi - 1e-9, 8_000)
     energies = []
     for half, off in scan(sheet, theta):
@@ -129,8 +116,7 @@ def test_half_turns_of_a_quadrangle_have_two_curves(seed):
         energies += total[(wall[1:-1] < wall[:-2]) & (wall[1:-1] < wall[2:])].tolist()
     listed = sorted(sheet.energy(m.fold_angles) for m in proof.minima)
     assert np.allclose(listed, sorted(energies), rtol=1e-4)
-    found = check_proof(certificate_of_mesh(sheet, proof, generic=True))
-    assert found.lines[0].startswith("checked: complete")
+    assert not check_proof(certify(sheet, 30_000)).refused
 
 
 @pytest.mark.parametrize(
@@ -143,81 +129,29 @@ def test_a_search_says_that_its_list_is_proved(sheet):
     assert len(result.minima) == 3
 
 
-@pytest.mark.parametrize(
-    ("make", "seed", "k"),
-    [
-        (quads, 28, 1),
-        (half_turns, 0, 0),
-        *(pytest.param(quads, 28, k, marks=pytest.mark.slow) for k in (0, 2)),
-        pytest.param(half_turns, 0, 1, marks=pytest.mark.slow),
-    ],
-)
-def test_omissions_are_refused(make, seed, k):
-    said = certificate_of_mesh(*proved(make, seed), generic=True)
-    assert "a minimum is not listed" in check_proof(without(said, k)).lines[0]
-
-
-def wrong_certificates(said):
-    """Other sheets and states, by name; some are seen before anything is enumerated."""
-    first, *rest = said.minima
-    off = replace(first, fold_angles=tuple(a + 1e-5 for a in first.fold_angles))
-    moved = tuple((x + 1e-6 * (i == 5), y) for i, (x, y) in enumerate(said.corners))
-    return {
-        "corners": replace(said, corners=moved),
-        "wide": replace(said, minima=(replace(first, radius=1.0), *rest)),
-        "folds flat": replace(said, generic=False),
-        "facets": replace(said, facets=said.facets[:-1]),
-        "off": replace(said, minima=(off, *rest)),
-        "twice": replace(said, minima=(*said.minima, off)),
-        "springs": replace(said, stiffness=said.stiffness[::-1]),
-    }
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        "wide",
-        "folds flat",
-        "facets",
-        "off",
-        *(pytest.param(w, marks=pytest.mark.slow) for w in ("corners", "twice", "springs")),
-    ],
-)
-def test_other_sheets_and_states_are_refused(wrong):
-    said = wrong_certificates(certificate_of_mesh(*proved(half_turns, 0), generic=True))[wrong]
-    assert check_proof(said).lines[0].startswith("refused")
-
-
-def test_a_certificate_survives_its_file(tmp_path):
-    said = certificate_of_mesh(*proved(quads, 28), generic=True)
-    write_certificate(said, tmp_path / "proof.json")
-    assert read_certificate(tmp_path / "proof.json") == said
-    with pytest.raises(CertificateError):
-        read_certificate(__file__)
-
-
 def test_rigid_states_hold_within_stops():
     sheet, free = proved(quads, 28)
     crease = int(np.argmax(free.minima[0].fold_angles))
     limits = [(-math.pi, math.pi)] * sheet.creases
     limits[crease] = (-math.pi, 0.99 * free.minima[0].fold_angles[crease])
     # of the two mirror images one is beyond the stop
-    proof = prove_quad_mesh(sheet.with_limits(limits))
-    assert (free.rigid, proof.rigid, proof.undecided) == (2, 1, ())
+    proof = prove_sheet(sheet.with_limits(limits))
+    assert (free.alone, proof.alone, proof.undecided) == (2, 1, ())
     with pytest.raises(OptionError, match="limits"):
-        certificate_of_mesh(sheet.with_limits(limits), proof, generic=True)
+        certify(sheet.with_limits(limits), 1000)
 
 
 def test_time_that_is_over_leaves_all_open():
-    proof = prove_quad_mesh(quads(28), boxes=100)
+    proof = prove_sheet(quads(28), boxes=100)
     assert proof.undecided and len(proof.minima) == 1
 
 
-def test_what_is_no_such_mesh_is_named():
-    assert "four creases" in why_no_quad_mesh(o.examples.pattern("waterbomb", 2, 2))
-    assert "folds flat" in why_no_quad_mesh(o.examples.pattern("miura", 3, 3))
-    with pytest.raises(OptionError, match="no mesh that can be proved"):
-        prove_quad_mesh(o.examples.pattern("miura", 3, 3))
+def test_what_is_no_such_sheet_is_named():
+    assert not as_sheet(quads(28))[0].folds_flat
+    far = quads(0, 5, 4)
+    assert why_no_sheet(far) == "" and "(at most 12)" in why_no_sheet(quads(0, 5, 5))
+    with pytest.raises(OptionError, match="no sheet that can be proved"):
+        prove_sheet(o.examples.pattern("waterbomb", 2, 2))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -227,7 +161,7 @@ def test_a_stop_that_excludes_the_flat_state_excludes_it(seed):
     free = ((-math.pi, math.pi),) * sheet.creases
     for k, stop in ((2, (0.3, math.pi)), (0, (-math.pi, -0.1)), (3, (-1.0, math.pi))):
         held = replace(sheet, limits=(*free[:k], stop, *free[k + 1 :]))
-        proof = prove_quad_mesh(held, boxes=30_000)
+        proof = prove_sheet(held, boxes=30_000)
         listed = [m for m in proof.minima if not np.any(m.fold_angles)]
         assert len(listed) == (stop[0] <= 0 <= stop[1]) and not proof.undecided
         low, high = held.limit_angles

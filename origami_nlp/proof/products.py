@@ -1,0 +1,388 @@
+"""All minima of a sheet whose vertices fold flat, with cycles or without: opposite sectors sum to 180 degrees.
+
+Round a flat vertex with creases 1..4 and sectors a_1 + a_3 = pi = a_2 + a_4 the law of cosines across says phi_3 =
++-phi_1 and phi_4 = +-phi_2, and the product of the four unit quaternions that either phi_3 = phi_1 and phi_4 = -phi_2
+(sign 1), or phi_3 = -phi_1 and phi_4 = phi_2 (sign -1), and
+
+    sin(phi_1/2) cos(phi_2/2) cos((a_1 + a_2)/2) = -cos(phi_1/2) sin(phi_2/2) cos((a_1 - a_2)/2),
+    sin(phi_1/2) cos(phi_2/2) sin((a_1 + a_2)/2) = cos(phi_1/2) sin(phi_2/2) sin((a_1 - a_2)/2)
+
+with these signs, and nothing else.  So |phi| is one along each row of opposite creases.  Each row is first said to be
+0, at +-180 degrees, or neither: every closed state is in one of these 3^rows sets alone.  In each, rows that are
+neither move together in tangents T of half their angles, by multipliers whose product round each loop is 1, and the
+energy is a sum over groups of them.  A state is a minimum if it is one along its groups, and if the energy grows as any
+rows that are 0, or at +-180 degrees, and that can move together, begin to.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb, arb_series
+
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.proof.sheets import (
+    TERMS,
+    Equal,
+    FlatSheet,
+    SheetMinimum,
+    VertexRound,
+    closer,
+    sign_of,
+)
+from origami_nlp.proof.slopes import Budget, Curve, Look, least
+
+MOST_WAYS = 20_000
+"""Of signs of vertices, over all sets of rows that are 0, at +-180 degrees, or neither."""
+ZERO, TURNED, FREE = range(3)
+Ratio = tuple[int, Counter[int]]
+"""A sign, and powers of quantities."""
+
+
+class Cross(NamedTuple):
+    """A vertex: creases, its two rows, which of these are straight, and of each sign the multiplier T_2 = m T_1."""
+
+    creases: tuple[int, ...]
+    rows: tuple[int, int]
+    straight: tuple[bool, bool]
+    multipliers: dict[int, Ratio]
+
+
+Group = tuple[tuple[int, int, tuple[tuple[int, int], ...]], ...]
+"""Creases that move together: each with the sign and the quantities of its multiplier."""
+
+
+class FoldingSheet:
+    """A sheet that folds flat: its vertices and rows, by how much relations that are taken as exact fail."""
+
+    folds_flat = True
+
+    def __init__(self, sheet: FlatSheet) -> None:
+        self.sheet, self.pattern, rounds = sheet, sheet.pattern, sheet.rounds
+        row = list(range(self.pattern.creases))
+        for one in rounds:
+            for a, b in (one.creases[::2], one.creases[1::2]):
+                row = [row[a] if r == row[b] else r for r in row]
+        self.rows = sorted(set(row))
+        self.row = [self.rows.index(r) for r in row]
+        equal = Equal()
+        self.crossings = [self._cross(one, equal) for one in rounds]
+        self.quantities = [q + equal.slack for q in equal.known]
+        self.deviation, self.unsure = equal.deviation, ""
+
+    def _cross(self, one: VertexRound, equal: Equal) -> Cross:
+        a = one.sectors
+        equal.deviates(a[0] + a[2] - arb.pi())
+        total, apart = (a[0] + a[1]) / 2, (a[0] - a[1]) / 2
+        straight = []
+        for off in (total - arb.pi() / 2, apart):
+            straight.append(bool(abs(off) <= CLOSURE_TOL))
+            if straight[-1]:
+                equal.deviates(2 * off)
+        multipliers = {}
+        for line, sign, turn, above, below in (
+            (0, 1, -total.cos(), total.cos(), apart.cos()),
+            (1, -1, apart, total.sin(), apart.sin()),
+        ):
+            if not straight[line]:
+                ratio = _times(equal.of(abs(above)), equal.of(abs(below)))
+                multipliers[sign] = sign_of(turn), ratio
+        rows = self.row[one.creases[0]], self.row[one.creases[1]]
+        return Cross(one.creases, rows, (straight[0], straight[1]), multipliers)
+
+    @property
+    def kinds(self) -> Iterator[tuple[int, ...]]:
+        """Of rows, all sets."""
+        return itertools.product(range(3), repeat=len(self.rows))
+
+    def value(self, powers: Sequence[tuple[int, int]]) -> Any:
+        """Return a multiplier."""
+        value = arb(1)
+        for which, power in powers:
+            value *= self.quantities[which] ** power
+        return value
+
+    def signs(self, kinds: Sequence[int]) -> list[list[int]]:
+        """Return the signs that vertices may have where rows are 0, at +-180 degrees, or neither."""
+        ways: list[list[int]] = []
+        for c in self.crossings:
+            one, two = (kinds[r] for r in c.rows)
+            if one == two:
+                either = [s for s in (1, -1) if one != FREE or s in c.multipliers]
+                ways.append(either if one else [0])
+            elif two == ZERO or (one == TURNED and two == FREE):
+                ways.append([1] if c.straight[0] else [])
+            else:
+                ways.append([-1] if c.straight[1] else [])
+        return ways
+
+    def together(
+        self, rows: set[int], signs: Sequence[int], moving: set[int]
+    ) -> list[dict[int, Ratio]] | None:
+        """Return creases of rows in groups, with signs along them, and multipliers between those that are moving.
+
+        None where vertices of these signs contradict each other, or that is not certain (`unsure`).
+        """
+        links: dict[int, list[tuple[int, int, Counter[int]]]] = {}
+        for c, s in zip(self.crossings, signs, strict=True):
+            edges = [
+                (c.creases[i], c.creases[i + 2], sign, Counter[int]())
+                for i, sign in ((0, s), (1, -s))
+                if c.rows[i] in rows
+            ]
+            if {*c.rows} <= moving:
+                edges.append((c.creases[0], c.creases[1], *c.multipliers[s]))
+            for a, b, sign, ratio in edges:
+                links.setdefault(a, []).append((b, sign, ratio))
+                links.setdefault(b, []).append((a, sign, _minus(ratio)))
+        groups, met = [], set[int]()
+        for first in (c for c, r in enumerate(self.row) if r in rows):
+            if first in met:
+                continue
+            found: dict[int, Ratio] = {first: (1, Counter())}
+            front = [first]
+            for a in front:
+                for b, sign, ratio in links.get(a, ()):
+                    there = found[a][0] * sign, _plus(found[a][1], ratio)
+                    if b not in found:
+                        found[b] = there
+                        front.append(b)
+                        continue
+                    left = _plus(there[1], _minus(found[b][1]))
+                    value = self.value(tuple(left.items()))
+                    if there[0] != found[b][0] or value != 1:
+                        return None
+                    if left:
+                        self.unsure = f"whether a loop moves, whose product is {value.str(5)}"
+                        return None
+            met |= {*found}
+            groups.append(found)
+        return groups
+
+
+def as_folding(sheet: FlatSheet) -> tuple[FoldingSheet | None, str]:
+    """Return a sheet that folds flat, or None and why its states are not enumerated."""
+    if sheet.pattern.limits:
+        return None, (
+            "creases have stops: proofs of sheets that fold flat know fold limits of +-180 degrees only"
+        )
+    if sheet.pattern.laws:
+        return None, (
+            "creases have hinge laws: proofs of sheets that fold flat know linear springs only"
+        )
+    found = FoldingSheet(sheet)
+    many = 0
+    for kinds in found.kinds:
+        many += math.prod(map(len, found.signs(kinds)))
+        if many > MOST_WAYS:
+            return None, f"{len(sheet.rounds)} vertices can fold in more than {MOST_WAYS} ways"
+    return found, ""
+
+
+class GroupEnergy:
+    """The energy of creases that move together, in T or, near a side of 180 degrees, in 1/T.
+
+    Attributes
+    ----------
+    even
+        Whether it is even in T: U' is 0 at T = 0.
+    """
+
+    def __init__(self, sheet: FoldingSheet, group: Group) -> None:
+        self.group = [(c, sign, sheet.value(powers)) for c, sign, powers in group]
+        sums: dict[Any, list[Fraction]] = {}
+        for c, sign, powers in group:
+            k = Fraction(float(sheet.pattern.stiffness[c]))
+            both = sums.setdefault(powers, [Fraction(0), Fraction(0)])
+            both[0] += k
+            both[1] += k * sign * Fraction(float(sheet.pattern.rest[c]))
+        self.even = not any(load for _, load in sums.values())
+        self.terms = [
+            (sheet.value(p), *(arb(x.numerator) / arb(x.denominator) for x in both))
+            for p, both in sums.items()
+        ]
+
+    def slopes(self, side: int, t: Any) -> tuple[Any, Any]:
+        """Return U' and U'' at T = t, or on a side of 180 degrees at T = 1/t."""
+        first, second = arb(0), arb(0)
+        for m, k, load in self.terms:
+            x = _fold(m, side, arb_series([t, 1], TERMS))
+            first += (k * x[0] - load) * x[1]
+            second += k * x[1] * x[1] + 2 * (k * x[0] - load) * x[2]
+        return first, second
+
+    def angles(self, side: int, t: Any) -> dict[int, Any]:
+        """Return the folds there."""
+        return {c: sign * _fold(m, side, arb_series([t], 1))[0] for c, sign, m in self.group}
+
+
+def _fold(m: Any, side: int, t: Any) -> Any:
+    return side * arb.pi() - 2 * (t / m).atan() if side else 2 * (m * t).atan()
+
+
+class GroupChart(Curve):
+    """An energy in T, or near a side of 180 degrees in 1/T."""
+
+    def __init__(self, energy: GroupEnergy, side: int) -> None:
+        self.energy, self.side = energy, side
+
+    def over(self, x: Any) -> Look:
+        """Return U' and U''."""
+        first, second = self.energy.slopes(self.side, x)
+        middle = self.energy.slopes(self.side, x.mid())[0]
+        return Look(closer(first, middle + second * (x - x.mid())), second, {})
+
+
+class ProductSearch:
+    """All sets of rows that are 0, at +-180 degrees or neither, and the minima in them.
+
+    Attributes
+    ----------
+    minima, open, curves, sets, alone, maxima
+        As those of `SheetProof`.
+    """
+
+    def __init__(self, sheet: FoldingSheet, budget: Budget) -> None:
+        self.sheet, self.budget = sheet, budget
+        self.minima: list[SheetMinimum] = []
+        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
+        self.sets = self.alone = self.maxima = 0
+        self._known: dict[Group, tuple[GroupEnergy, list[tuple[int, Any]]]] = {}
+
+    @property
+    def curves(self) -> int:
+        """How many groups move."""
+        return len(self._known)
+
+    def run(self) -> None:
+        """Go through all sets."""
+        for kinds in self.sheet.kinds:
+            if self.budget.late():
+                self._leave("time was over")
+                return
+            for signs in itertools.product(*self.sheet.signs(kinds)):
+                self._set(kinds, signs)
+            if self.sheet.unsure:
+                self._leave(self.sheet.unsure)
+                self.sheet.unsure = ""
+
+    def _set(self, kinds: Sequence[int], signs: Sequence[int]) -> None:
+        free, turned = ({r for r, k in enumerate(kinds) if k == kind} for kind in (FREE, TURNED))
+        groups = self.sheet.together(free | turned, signs, free)
+        if groups is None:
+            return
+        self.sets += 1
+        self.alone += not free
+        at: list[list[dict[int, Any]]] = []
+        for group in groups:
+            if self.sheet.row[min(group)] in turned:
+                at.append([{c: s * arb.pi() * x for c, (x, _) in group.items()} for s in (1, -1)])
+            else:
+                energy, zeros = self._stationary(group)
+                at.append([energy.angles(*zero) for zero in zeros])
+        for parts in itertools.product(*at):
+            folds = {c: x for part in parts for c, x in part.items()}
+            every = [folds.get(c, arb(0)) for c in range(len(self.sheet.row))]
+            if self._stays(kinds, every):
+                exactly = {
+                    c: math.copysign(math.pi, float(x.mid()))
+                    for c, x in folds.items()
+                    if self.sheet.row[c] in turned
+                }
+                self.minima.append(SheetMinimum.of(every, exactly))
+
+    def _stationary(self, found: dict[int, Ratio]) -> tuple[GroupEnergy, list[tuple[int, Any]]]:
+        """Return the energy of a group, and where it is least inside: 0 and T, or a side of 180 degrees and 1/T."""
+        group = tuple((c, s, tuple(sorted(p.items()))) for c, (s, p) in sorted(found.items()))
+        if group in self._known:
+            return self._known[group]
+        energy, zeros = GroupEnergy(self.sheet, group), list[tuple[int, Any]]()
+        for side, low, high in ((0, -1.0, 1.0), (-1, -1.0, 0.0), (1, 0.0, 1.0)):
+            rests = energy.even and not side
+            known = least(GroupChart(energy, side), low, high, self.budget, rests)
+            self.maxima += known.maxima
+            for _, _, why in known.open:
+                self._leave(f"where the energy is least along a curve: {why}")
+            for a, b, _ in known.minima:
+                zero = arb(a).union(arb(b))
+                if sign_of(zero):
+                    zeros.append((side, zero))
+                else:
+                    self._leave("whether a state is flat, or at 180 degrees")
+        self._known[group] = energy, zeros
+        return energy, zeros
+
+    def _leave(self, why: str) -> None:
+        ends = (np.full(len(self.sheet.row), s * math.pi) for s in (-1, 1))
+        self.open.append((*ends, why))  # type: ignore[arg-type]
+
+    def _stays(self, kinds: Sequence[int], folds: Sequence[Any]) -> bool:
+        """Return whether the energy grows as rows that are 0, or at +-180 degrees, begin to move."""
+        for kind in (ZERO, TURNED):
+            rows = [r for r, k in enumerate(kinds) if k == kind]
+            for many in range(1, len(rows) + 1):
+                for some in itertools.combinations(rows, many):
+                    for slope in self._leaving({*some}, kind, kinds, folds):
+                        if not slope:
+                            self._leave("whether the energy falls from a state along a curve")
+                        if slope <= 0:
+                            return False
+        return True
+
+    def _leaving(
+        self, some: set[int], kind: int, kinds: Sequence[int], folds: Sequence[Any]
+    ) -> Iterator[int]:
+        """Yield the sign of the slope of the energy for each way in which these rows move all at once."""
+        signs = [sign_of(f) for f in folds]
+        ways = []
+        for c in self.sheet.crossings:
+            within = [r in some for r in c.rows]
+            s = [signs[x] for x in c.creases]
+            if not any(within):
+                ways.append([0])
+                continue
+            if all(within):
+                allowed = list(c.multipliers)
+            else:
+                moves = within.index(True)
+                other = kinds[c.rows[1 - moves]]
+                if other == FREE:
+                    return
+                # the row across is 0 and this one straight, or that one is straight and at +-180 degrees
+                line = moves if other == ZERO else 1 - moves
+                allowed = [(1, -1)[line]] if c.straight[line] else []
+            ways.append([x for x in allowed if s[2] == x * s[0] and s[3] == -x * s[1]])
+        for way in itertools.product(*ways):
+            groups = self.sheet.together(some, way, some)
+            if groups is None or len(groups) > 1:
+                continue
+            energy, _ = self._stationary(groups[0])
+            if kind == ZERO:
+                slope, bend = energy.slopes(0, arb(0))
+                yield sign_of(bend) if energy.even else -abs(sign_of(slope))
+                continue
+            sides = {signs[c] * sign for c, (sign, _) in groups[0].items()}
+            if len(sides) == 1:
+                (side,) = sides
+                yield side * sign_of(energy.slopes(side, arb(0))[0])
+
+
+def _times(above: int, below: int) -> Counter[int]:
+    return _plus(Counter({above: 1}), Counter({below: -1}))
+
+
+def _plus(one: Counter[int], two: Counter[int]) -> Counter[int]:
+    total = Counter(one)
+    for which, power in two.items():
+        total[which] += power
+    return Counter({w: p for w, p in total.items() if p})
+
+
+def _minus(one: Counter[int]) -> Counter[int]:
+    return Counter({w: -p for w, p in one.items()})

@@ -1,0 +1,329 @@
+"""All minima of a sheet of which no vertex folds flat (`quad_states`): curves, what ends them, and rigid states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from flint import arb
+
+from origami_nlp.pattern import Pattern
+from origami_nlp.proof.facets import Facets
+from origami_nlp.proof.law_torques import LawBalls
+from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
+from origami_nlp.proof.sheets import SheetMinimum, closer, sign_of
+from origami_nlp.proof.slopes import DEPTH, Budget, Crossing, Curve, Look, least
+
+QUARTER = math.nextafter(0.5 * math.pi, math.inf)
+"""Not below pi/2, which is between two doubles."""
+ALIKE = 1e-9
+"""Folds that differ by less reach 180 degrees all but together: none is known to be the first [rad]."""
+WIDEST = 1e-6
+"""Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
+
+
+class CurveState(NamedTuple):
+    """States of a curve over theta: |z| of all numbers, folds of all creases, U' and U''."""
+
+    zs: list[Any]
+    folds: list[Any]
+    first: Any
+    second: Any
+
+
+class QuadCurve(Curve):
+    """The energy along a curve through the flat state, on a side of it; fold limits, stops and facets as gaps."""
+
+    def __init__(
+        self, modes: Modes, side: int, pattern: Pattern, facets: Facets | None = None
+    ) -> None:
+        self.modes, self.side, self.facets_of = modes, side, facets
+        laws = pattern.laws or (None,) * pattern.creases
+        self.hinges = [
+            (arb(k), arb(r), None if law is None else LawBalls(law))
+            for k, r, law in zip(
+                pattern.stiffness.tolist(), pattern.rest.tolist(), laws, strict=True
+            )
+        ]
+        self.stops = [
+            (c, s, arb(float(pattern.limit_angles[row, c])))
+            for c in range(pattern.creases)
+            for row, s in ((0, -1), (1, 1))
+            if abs(pattern.limit_angles[row, c]) < math.nextafter(math.pi, 0)
+        ]
+        self.sides = {c: side * s for c, s in modes.signs.items()}
+
+    def _known(self, x: Any, middle: CurveState | None) -> CurveState | None:
+        zs = self.modes.states(x)
+        if zs is None:
+            return None
+        folds = self.modes.of_creases(self.modes.folds(x, zs), self.side)
+        if middle:
+            both = zip(folds, middle.folds, strict=True)
+            folds = [narrowed(f, at, x - x.mid()) for f, at in both]
+        first, second = arb(0), arb(0)
+        for phi, (k, rest, law) in zip(folds, self.hinges, strict=True):
+            torque, slope = law.over(phi[0]) if law else (k * (phi[0] - rest), k)
+            first += torque * phi[1]
+            second += slope * phi[1] * phi[1] + 2 * torque * phi[2]
+        return CurveState(zs, folds, first, second)
+
+    def over(self, x: Any) -> Look | None:
+        """Return U', U'' and gaps over theta."""
+        middle = at = self._known(x.mid(), None)
+        box = at if x == x.mid() else self._known(x, at)
+        if box is None:
+            return None
+        gaps: dict[Any, tuple[Any, Any]] = {n: (z[0], z[1]) for n, z in enumerate(box.zs)}
+        for c, s, stop in self.stops:
+            gaps[c, s] = s * (stop - box.folds[c][0]), -s * box.folds[c][1]
+        first = box.first
+        if middle:
+            first = closer(first, middle.first + box.second * (x - x.mid()))
+        return Look(first, box.second, gaps, (middle or box, box))
+
+    def facets(
+        self, at: Look, low: float, high: float, held: Sequence[Any]
+    ) -> dict[Any, tuple[Any, Any]] | None:
+        """Return gaps of facets that may touch; see `slopes.Curve`."""
+        if self.facets_of is None:
+            return {}
+        limits = {n for n in held if isinstance(n, int)}
+        closed = {c: self.sides[c] for c, n in self.modes.node.items() if n in limits}
+        away = arb(0, 0.5 * (high - low))
+        middle, box = at.known
+        return self.facets_of.over(middle.folds, box.folds, away).gaps(
+            self.sides, high - low, closed
+        )
+
+    def gap(self, at: Look, name: Any) -> Any:
+        """Return a gap at theta."""
+        if name in at.gaps:
+            return super().gap(at, name)
+        assert self.facets_of is not None
+        folds = at.known[1].folds
+        return self.facets_of.over(folds, folds, arb(0)).gap(name)
+
+    def state(self, low: float, high: float, gaps: Sequence[Any] = ()) -> SheetMinimum | None:
+        """Return the state of a minimum between two numbers, held by some of the gaps; None where it is not known."""
+        known = self.over(arb(low).union(arb(high)))
+        if known is None:
+            return None
+        exactly, stops, touching = dict[int, float](), [], []
+        ends = [self.over(arb(x)) for x in (low, high)]
+        for name in gaps:
+            if all(e is not None and self.gap(e, name) > 0 for e in ends):
+                continue
+            if isinstance(name, int):
+                exactly |= {
+                    c: self.sides[c] * math.pi for c, n in self.modes.node.items() if n == name
+                }
+            elif len(name) == 2:
+                exactly[name[0]] = next(float(at) for *one, at in self.stops if (*one,) == name)
+                stops.append(name)
+            else:
+                touching.append(name.polygons)
+        return SheetMinimum.of(
+            [f[0] for f in known.known[1].folds],
+            exactly,
+            touching=tuple(touching),
+            stops=tuple(stops),
+        )
+
+
+class QuadSearch:
+    """All choices of modes, what closes in each, and its minima.
+
+    Attributes
+    ----------
+    minima, open, curves, sets, alone, maxima
+        As those of `SheetProof`.
+    """
+
+    def __init__(self, quads: QuadSheet, contact: bool, budget: Budget) -> None:
+        self.quads, self.budget = quads, budget
+        self.pattern = pattern = quads.sheet.pattern
+        self.facets = Facets(pattern) if contact else None
+        self.minima: list[SheetMinimum] = []
+        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
+        self.curves = self.sets = self.alone = self.maxima = 0
+        self.rests = not pattern.rest.any() and not any(pattern.laws)
+        first = quads.vertices[0]
+        k = first.beside
+        # of two opposite creases that which folds more
+        self.drive = first.creases[0 if k[1] * k[2] > k[0] * k[3] else 2]
+
+    def run(self) -> None:
+        """Go through all choices; then ask of the flat state."""
+        self._choose((), [(0.0, QUARTER)])
+        low, high = self.pattern.limit_angles
+        # off it the energy falls along every curve, but where no spring pulls
+        if (not self.curves or self.rests) and ((low <= 0) & (high >= 0)).all():
+            self.minima.append(SheetMinimum(np.zeros(self.pattern.creases), 0.0))
+
+    def _choose(self, modes: tuple[int, ...], left: list[tuple[float, float]]) -> None:
+        """Choose a mode at each vertex in turn; theta is in what is left."""
+        signs = self.quads.signs(modes)
+        if signs is None:
+            return
+        whole = len(modes) == len(self.quads.vertices)
+        self.sets += whole
+        if modes:
+            links = Modes(self.quads, modes, self.drive, signs)
+            if links.loops:
+                left = list(self._closing(links, left))
+        if not whole:
+            for mode in (1, -1) if left else ():
+                self._choose((*modes, mode), left)
+        elif not links.loops:
+            self._curve(links)
+        else:
+            for low, high in left:
+                self._rigid(links, low, high)
+
+    def _curve(self, links: Modes) -> None:
+        """Add the minima of a curve along which all loops close."""
+        self.curves += 1
+        links = _first_folded(links)
+        for side in (1, -1):
+            curve = QuadCurve(links, side, self.pattern, self.facets)
+            found = least(curve, 0.0, QUARTER, self.budget, self.rests)
+            self.maxima += found.maxima
+            for low, high, why in found.open:
+                self._leave(links, side, low, high, why)
+            for low, high, gaps in found.minima:
+                state = curve.state(low, high, gaps)
+                if state is not None and state.radius <= WIDEST:
+                    self.minima.append(state)
+                else:
+                    self._leave(links, side, low, high, "the fold angles of a minimum")
+
+    def _closing(
+        self, links: Modes, left: list[tuple[float, float]]
+    ) -> Iterator[tuple[float, float]]:
+        """Yield the intervals in which loops may close, single roots of a difference narrow."""
+        front = [(low, high, 0) for low, high in reversed(left)]
+        steep: list[tuple[float, float, tuple[int, int]]] = []
+        while front:
+            low, high, depth = front.pop()
+            over = self.budget.spent()
+            none, loop, slope = self._none(links, low, high)
+            if none:
+                continue
+            middle = 0.5 * (low + high)
+            if slope:
+                if steep and steep[-1][1:] == (low, (loop, slope)):
+                    steep[-1] = (steep[-1][0], high, (loop, slope))
+                else:
+                    steep.append((low, high, (loop, slope)))
+            elif over or depth == DEPTH or middle in (low, high):
+                yield low, high
+            else:
+                front += [(middle, high, depth + 1), (low, middle, depth + 1)]
+        for low, high, (loop, slope) in steep:
+            ends = [_difference(links, loop, x) for x in (low, high)]
+            if not all(ends):
+                yield low, high
+            elif ends[0] != ends[1]:
+                while (middle := 0.5 * (low + high)) not in (low, high):
+                    sign = _difference(links, loop, middle) * slope
+                    if not sign:
+                        break
+                    low, high = (low, middle) if sign > 0 else (middle, high)
+                yield low, high
+
+    def _none(self, links: Modes, low: float, high: float) -> tuple[bool, int, int]:
+        """Return whether no state closes in an interval; a difference that is steep there, the sign of its slope."""
+        theta = arb(low).union(arb(high))
+        middle = theta.mid()
+        at, zs = links.states(middle), links.states(theta)
+        if zs is None:
+            return True, 0, 0
+        off = [_differ(zs, one) for one in links.loops]
+        if at is not None:
+            both = zip(off, links.loops, strict=True)
+            off = [narrowed(x, _differ(at, one), theta - middle) for x, one in both]
+        slopes = [sign_of(x[1]) for x in off]
+        steep = next((i for i, s in enumerate(slopes) if s), 0)
+        return any(sign_of(x[0]) for x in off), steep, slopes[steep]
+
+    def _rigid(self, links: Modes, low: float, high: float) -> None:
+        """Add the two states in an interval in which the only loop closes once, or leave it open."""
+        theta = arb(low).union(arb(high))
+        zs = links.states(theta)
+        if zs is None:
+            return
+        ends = [_difference(links, 0, x) for x in (low, high)]
+        if len(links.loops) > 1 or not (
+            all(z[0] > 0 for z in zs)
+            and sign_of(_differ(zs, links.loops[0])[1])
+            and ends[0] * ends[1] < 0
+        ):
+            why = "whether a loop closes, or several do"
+            for side in (1, -1):
+                self._leave(links, side, low, high, why)
+            return
+        for side in (1, -1):
+            folds = links.of_creases(links.folds(theta, zs), side)
+            limits = zip(folds, self.pattern.limit_angles.T.tolist(), strict=True)
+            room = [g for f, (a, b) in limits for g in (f[0] - a, b - f[0])]
+            if any(g < 0 for g in room):
+                continue
+            try:
+                apart = all(g > 0 for g in room) and (
+                    self.facets is None
+                    or self.facets.over(folds, folds, arb(0)).gaps(
+                        {c: side * s for c, s in links.signs.items()}, math.inf, {}
+                    )
+                    == {}
+                )
+            except Crossing:
+                continue
+            if not apart:
+                self._leave(links, side, low, high, "contact at a rigid state")
+                continue
+            self.alone += 1
+            self.minima.append(SheetMinimum.of([f[0] for f in folds], {}))
+
+    def _leave(self, links: Modes, side: int, low: float, high: float, why: str) -> None:
+        ends = np.array([np.full(self.pattern.creases, s * math.pi) for s in (-1, 1)])
+        theta = arb(low).union(arb(high))
+        zs = links.states(theta)
+        folds = links.of_creases(links.folds(theta, zs), side) if zs else []
+        for (c, _), f in zip(sorted(links.node.items()), folds, strict=bool(folds)):
+            s = side * links.signs[c]
+            ends[:, c] = (0.0, math.pi) if s > 0 else (-math.pi, 0.0)
+            if f[0].is_finite():
+                ends[0, c] = max(ends[0, c], float(f[0].lower()))
+                ends[1, c] = min(ends[1, c], float(f[0].upper()))
+        self.open.append((ends[0], ends[1], why))
+
+
+def _differ(zs: Sequence[Any], loop: tuple[int, int]) -> Any:
+    return zs[loop[0]] - zs[loop[1]]
+
+
+def _difference(links: Modes, loop: int, theta: float) -> int:
+    """Return the sign of a difference at one state, 0 where it is not certain."""
+    zs = links.states(arb(theta))
+    return 0 if zs is None else sign_of(_differ(zs, links.loops[loop])[0])
+
+
+def _first_folded(links: Modes) -> Modes:
+    """Return a curve given by the crease that is first at 180 degrees: no root is 0 before."""
+    low, high = 0.0, 0.5 * math.pi
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        zs = links.states(arb(middle))
+        low, high = (low, middle) if zs is None or any(not z[0] > 0 for z in zs) else (middle, high)
+    zs = links.states(arb(low))
+    if zs is None:
+        return links
+    sizes = [float(z[0].mid()) for z in zs]
+    first = sizes.index(min(sizes))
+    if not first or sizes[0] - sizes[first] < ALIKE:
+        return links
+    drive = min(c for c, n in links.node.items() if n == first)
+    return Modes(links.quads, links.modes, drive, links.signs)

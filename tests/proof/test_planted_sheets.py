@@ -1,0 +1,212 @@
+"""Provers of sheets with one lemma broken: the second program, or a scan, sees what each of them loses, or claims."""
+
+import numpy as np
+import pytest
+from flint import arb_series
+
+import origami_nlp as o
+from origami_nlp.proof import (
+    certify,
+    check_proof,
+    products,
+    prove_sheet,
+    quad_states,
+    quads as quad_sheets,
+    slopes,
+)
+from origami_nlp.proof.facets import Facets, Placed
+from origami_nlp.proof.products import FoldingSheet, ProductSearch
+from origami_nlp.proof.quad_states import QuadSheet, QuadVertex
+from origami_nlp.proof.quads import QuadCurve
+from tests.independent.strips import StripInContact, StripOfHinges
+from tests.patterns import strip
+from tests.proof.test_hinges_along_curves import drawn
+from tests.proof.test_products import sprung
+from tests.proof.test_quads import half_turns, quads
+
+
+def checked(sheet):
+    """Whether the second program has the same list."""
+    said = certify(sheet, 2_000)
+    return not said.undecided and not check_proof(said).refused
+
+
+def scanned(proof, wells):
+    """Whether all minima of a scan are proved."""
+    shown = np.array([m.fold_angles for m in proof.minima])
+    wells = list(wells)
+    assert wells
+    return not proof.undecided and all((np.abs(shown - x).max(axis=1) < 1e-6).any() for x in wells)
+
+
+def in_contact(sheet):
+    """Whether minima are those of a scan in which facets do not cross."""
+    proof, scan = prove_sheet(sheet, contact=True, boxes=4_000), StripInContact(sheet)
+    inside = [m for m in proof.minima if not m.touching and np.abs(m.fold_angles).max() < 3.14]
+    crosses = scan.crosses(np.array([m.fold_angles for m in inside])) if inside else np.array([0])
+    return scanned(proof, (x for x, _ in scan.wells())) and not crosses.any()
+
+
+def within_stops(sheet):
+    """Whether all minima of a scan of a sheet with stops are proved, and none beyond them."""
+    proof = prove_sheet(sheet, boxes=4_000)
+    low, high = sheet.limit_angles
+    beyond = [m for m in proof.minima if ((m.fold_angles < low) | (m.fold_angles > high)).any()]
+    return not beyond and scanned(proof, (x for x, _ in StripOfHinges(sheet).wells()))
+
+
+SCENES = {
+    "folds flat": (checked, lambda: sprung(o.examples.pattern("miura", 2, 3), 0)),
+    "curves": (checked, lambda: half_turns(0)),
+    "a strip": (checked, lambda: strip(3, 3, 2)),
+    "rigid": (checked, lambda: quads(28)),
+    "contact": (in_contact, lambda: strip(23, 3, 2)),
+    "stops": (within_stops, lambda: drawn(6, 1)),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_unbroken_provers_agree(name):
+    agrees, make = SCENES[name]
+    assert agrees(make())
+
+
+def without_a_set(patch):
+    true = FoldingSheet.kinds
+    patch.setattr(
+        FoldingSheet, "kinds", property(lambda self: (k for k in true.fget(self) if k != (2, 2, 2)))
+    )
+
+
+def with_a_sign_of_multipliers_wrong(patch):
+    true = FoldingSheet._cross
+
+    def cross(self, one, equal):
+        found = true(self, one, equal)
+        return found._replace(multipliers={s: (-a, p) for s, (a, p) in found.multipliers.items()})
+
+    patch.setattr(FoldingSheet, "_cross", cross)
+
+
+def with_states_that_all_stay(patch):
+    patch.setattr(ProductSearch, "_stays", lambda *given: True)
+
+
+def without_a_mode(patch):
+    true = QuadSheet.signs
+    patch.setattr(QuadSheet, "signs", lambda self, m: None if m[:1] == (-1,) else true(self, m))
+
+
+def with_a_sign_across_wrong(patch):
+    true = QuadVertex.others
+
+    def others(self, p, z, opposite):
+        one, two, three = true(self, p, z, opposite)
+        return [one, two, -three]
+
+    patch.setattr(QuadVertex, "others", others)
+
+
+def without_remainders(patch):
+    true = quad_states.narrowed
+
+    def narrowed(box, at, away):
+        return true(arb_series([*(box[j] for j in range(3)), 0], 4), at, 1e-6 * away)
+
+    for module in (quad_states, quad_sheets):
+        patch.setattr(module, "narrowed", narrowed)
+
+
+def with_bends_of_the_other_sign(patch):
+    true = QuadCurve.over
+
+    def over(self, x):
+        at = true(self, x)
+        return at and at._replace(second=-at.second)
+
+    patch.setattr(QuadCurve, "over", over)
+
+
+def without_what_ends_a_curve(patch):
+    true = slopes._piece
+
+    def piece(curve, a, b):
+        found = true(curve, a, b)
+        held = found is not None and found.kind == slopes.HELD
+        return found._replace(kind=slopes.SLOPE) if held else found
+
+    patch.setattr(slopes, "_piece", piece)
+
+
+def with_loops_that_never_close(patch):
+    patch.setattr(quad_sheets.QuadSearch, "_rigid", lambda *given: None)
+
+
+def without_a_side_of_the_flat_state(patch):
+    true = quad_sheets.least
+    patch.setattr(
+        quad_sheets,
+        "least",
+        lambda curve, *given: slopes.Least() if curve.side < 0 else true(curve, *given),
+    )
+
+
+def without_pairs_of_facets(patch):
+    true = Facets.__init__
+
+    def init(self, pattern):
+        true(self, pattern)
+        self.pairs, self.between = [], []
+
+    patch.setattr(Facets, "__init__", init)
+
+
+def with_gaps_of_the_other_sign(patch):
+    true = Placed.gap
+    patch.setattr(Placed, "gap", lambda self, touch: -true(self, touch))
+
+
+def without_stops(patch):
+    true = QuadCurve.__init__
+
+    def init(self, *given):
+        true(self, *given)
+        self.stops = []
+
+    patch.setattr(QuadCurve, "__init__", init)
+
+
+def with_zeros_halved_to_the_wrong_side(patch):
+    patch.setattr(slopes, "_halved", lambda sign, low, high: (low, low))
+
+
+BROKEN = {
+    without_a_set: "folds flat",
+    with_a_sign_of_multipliers_wrong: "folds flat",
+    with_states_that_all_stay: "folds flat",
+    without_a_mode: "curves",
+    with_a_sign_across_wrong: "curves",
+    without_remainders: "a strip",
+    with_bends_of_the_other_sign: "a strip",
+    without_what_ends_a_curve: "a strip",
+    without_a_side_of_the_flat_state: "curves",
+    with_zeros_halved_to_the_wrong_side: "curves",
+    with_loops_that_never_close: "rigid",
+    without_pairs_of_facets: "contact",
+    with_gaps_of_the_other_sign: "contact",
+    without_stops: "stops",
+}
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=lambda one: one.__name__)
+def test_a_broken_lemma_is_seen(monkeypatch, broken):
+    agrees, make = SCENES[BROKEN[broken]]
+    broken(monkeypatch)
+    assert not agrees(make())
+
+
+def test_a_relation_that_nearly_holds_is_left_open(monkeypatch):
+    """Of a loop whose product of multipliers is 1 to within what sectors deviate, nothing is claimed."""
+    monkeypatch.setattr(products, "CLOSURE_TOL", 1e-40)
+    sheet = sprung(o.examples.pattern("squaretwist"), 0)
+    assert prove_sheet(sheet).undecided or not check_proof(certify(sheet, 2_000)).refused
