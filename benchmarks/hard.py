@@ -24,7 +24,6 @@ from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.search import solve_apart
-from origami_nlp.starts import BATCH, Projected
 
 CLOSURE_PULL = 0.3
 """Torque [N m] by which closure pulls at the closed crease, so that its rest angle stays within +-pi."""
@@ -189,7 +188,7 @@ def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     """A degree-5 scene at rest in an admissible state of full rank whose third fold angle is given."""
     vertex = Vertex((1.0, 1.3, 1.4, 1.2, 2 * math.pi - 4.9))
     model = Model(Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none"))
-    x = np.random.default_rng(3).uniform(-2.5, 2.5, (BATCH, 5))
+    x = np.random.default_rng(3).uniform(-2.5, 2.5, (64, 5))
     x[:, 2] = angle
     frozen = np.zeros_like(x, dtype=bool)
     frozen[:, 2] = True
@@ -264,11 +263,15 @@ def rest_states() -> Iterator[Outcome]:
         vertex = Vertex(tuple(sectors.tolist()))
         trial = Scene(vertex, (1.0,) * degree, (0.0,) * degree, "none", "fold-limits")
         model = Model(trial)
-        for start in Projected(model).starts(np.random.default_rng(seed)):
-            if start.feasible and not model.refuses(start.x) and np.abs(start.x).max() < 3.0:
-                break
-        scene = replace(trial, rest_angles=tuple(start.x.tolist()))
-        yield known_state(f"degree {degree}, random sectors", scene, start.x, bound=1e-13)
+        drawn = np.random.default_rng(seed).uniform(-3.0, 3.0, (64, degree))
+        closed, residual = project(model, drawn)
+        x = next(
+            x
+            for x, left in zip(closed, residual, strict=True)
+            if left <= CLOSURE_TOL and not model.refuses(x) and np.abs(x).max() < 3.0
+        )
+        scene = replace(trial, rest_angles=tuple(x.tolist()))
+        yield known_state(f"degree {degree}, random sectors", scene, x, bound=1e-13)
     for make in (examples.degree6, examples.degree8):
         base = make("pi/4", 100.0)
         state = find_minima(base).minima[0].fold_angles

@@ -35,9 +35,7 @@ BESIDE = ("symbolic", "benchmarks")
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
 VERTEX_STACK = frozenset(
-    "Model Structure compile_structure CreaseChain close_by close_three complete Gap "
-    "FoldedRays Kinematics MomentChain MomentMap random_strata "
-    "vertex_candidates vertices".split()
+    "Model Structure compile_structure CreaseChain close_by Gap Kinematics MomentMap vertices".split()
 )
 """What poses one vertex in its own way; it leaves with its last reader."""
 READERS = frozenset("barriers chart critical landscape minima paper problem proof starts".split())

@@ -149,7 +149,7 @@ class Search:
         if why == NO_LOWER and (near := singular_beside(self._problem, x)) is not None:
             x, why = near, ""  # it is not told from that state, where closure loses rank
         if why:
-            record.stalled += 1
+            record.stalled += why != CLOSES_NOT
             return why != CLOSES_NOT
         known, new = self._at_end(x), False
         if len(known):

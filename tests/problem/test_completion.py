@@ -9,7 +9,7 @@ import pytest
 from origami_nlp import Scene, Vertex
 from origami_nlp.kkt import project
 from origami_nlp.numerics import OUTSIDE, ROUNDED
-from origami_nlp.problem import Model, close_three, complete, random_strata, vertices
+from origami_nlp.problem import CreaseChain, Model, close_by, vertices
 from origami_nlp.starts import flat_foldings
 from tests.computed_once import thinned
 from tests.independent import rotations
@@ -53,6 +53,11 @@ def check_closed(model, states, given, solve):
     assert (states == given)[kept].all()
 
 
+def completed(model, x, solve):
+    """Both completions, and which exist."""
+    return close_by(CreaseChain(model), model.has_limits, x, solve)[:2]
+
+
 @pytest.mark.parametrize("contact", ["fold-limits", pytest.param("none", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("shape", thinned([(s,) for s in SHAPES], 3), ids=str)
 def test_completed_states_close(shape, contact):
@@ -62,13 +67,13 @@ def test_completed_states_close(shape, contact):
         return
     x = rng.uniform(-model.bound, model.bound, (2000, model.size))
     solve = random_subsets(rng, model, len(x))
-    states, exists = complete(model, x, solve)
+    states, exists = completed(model, x, solve)
     assert exists.mean() > 0.1
     rows, _ = np.nonzero(exists)
     check_closed(model, states[exists], x[rows], solve[rows])
     one = tuple(solve[0].tolist())  # the same variables for all, in any order
-    states, exists = complete(model, x, one)
-    again, there = complete(model, x, np.tile(one[::-1], (len(x), 1)))
+    states, exists = completed(model, x, one)
+    again, there = completed(model, x, np.tile(one[::-1], (len(x), 1)))
     assert (states[exists] == again[there]).all() and (exists == there).all()
 
 
@@ -87,7 +92,7 @@ def test_every_closed_state_is_one_of_the_two_completions(shape, contact):
     solve = random_subsets(rng, model, len(x))
     given = x.copy()
     np.put_along_axis(given, solve, np.nan, axis=1)
-    states, exists = complete(model, np.where(np.isnan(given), 9.0, given), solve)
+    states, exists = completed(model, np.where(np.isnan(given), 9.0, given), solve)
     off = states - x[:, None]
     if not model.has_limits:  # principal angles: the same state after whole turns
         off -= 2 * PI * np.round(off / (2 * PI))
@@ -112,10 +117,10 @@ def test_special_vertices_and_states_beside_singular_ones(name):
     x = np.select([kind == 0, kind == 1, kind == 2], [0.0, np.copysign(PI, x), beside], x)
     x = np.clip(x, -PI, PI)
     solve = random_subsets(rng, model, len(x))
-    states, exists = complete(model, x, solve)
+    states, exists = completed(model, x, solve)
     rows, _ = np.nonzero(exists)
     check_closed(model, states[exists], x[rows], solve[rows])
-    turned, there = complete(model, -x, solve)  # the vertex turned over
+    turned, there = completed(model, -x, solve)  # the vertex turned over
     assert (there == exists[:, ::-1]).all()
     off = np.abs(turned + states[:, ::-1])[there]
     off = np.minimum(off, np.abs(2 * PI - off)).max(axis=1)  # (+pi and -pi where both close)
@@ -133,7 +138,7 @@ def test_double_roots_are_found_from_both_sides():
     def there(drive):
         x = np.zeros((len(drive), 4))
         x[:, 2] = drive
-        states, exists = complete(model, x, solve)
+        states, exists = completed(model, x, solve)
         assert np.abs(model.closure(states[exists])[0]).max(initial=0.0) <= ROUNDED
         return states, exists.all(axis=1)
 
@@ -155,29 +160,6 @@ def test_double_roots_are_found_from_both_sides():
         grows = np.polyfit(np.log10(distance[3:]), np.log10(apart[3:]), 1)[0]
         assert abs(grows - 0.5) < 0.05  # as the square root of the distance
         assert not there(inside - way * distance[2:])[1].any()
-
-
-@pytest.mark.parametrize("limits", [True, False])
-def test_three_turns_give_any_rotation_that_they_can(limits):
-    rng = np.random.default_rng(5)
-    u = rng.normal(size=(3, 3000, 3))
-    u[1, :500] = u[0, :500]  # equal and opposite axes
-    u[2, 500:1000] = -u[1, 500:1000]
-    u /= np.linalg.norm(u, axis=2, keepdims=True)
-    angles = rng.uniform(-PI, PI, (3000, 3))
-    target = np.array([1.0, 0, 0, 0])[None].repeat(3000, axis=0)
-    for k in range(3):
-        target = compose(target, turn(u[k], angles[:, k]))
-    found, exists = close_three(*u, target, limits=limits)
-    # of a family one member is returned, which may be beyond the limits
-    assert exists.any(axis=1)[1000 * limits :].all()
-    for side in (0, 1):
-        q = np.array([1.0, 0, 0, 0])[None].repeat(3000, axis=0)
-        for k in range(3):
-            q = compose(q, turn(u[k], found[:, side, k]))
-        assert np.abs(q - target)[exists[:, side]].max() <= ROUNDED
-    off = np.abs(np.angle(np.exp(1j * (found[1000:] - angles[1000:, None])))).max(axis=2)
-    assert np.median(off.min(axis=1)) <= 1e-14 and off.min(axis=1).max() <= 1e-6
 
 
 def turn(axis, angle):
@@ -292,26 +274,3 @@ def test_a_sample_of_the_corners_is_the_same_turned_over():
     again = vertices(model, 400, np.random.default_rng(7))
     assert (again == vertices(model, 400, np.random.default_rng(7))).all()
     assert len(vertices(plain(CROSS, "none"), 1000, rng)) == 0
-
-
-@pytest.mark.parametrize("shape", thinned([(s,) for s in SHAPES], 3), ids=str)
-def test_random_strata_close_and_prefer_no_label(shape):
-    rng = np.random.default_rng(8)
-    for contact in ("fold-limits", "none"):
-        model = Model(build(rng, shape, contact))
-        if model.size < model.equation_count:
-            continue
-        x = random_strata(model, rng, 120)
-        assert np.abs(model.closure(x)[0]).max(initial=0.0) <= 2 * ROUNDED
-        assert model.lifts_to_one(x).all() and (np.abs(x) <= model.bound + OUTSIDE).all()
-        if not model.has_limits:
-            assert len(x) == 120
-    at_limit = plain((1.1, 0.9, 1.2, 0.8, 1.3, 2 * PI - 5.3))
-    x = random_strata(at_limit, rng, 4000)
-    number = np.bincount((np.abs(x) == PI).sum(axis=1), minlength=4)
-    assert (number == 1000).all()
-    assert abs((x > 0).mean() - 0.5) < 0.02
-    regular = plain((PI / 3,) * 6)  # all labels alike: they must be drawn alike
-    x = random_strata(regular, rng, 4000, closed=1)
-    often = (np.abs(x) == PI).mean(axis=0)
-    assert (np.abs(often - often.mean()) < 0.03).all()

@@ -9,10 +9,11 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import find_minima
 from origami_nlp.pattern import examples
-from origami_nlp.problem import Model, random_strata
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.boxes import joined, prune, strata
 from origami_nlp.proof.complete import pose
+from tests.closed_states import closed_states
 from tests.computed_once import thinned
 
 OUTSIDE = 1e-9
@@ -48,7 +49,7 @@ SCENES = {
 @pytest.mark.parametrize("name", thinned([*SCENES], 2))
 def test_no_closed_state_is_excluded_by_closure(name):
     model = Model(SCENES[name])
-    states = random_strata(model, np.random.default_rng(0), 400)
+    states = closed_states(model, np.random.default_rng(0), 400)
     pins = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
     assert len({tuple(p) for p in pins}) >= 5
     left = prune(ClosureOnly(pose(model)[0]), strata(model.size), most=50_000)

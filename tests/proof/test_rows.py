@@ -9,10 +9,11 @@ from mpmath import mp, mpf
 
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.problem import Kinematics, Model, random_strata
+from origami_nlp.problem import Model
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.pieces import Period, VertexPiece, Wedge, apart, piece_of
 from origami_nlp.proof.rows import Quadratic, Triples, pairs, variables
+from tests.closed_states import closed_states
 from tests.proof.fifty_digits import cross, dot, multiply
 
 BOXES = 10_000
@@ -235,12 +236,11 @@ def test_rows_vanish_where_the_model_closes_and_balances(name):
     """Minors of torques and the model's own closure Jacobian are the rows, up to a factor that is the same for all."""
     model = Model(SCENES[name])
     piece, _ = pose(model)
-    kinematics = Kinematics(model)
-    x = random_strata(model, np.random.default_rng(0), 40, closed=0)
+    x = closed_states(model, np.random.default_rng(0), 40, at_limits=False)
     assert len(x) > 5
     rows = piece.rows(x.T, x.T, np.zeros(x.T.shape, dtype=int))
     assert (np.abs(rows.closure.centre) < 1e-12).all()
-    jacobian = kinematics.closure(kinematics.fold(x))[1]
+    jacobian = model.closure(x)[1]
     p = model.parameters
     factor = np.ones(model.size)
     if isinstance(piece, Wedge):
