@@ -117,7 +117,7 @@ CASES = [
     case(find_minima, "scene", SCENES),
     case(o.find_minima, "origami", (None, 0, True, [])),
     case(find_minima, "seed", SEEDS, "scene"),
-    case(find_minima, "max_starts", (0, *SEEDS), "scene"),
+    case(find_minima, "max_starts", (0, *(v for v in SEEDS if v is not None)), "scene"),
     case(find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
     case(find_minima, "full", tuple(v for v in FLAGS if v is not None), "scene"),
     case(find_minima, "progress", CALLS, "scene"),

@@ -110,7 +110,7 @@ def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
     ("change", "words"),
     [
         (("[search]", "[serach]"), ["[serach]", "did you mean search?"]),
-        (("starts = 4", "starts = 0"), ["search.starts", "at least 1"]),
+        (("starts = 4", "starts = -1"), ["search.starts", "at least 0"]),
         (("starts = 4", "stats = 4"), ["'stats'", "starts"]),
         (('scale = "log"', 'scale = "cubic"'), ["axes[2].scale", "linear or log"]),
         (("from = 0.1", "from = -1"), ["axes[2]", "above 0"]),
