@@ -154,7 +154,7 @@ SEED = _option("N", "Seed of all that is drawn at random.", usual=0)
 MAX_STARTS = _option("N", "Cap on random starts.")
 STARTS = _option(
     "N",
-    "Of a pattern: random starts in a row that find nothing new, then the search ends (default: by --effort).",
+    "Random starts in a row that find nothing new, then the search ends (default: by --effort).",
 )
 SECONDS = _option("S", "Wall time after which the command ends with what it has (exit code 124).")
 VERBOSE = _flag(
@@ -162,7 +162,7 @@ VERBOSE = _flag(
 )
 EFFORT = _option(
     "quick|normal|thorough",
-    "Starts, and how often each minimum is to be reached before the search stops.",
+    "How many random starts in a row find nothing new before the search stops.",
     usual="normal",
 )
 METHOD = _option(
@@ -188,7 +188,7 @@ PROVE = _option(
 )
 CERTIFICATE = _option(WRITES, "Write the proof (of a sheet, for check-proof).")
 WORKERS = _option(
-    "N", "Processes; the result is the same with any number (sweep: one a processor unless given)."
+    "N", "Processes; the result is the same with any number (one a processor unless given)."
 )
 SIZE = _option("N", "Grid points along each coordinate.", "--size", usual=401)
 PHASE_SIZE = _option("N", "Grid points along each coordinate.", "--size", usual=200)

@@ -51,7 +51,6 @@ from .rounding import (
     residual_words as residual_words,
 )
 from .tolerances import (
-    ALIKE as ALIKE,
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,
     BESIDE_SINGULAR as BESIDE_SINGULAR,

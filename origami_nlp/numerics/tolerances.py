@@ -109,9 +109,6 @@ sides."""
 ENDPOINT_TOL = 1e-5
 """A path downhill ends at a known state [rad]: where the polish fails it stops within some of its shortest steps,
 1e-6."""
-ALIKE = 3e-5
-"""Ends of descents that differ by no more [rad] are judged once: they stop at a torque of 1e-10 of the largest, which
-over a curvature of 3e-6 of that of springs is as far from where they lead."""
 BESIDE_SINGULAR = 1e-5
 """Distance [rad] at which a state is distinguished from a singular one, and a vertex from a flat one: any fold angles
 close there to its square, a hundred times `CLOSURE_TOL`."""

@@ -46,7 +46,6 @@ from origami_nlp.pattern_states.judgement import (
 )
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
-from origami_nlp.pattern_states.single_vertex import of_vertex
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
     BESIDE_FLAT,
@@ -75,7 +74,6 @@ GIVEN = "what the pattern gives"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
-VERTEX = "the search for single vertices"
 NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
 """Said of a search that had none."""
 MOST_TRIED = 10
@@ -238,21 +236,8 @@ class _Search(Parts):
             self.part(GIVEN, self.explore, start, GIVEN)
         if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
-        if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
-            self.part(VERTEX, self.round_the_vertex)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
-
-    def round_the_vertex(self) -> None:
-        """Judge the minima that the search for single vertices finds, where there is but one."""
-        # half of the time that is left: what is found is to be judged, and there are other starts
-        seconds = max(0.5 * (self.problem.until - time.monotonic()), 0.0)
-        states, whole = of_vertex(self.problem.pattern, self.contact, self._seed, seconds)
-        if not whole:
-            self.tally.leave_out(VERTEX)
-        for phi in states:
-            self.begin(VERTEX)
-            self.attempt(self.settle, phi)
 
     def draw(self, starts: int, most: int) -> None:
         """Make random starts, by what families led to and evenly, until so many led to nothing new.

@@ -25,6 +25,8 @@ PARTS = 40
 """Into which what is between two of them is cut, again and again."""
 START = np.geomspace(1e-5, 5e-4, 50)
 """Of a curve, its first states [rad]."""
+BEFORE = 1e-12
+"""Scanned states lie so far before their places [rad]: the last one before 180 degrees."""
 NEAR = 1e-5
 """By which a state may be listed off, beyond its radius [rad]."""
 CLOSED = 1e-8
@@ -223,7 +225,7 @@ def _minima(said: StatedSheet) -> Iterator[np.ndarray]:
         ) -> tuple[np.ndarray, np.ndarray]:
             return _scan(order, ways, first, theta)
 
-        theta = np.r_[START, np.linspace(0, math.pi, STATES + 1)[1:] - 1e-12]
+        theta = np.r_[START, np.linspace(0, math.pi, STATES + 1)[1:] - BEFORE]
         inside = ~np.isnan(states(theta)[1])
         if not inside[0]:
             continue

@@ -134,7 +134,7 @@ class Follower:
             if end.why != LEVEL:
                 settled = not slots or np.abs(end.x - start.x).max() <= DUPLICATE_TOL
                 if not end.arrived or settled or known_end(end.x):
-                    return end.x, "" if end.arrived else end.why
+                    return end.x, self._refusal(end, known_end) if end.arrived else end.why
                 # gaps at corners of overlaps that are no corners any more hold it: ordered anew
             # facets that come to lie on each other stay on the side that they come from
             ordered = self._ordered(end.x, None if hold else end.begun, known, aside)
@@ -168,6 +168,12 @@ class Follower:
         (end,) = self.descents([start], aside[None], self.problem.contact)
         self.work += end.work
         return end
+
+    def _refusal(self, end: DescentEnd, known_end: Callable[[np.ndarray], bool]) -> str:
+        """Return why an end that is not known is no state: paper may run through a fold that is level by itself."""
+        if not self._is_level(end.x) or known_end(end.x):
+            return ""
+        return NO_ORDER if self.problem.faces(end.x).reason else ""
 
     def _is_level(self, x: np.ndarray) -> bool:
         """Return whether creases are fully folded whose facets must not cross."""

@@ -32,8 +32,8 @@ BESIDE_THE_TABLE = {
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
         landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
-        loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
-        minima/one_dof.ASIDE minima/search.DOWN
+        loading/result.SHIFT loading/stable_path.OVER
+        minima/one_dof.ASIDE
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
@@ -42,14 +42,13 @@ BESIDE_THE_TABLE = {
         pattern_problem/pop_signs.JUMPS
         search/terrain.FIRST search/terrain.POPPED space/cells.RADIUS
         space/mesh.DIFFERENCE
-        starts/batch_closure.QUADRATIC
         search/ipopt.BESIDE starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
-        minima/descent_rules.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
+        continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
         search/descend.SOFT starts/moments.SHORTEST_SHARE
@@ -102,9 +101,8 @@ BESIDE_THE_TABLE = {
         proof/boxes.WIDER proof/boxes.EXACT
         proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
-        proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
-        proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
-        proof/curve_ends.WIDEST
+        proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
+        proof/quads.ALIKE proof/quads.WIDEST
         proof/law_torques.SMOOTH
     """,
     "bounds on rounding in proofs": """
@@ -115,7 +113,7 @@ BESIDE_THE_TABLE = {
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
-        minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
+        minima/curve.ACCURACY kkt/descent.RISE
         search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "accuracy of published states, and of the grid that they lie on": """

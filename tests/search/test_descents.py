@@ -7,7 +7,8 @@ from origami_nlp import find_minima
 from origami_nlp.numerics import SWITCH
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels
-from origami_nlp.search import FoldedCreases, Follower, Shares, Touch, Uniform
+from origami_nlp.search import FoldedCreases, Follower, Touch, Uniform
+from origami_nlp.search.shares import Shares
 
 
 @pytest.mark.parametrize("kind", [Uniform, FoldedCreases, Touch])
