@@ -68,7 +68,7 @@ class Record:
     answers: distinct states.  starts: drawn.  feasible_starts: admissible among them.  stalled: descents that ended
     nowhere.  failed: those whose end is no state, or at which linear algebra broke down, by reason.
     by_source: starts, by kind.  drawn: admissible starts that were drawn anew.
-    statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
+    statuses, solves, iterations: of IPOPT.
     problem: what answers are judged by.
     """
 
@@ -83,7 +83,6 @@ class Record:
     statuses: Counter[str] = field(default_factory=Counter)
     solves: int = 0
     iterations: int = 0
-    converged: int = 0
 
     @property
     def minima(self) -> list[FoundState]:
