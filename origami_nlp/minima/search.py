@@ -25,6 +25,7 @@ from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, pose
 from origami_nlp.problem import Model
 from origami_nlp.search import (
     CLOSES_NOT,
+    DEEP,
     NO_LOWER,
     ByIpopt,
     Draws,
@@ -35,8 +36,6 @@ from origami_nlp.search import (
 )
 from origami_nlp.starts import Moments, is_chain
 
-DEEP = 6
-"""Times that a lower state beside one that was refuted is gone on from."""
 FEWEST_FOR_MOMENTS = 16
 """Creases from which moments are started from: with 10 and 12 they found no more in the same time."""
 BREAKDOWN = "linear algebra broke down on the way"

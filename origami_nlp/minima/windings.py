@@ -28,12 +28,11 @@ from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
+from origami_nlp.search import MOST_TRIED
 from origami_nlp.starts import NearFlat, NearFolded, SearchOptions
 
 STOPPED = ("complete", "rule", "cap", "time")
 """Why searches stop, from the best reason to the worst."""
-MOST_TRIED = 10
-"""Draws for each start that is to close, where few do."""
 
 
 def jobs_of(

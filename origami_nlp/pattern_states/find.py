@@ -50,6 +50,8 @@ from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
     BESIDE_FLAT,
     CLOSES_NOT,
+    DEEP,
+    MOST_TRIED,
     NO_LOWER,
     ByIpopt,
     ByNewton,
@@ -76,10 +78,6 @@ CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
 NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
 """Said of a search that had none."""
-MOST_TRIED = 10
-"""Draws for each start that is to close, where few do."""
-DEEP = 6
-"""Times that a lower state beside one that was refuted is gone on from."""
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 PROOF = "the proof that the list is complete"

@@ -7,7 +7,7 @@ from .descend import (
     StartState as StartState,
     compile_descents as compile_descents,
 )
-from .draws import Draws as Draws
+from .draws import DEEP as DEEP, MOST_TRIED as MOST_TRIED, Draws as Draws
 from .escape import (
     MOST_CREASES as MOST_CREASES,
     NOTHING_NEAR as NOTHING_NEAR,

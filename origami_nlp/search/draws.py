@@ -14,6 +14,10 @@ from origami_nlp.search.starts import Changed, FoldedCreases, StartKind, Touch, 
 
 BATCH, TOGETHER = 2_000, 32
 """Starts that are drawn together, over the square of the number of variables, and at most."""
+MOST_TRIED = 10
+"""Draws for each start that is to close, where few do."""
+DEEP = 6
+"""Times that a lower state beside one that was refuted is gone on from."""
 FOLLOWED = 60
 """What a start that is followed takes, in evaluations of closure."""
 
