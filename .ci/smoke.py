@@ -102,7 +102,7 @@ def floors() -> list[str]:
     project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
     extras = (
         project["optional-dependencies"][name]
-        for name in ("proof", "design", "mesh", "sweep", "dxf")
+        for name in ("design", "graph", "mesh", "sweep", "dxf")
     )
     stated = itertools.chain(project["dependencies"], *extras)
     return sorted({one.replace(">=", "==") for one in stated})

@@ -90,8 +90,8 @@ class Search:
         for state in states:
             self._follow(project(self._problem, self._under(state))[0])
 
-    def draw(self, most: int) -> int:
-        """Go down from the next random starts, so many at most, and return how many were made."""
+    def draw(self, most: int) -> None:
+        """Go down from the next random starts, so many at most; there are none of a family without minima."""
         name, starts, asides = self._draws.next(most)
         record = self.record
         for way in self._go_down.each(starts, asides, self._is_end):
@@ -103,7 +103,6 @@ class Search:
             record.feasible_starts += closed
             for _, each in self._sides:
                 each.drawn += closed
-        return len(starts)
 
     @property
     def made(self) -> int:

@@ -81,17 +81,18 @@ def finish_all(
         for family in (NearFlat(job.model), NearFolded(job.model, job.foldings)):
             search.from_states(job.record.states_of(family))
         search.from_states([job.model.reduce(g) for g in given[id(job)]])
-    while True:
-        left = first.most - first.record.drawn
-        made = search.draw(left) if left > 0 and search.made < MOST_TRIED * first.most else 0
-        first.tell()
+    stopped_by = "cap"
+    while first.record.drawn < first.most and search.made < MOST_TRIED * first.most:
+        search.draw(first.most - first.record.drawn)
+        for job in more:
+            job.tell()
         if any([job.late() for job in more]):
             return
-        done = all(job.is_enough for job in more)
-        if done or not made:
-            for job in more:
-                job.stopped_by = "rule" if done else "cap"
-            return
+        if all(job.is_enough for job in more):
+            stopped_by = "rule"
+            break
+    for job in more:
+        job.stopped_by = stopped_by
 
 
 def prove_each(
