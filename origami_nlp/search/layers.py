@@ -54,6 +54,8 @@ class LevelFaces:
         key = np.where(folded, np.sign(phi), 0.0).tobytes()
         block = self._blocks.get(key)
         if block is None:
+            if len(self._blocks) == MOST_KINDS:
+                self._blocks.clear()
             joined = np.column_stack([pattern.left, pattern.right])[folded]
             block = self._blocks[key] = groups(pattern.facets, joined)
         of_pieces = block[crossings.facet]
