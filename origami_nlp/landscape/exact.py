@@ -94,7 +94,7 @@ class ExactLandscape(Report, Viewable):
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
     >>> exact = o.find_landscape(result, size=21)
     >>> exact.counts, len(exact.regions)
-    ((2, None, None), 1)
+    ((2, 2, 2), 1)
     """
 
     result: MinimaResult
