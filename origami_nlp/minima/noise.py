@@ -28,7 +28,7 @@ from origami_nlp.minima.minimum import TRIALS, JudgedState, Survival
 from origami_nlp.numerics import CARRIES, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import MOST_DENSE, CanonicalLabelling, PatternProblem
-from origami_nlp.search import ByIpopt, Follower, StartState, at_limits
+from origami_nlp.search import StartState, at_limits, way_down
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
@@ -113,7 +113,7 @@ def with_survival(
     """
     minima = [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
     aside = labels.drawn(np.sin(1.0 + np.arange(problem.size)))
-    down = engine or (Follower if Follower(problem).usable else ByIpopt)
+    down = engine or way_down
 
     def counts(moves: bool) -> list[int]:
         kept = [0] * len(minima)

@@ -29,10 +29,10 @@ from origami_nlp.search import (
     NO_LOWER,
     ByIpopt,
     Draws,
-    Follower,
     StartState,
     at_limits,
     on_grid,
+    way_down,
 )
 from origami_nlp.starts import Moments, is_chain
 
@@ -75,9 +75,8 @@ class Search:
         self._draws = Draws(
             self._problem, CanonicalLabelling(np.arange(n), 1.0, False, ()), seed, more
         )
-        follower = Follower(self._problem)
-        self._by_ipopt = ipopt or not follower.usable
-        self._go_down: Follower | ByIpopt = ByIpopt(self._problem) if self._by_ipopt else follower
+        self._go_down = way_down(self._problem, ipopt=ipopt)
+        self._by_ipopt = isinstance(self._go_down, ByIpopt)
         self._ends = np.zeros((0, n))
         self._answers: list[FoundState | None] = []  # of each end; None: of no winding, or no state
         self._minima = 0

@@ -37,6 +37,8 @@ are no longer than some units; gaps between sides that are all but parallel are.
 BACKWARD = 1e-12
 """Backward error of a refined solution, over norms of matrix, solution and right-hand side, up to which elimination
 without exchange of rows will do: 1e-15 to 1e-14 where curvature is positive."""
+FULL = 0.5
+"""Share of entries from which a sparse matrix is eliminated as a dense one: the curvature of one long loop."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -63,10 +65,13 @@ class Factor:
         symmetric = across is None
         across = jacobian.T if across is None else across
         self._solve: Any  # LAPACK itself: checks of `scipy.linalg` cost more than small systems
-        if isinstance(jacobian, np.ndarray):
-            n = jacobian.shape[1]
+        n = jacobian.shape[1]
+        full = not isinstance(matrix, np.ndarray) and matrix.nnz > FULL * n * n
+        if full or isinstance(jacobian, np.ndarray):
             whole = np.zeros((n + m, n + m), order="F")
-            whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), across, jacobian
+            whole[:n, :n], whole[:n, n:], whole[n:, :n] = (
+                dense(m) for m in (matrix, across, jacobian)
+            )
             # the diagonal from entry (n, n) on
             whole.T.flat[n * (n + m + 1) :: n + m + 1] = -weight
             lu, pivots, _ = sp.linalg.lapack.dgetrf(whole, overwrite_a=True)

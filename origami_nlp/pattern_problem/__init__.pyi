@@ -3,7 +3,7 @@ from .borders import (
     choices as choices,
     without_passing as without_passing,
 )
-from .closure import Closure as Closure
+from .closure import MOST_DENSE_ROWS as MOST_DENSE_ROWS, Closure as Closure
 from .compiled_facets import crossings_among as crossings_among
 from .contact_pairs import (
     ContactPair as ContactPair,

@@ -24,7 +24,7 @@ from origami_nlp.pattern_problem.compiled_closure import CompiledClosure
 from origami_nlp.pattern_problem.orbits import Orbits
 from origami_nlp.problem import LoopClosure
 
-MOST_DENSE = 150
+MOST_DENSE_ROWS = 150
 """Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
 
 
@@ -97,7 +97,7 @@ def _form(rows: list[np.ndarray], columns: list[np.ndarray], m: int, n: int) -> 
     """Lay out a matrix [m, n] for entries at these places; those at one place are added up."""
     # row * n + column: sorted codes are the entries of a compressed row matrix, in order
     codes = np.concatenate(rows) * n + np.concatenate(columns)
-    if n <= MOST_DENSE:
+    if n <= MOST_DENSE_ROWS:
         return _Form(m, codes, np.zeros(0, int), np.zeros(0, int))
     stored, slots = np.unique(codes, return_inverse=True)
     first = np.searchsorted(stored, np.arange(m + 1) * n)
@@ -245,9 +245,9 @@ class Closure:
 
     def at_many(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """Evaluate the equations [K, m] and dense Jacobians [K, m, n] at states [K, n]; None round holes, and beyond
-        `MOST_DENSE` creases."""
+        `MOST_DENSE_ROWS` creases."""
         many, n = phi.shape
-        if n > MOST_DENSE or any(g.points is not None for g in self._groups):
+        if n > MOST_DENSE_ROWS or any(g.points is not None for g in self._groups):
             return None
         values, entries = np.zeros((many, self.count)), [np.zeros((many, 0))]
         for g in self._groups:
@@ -328,7 +328,7 @@ class Closure:
         return np.concatenate([out, cross(s.c, s.t[:, None] - s.o) / self.size], axis=2)
 
     def jacobian(self, phi: np.ndarray, at: list[_Turned] | None = None) -> Matrix:
-        """Evaluate the Jacobian at a state [n], [m, n]; sparse beyond `MOST_DENSE` creases."""
+        """Evaluate the Jacobian at a state [n], [m, n]; sparse beyond `MOST_DENSE_ROWS` creases."""
         data = [self._derivatives(s).ravel() for s in (at or self.turned(phi))]
         return self._matrix(data, self._places)
 
@@ -336,7 +336,7 @@ class Closure:
         """Add up entries at their places in a matrix."""
         n = self.variables
         values = np.concatenate([*data, np.zeros(0)])
-        if n > MOST_DENSE:
+        if n > MOST_DENSE_ROWS:
             filled = np.bincount(form.slots, values, len(form.columns))
             return sp.sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
         return np.bincount(form.slots, values, form.rows * n).reshape(form.rows, n)
@@ -368,7 +368,7 @@ class Closure:
         self, phi: np.ndarray, multipliers: np.ndarray, at: list[_Turned] | None = None
     ) -> Matrix:
         """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
-        if at is None and self.variables <= MOST_DENSE and self.compiled.usable:
+        if at is None and self.variables <= MOST_DENSE_ROWS and self.compiled.usable:
             return self.compiled.hessian(phi, multipliers)
         data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):

@@ -54,10 +54,8 @@ from origami_nlp.search import (
     MOST_TRIED,
     NO_LOWER,
     ByIpopt,
-    ByNewton,
     Changed,
     Draws,
-    Follower,
     StartState,
     at_limits,
     close,
@@ -67,6 +65,7 @@ from origami_nlp.search import (
     on_grid,
     other_wells,
     stationary_beside,
+    way_down,
 )
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
@@ -215,12 +214,9 @@ class _Search(Parts):
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
         self._draws = Draws(self.problem, self.labels, seed)
         self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
-        self.go_down: Follower | ByIpopt | ByNewton = Follower(self.problem)
-        if not self.go_down.usable:
-            by = ByNewton if self.problem.sparse else ByIpopt
-            self.go_down = by(self.problem)
-            if by is ByIpopt:
-                self.tally.skip(NO_COMPILER)
+        self.go_down = way_down(self.problem)
+        if isinstance(self.go_down, ByIpopt):
+            self.tally.skip(NO_COMPILER)
         self._seed = seed
 
     @property
@@ -429,8 +425,7 @@ class _Search(Parts):
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
-        work = getattr(self.go_down, "work", 0)
-        most = max(OF_ESCAPES * work, LEAST_WORK)
+        most = max(OF_ESCAPES * self.go_down.work, LEAST_WORK)
         self.judged = with_escapes(self.curves, self.by_energy(), self.contact, most)
         self.problem.check_time()
 

@@ -51,3 +51,4 @@ from .starts import (
     variables_around as variables_around,
 )
 from .terrain import DescentTerrain as DescentTerrain
+from .ways import WayDown as WayDown, way_down as way_down

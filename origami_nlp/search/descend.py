@@ -18,6 +18,7 @@ import numpy as np
 from origami_nlp import numerics, problem as stated
 from origami_nlp.numerics import address, compiled
 from origami_nlp.pattern_problem import (
+    MOST_DENSE_ROWS,
     ContactPair,
     PatternProblem,
     compiled_closure,
@@ -274,10 +275,15 @@ class CompiledDescent:
             call.restype = None
             call.argtypes = [at, whole, *[at] * 5, whole, ctypes.c_double, *[at] * 13]
 
+    @cached_property
+    def is_large(self) -> bool:
+        """Whether dense arrays, or a basis of all directions in which it moves, would take too long."""
+        return self.problem.sparse or self.problem.dof > MOST_DENSE_ROWS
+
     @property
     def usable(self) -> bool:
-        """Whether there is a compiler, and the pattern is small enough for dense arrays."""
-        return self._library is not None and not self.problem.sparse
+        """Whether there is a compiler, and the problem is small enough."""
+        return self._library is not None and not self.is_large
 
     @cached_property
     def _outside(self) -> Any:

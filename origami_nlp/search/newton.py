@@ -267,7 +267,7 @@ def _retract(
 class ByNewton:
     """Ways down of a sheet too large for dense matrices, as `Follower` has them: facets may cross on the way."""
 
-    usable = True
+    usable, work = True, 0  # of Newton's method nothing is counted
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem = problem
