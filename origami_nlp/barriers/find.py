@@ -38,7 +38,7 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, TracedPasses, canonical_states, find_minima
+from origami_nlp.minima import MinimaResult, TracedPasses, canonical_states
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
@@ -131,8 +131,9 @@ def find_barriers(
     if result is None:
         left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
         told = None if progress is None else partial(_told, progress)
-        find: Any = find_minima if isinstance(stated, Scene) else find_states
-        result = find(stated, seed=seed, prove=False, escape=False, seconds=left, progress=told)
+        result = find_states(
+            stated, seed=seed, prove=False, escape=False, seconds=left, progress=told
+        )
     check_type("result", result, MinimaResult)
     if isinstance(stated, Scene):
         # no path within the symmetry leads from one winding to another

@@ -1,18 +1,13 @@
-from . import (
-    find as find,
-    record as record,
-    search as search,
-    table as table,
-)
+from . import table as table
 from .account import SearchReport as SearchReport
 from .canonical import canonical_states as canonical_states
-from .completeness import Added as Added, Completeness as Completeness, Open as Open
-from .figure import draw_minima as draw_minima
-from .find import (
-    METHODS as METHODS,
-    check_method as check_method,
-    find_minima as find_minima,
+from .completeness import (
+    Added as Added,
+    Completeness as Completeness,
+    Open as Open,
+    check_prove as check_prove,
 )
+from .figure import draw_minima as draw_minima
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     Part as Part,
@@ -29,6 +24,7 @@ from .full_space import (
     is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
+    with_full_space as with_full_space,
 )
 from .interactive import (
     CELLS as CELLS,
@@ -59,8 +55,6 @@ from .pattern_account import (
     MEETINGS as MEETINGS,
     PatternSearchReport as PatternSearchReport,
 )
-from .proved import check_prove as check_prove
-from .record import FoundState as FoundState, Record as Record
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,

@@ -6,16 +6,24 @@ curves through what was found are traced after the search, and each well of the 
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole
+from origami_nlp.arguments import (
+    check_angles,
+    check_callback,
+    check_flag,
+    check_number,
+    check_whole,
+    shown,
+)
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.kkt import TangentCone, singular_beside
+from origami_nlp.kkt import TangentCone, Verdict, singular_beside
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
@@ -24,14 +32,13 @@ from origami_nlp.minima import (
     JudgedState,
     MinimaResult,
     PatternSearchReport,
-    check_method,
     check_noise,
     check_prove,
     with_survival,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
-from origami_nlp.pattern import Pattern, as_pattern
-from origami_nlp.pattern_problem import PatternProblem, find_labels, image
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, NEAR_SINGULAR_TOL, RESOLVED
+from origami_nlp.pattern import Stated, as_origami
+from origami_nlp.pattern_problem import PatternProblem, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.curve import tangents
@@ -45,7 +52,7 @@ from origami_nlp.pattern_states.judgement import (
     judge_end,
 )
 from origami_nlp.pattern_states.parts import Parts
-from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
+from origami_nlp.pattern_states.question import Question, question_of
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
     BESIDE_FLAT,
@@ -60,7 +67,6 @@ from origami_nlp.search import (
     at_limits,
     close,
     confirm,
-    given,
     hinge_rests,
     on_grid,
     other_wells,
@@ -69,9 +75,12 @@ from origami_nlp.search import (
 )
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
+METHODS = ("batch", "ipopt")
+"""Engines of a search: compiled descents with an active set, or IPOPT."""
 BRANCHES = "branch directions"
 """Out of the flat state and of others where curves meet, as starts."""
-GIVEN = "what the pattern gives"
+GUESSES = "guesses"
+FULL = "verdicts without the symmetry"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
@@ -88,42 +97,62 @@ SECONDS = 300.0
 """For a search, of wall time."""
 
 
+def _check_method(method: object) -> None:
+    if method not in METHODS:
+        raise OptionError(f"method = {shown(method)} must be {' or '.join(map(repr, METHODS))}")
+
+
 def find_states(
-    pattern: Pattern | str,
-    starts: int | None = None,
-    seed: int = 0,
-    contact: bool = True,
-    seconds: float | None = None,
-    escape: bool = True,
-    noise: float | None = None,
+    origami: Stated,
     *,
-    progress: Callable[[int, int, str], object] | None = None,
-    found: Callable[[float, np.ndarray], object] | None = None,
+    seed: int = 0,
     effort: str = "normal",
     options: SearchOptions | None = None,
+    starts: int | None = None,
     max_starts: int | None = None,
+    contact: bool = True,
+    guesses: Sequence[np.ndarray] = (),
+    seconds: float | None = None,
     prove: bool | float | ProofOptions | None = None,
+    escape: bool = True,
+    full: bool | None = None,
+    noise: float | None = None,
     method: str = "batch",
+    progress: Callable[[int, int, str], object] | None = None,
+    found: Callable[[float, np.ndarray], object] | None = None,
 ) -> MinimaResult:
-    """Find the stable states of a pattern.
+    """Find the stable states of an origami: of a scene among states of its symmetry, whichever way they wind.
 
     Parameters
     ----------
-    pattern
-        As `as_pattern` takes it.
-    starts
-        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
+    origami
+        As `as_origami` takes it.
     seed
         Of the random starts, whatever the numbers of creases, the sheet's place and the side it is seen from.
+    effort
+        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts in a row find nothing new.
+    options
+        All that steers the search, in place of the effort.
+    starts, max_starts
+        Random starts in a row that find no other minimum or curve, and starts in all; None: as `effort` says.
     contact
-        Whether facets must not cross; without, only fold limits count.
+        Of a pattern, whether facets must not cross; without, only fold limits count.
+    guesses
+        States to start from first, fold angles [N] [rad] each: `SearchReport.refused` says why one is no minimum.
     seconds
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
-    escape, noise, effort, options, max_starts, prove
-        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for
-        meshes of vertices of degree four of which none folds flat (`proof.prove_sheet`), unasked of up to two, or
-        four within fold limits, or all do.  A proof that is asked for has its share of the time;
-        of a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
+    prove
+        Whether to prove that the list is complete: True, seconds of processor time, or `ProofOptions`; False: no.
+        None: where that is cheap.  A proof that is asked for has its share of the time; of a mesh that folds flat,
+        within fold limits, it comes first, and where it is complete nothing else is searched for.
+    escape
+        Whether to say what it takes to leave each minimum (`JudgedState.escape`).
+    full
+        Whether each minimum is also judged without an imposed symmetry; None: where that is affordable
+        (`minima.full_space.is_affordable`).
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles, of a pattern positions of vertices: how many of 20 draws each minimum survives.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT from the same starts.
     progress
@@ -140,6 +169,8 @@ def find_states(
     ------
     OptionError
         If an argument is not what it must be, or the pattern has no crease.
+    AngleError
+        If a guess is not N finite numbers.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
@@ -151,71 +182,85 @@ def find_states(
     """
     begin = time.monotonic()
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
-    pattern = as_pattern(pattern)
+    stated = as_origami(origami)
     asked = options_of(effort, options)
     check_whole("seed", seed, 0)
     check_flag("escape", escape)
+    if full is not None:
+        check_flag("full", full)
     check_noise(noise)
-    if noise is not None:
-        pattern.check_alone("the survival of states under errors")
     check_prove("prove", prove)
     check_callback("progress", progress)
     check_callback("found", found)
-    if not pattern.creases:
-        raise OptionError("the pattern has no crease: there is nothing to fold")
-    if contact:
-        pattern.check_wide()
-    check_method(method)
-    search = _Search(pattern, contact, begin + seconds, asked, seed)
-    if method == "ipopt":
-        search.go_down = ByIpopt(search.problem)
-    starts, most = asked.random_starts(starts, max_starts, search.problem)
+    _check_method(method)
+    question = question_of(stated, contact)
+    guesses = _check_guesses(guesses, question.problem)
+    search = _Search(question, begin + seconds, asked, seed, ipopt=method == "ipopt")
+    in_a_row, most = asked.random_starts(starts, max_starts, search.problem)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
-    if wanted and covers(pattern, contact):
-        search.part(PROOF, search.prove, pattern, prove)
+    if wanted and question.lists_all():
+        search.part(PROOF, search.prove, prove)
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
-        search.go(pattern, starts, most)
+        search.go(guesses, in_a_row, most)
         if not search.tally.interrupted:
             search.problem.until = until
-        if is_tried(pattern, prove, contact):
-            search.part(PROOF, search.prove, pattern, prove)
+        if prove is not False:
+            search.part(PROOF, search.prove, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     search.part(CONFIRMED, search.add_confirmations)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
+    search.part(FULL, search.add_full_space, full)
+    result = search.result(in_a_row)
     if search.tally.interrupted:
-        raise Interrupted(search.result(pattern, starts))
-    return search.result(pattern, starts)
+        raise Interrupted(result)
+    return result
+
+
+def _check_guesses(guesses: object, problem: PatternProblem) -> list[np.ndarray]:
+    if isinstance(guesses, str | bytes | dict) or not isinstance(guesses, Iterable):
+        raise OptionError(
+            f"guesses = {shown(guesses)} must be a list of states, [N] fold angles each"
+        )
+    many = problem.pattern.creases
+    return [
+        check_angles(f"guesses[{k}]", g, many, one=True) for k, g in enumerate(guesses, start=1)
+    ]
 
 
 class _Search(Parts):
     """A search on its way."""
 
     def __init__(
-        self, pattern: Pattern, contact: bool, until: float, options: SearchOptions, seed: int
+        self,
+        question: Question,
+        until: float,
+        options: SearchOptions,
+        seed: int,
+        *,
+        ipopt: bool = False,
     ) -> None:
-        super().__init__()
+        super().__init__(question)
         self._since, self.options = time.perf_counter(), options
-        self.labels, self.contact = find_labels(pattern), contact
-        self.problem = PatternProblem(self.labels.arranged(pattern), contact)
+        contact = self.contact = self.problem.contact
         self.dof = self.problem.dof  # before the clock can stop it
         self.problem.until = until
-        self.problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
-        self._symmetries = self.labels.symmetries(pattern)
+        self._symmetries = question.symmetries
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
         self.judged = list[JudgedState]()
         self.completeness: Completeness | None = None
-        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
-        self._draws = Draws(self.problem, self.labels, seed)
+        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
+        self._draws = Draws(self.problem, self.labels, seed, question.families)
         self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
-        self.go_down = way_down(self.problem)
-        if isinstance(self.go_down, ByIpopt):
+        self._guesses: list[tuple[np.ndarray, JudgedState]] = []
+        self.go_down = way_down(self.problem, ipopt=ipopt)
+        if isinstance(self.go_down, ByIpopt) and not ipopt:
             self.tally.skip(NO_COMPILER)
         self._seed = seed
 
@@ -224,14 +269,46 @@ class _Search(Parts):
         """Whether all that was found is proved to be all."""
         return self.completeness is not None and self.completeness.proved
 
-    def go(self, pattern: Pattern, starts: int, most: int) -> None:
+    def go(self, guesses: Sequence[np.ndarray], starts: int, most: int) -> None:
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
-        for start in given(self.problem.pattern):
-            self.part(GIVEN, self.explore, start, GIVEN)
-        if pattern.lies_flat:
+        for guess in guesses:
+            self.part(GUESSES, self.judge_guess, guess)
+        if self.problem.pattern.lies_flat:
+            self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+        for name, states in self.question.starts:
+            self.part(name, self._explore_each, states, name)
+        if self.problem.pattern.lies_flat and self.problem.orbits is None:
             self.part("branch directions of the flat state", self.from_crossroads)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
+
+    def judge_guess(self, guess: np.ndarray) -> None:
+        """Judge the stationary state beside a guess [N], and go down from there."""
+        x = self.problem.reduce(guess)
+        closed, _ = self.problem.project(x)
+        beside = stationary_beside(self.problem, closed)
+        state = judge_end(self.problem, closed if beside is None else beside, self.contact)
+        if np.abs(self.problem.expand(x) - guess).max() > NEAR_SINGULAR_TOL:
+            why = "it does not have the symmetry of the scene"
+            state = replace(state, verdict="not admissible", kind="", certificate=why)
+        elif np.abs(self.at_state(state) - x).max() > NEAR_SINGULAR_TOL:
+            verdict: Verdict = "not stationary"
+            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium"
+            if np.abs(closed - x).max() > NEAR_SINGULAR_TOL:
+                verdict, why = (
+                    "not admissible",
+                    f"no state within {NEAR_SINGULAR_TOL:g} rad of it closes",
+                )
+            state = replace(state, verdict=verdict, kind="", certificate=why)
+        else:
+            self.begin(GUESSES)
+            self.add(state)
+        self._guesses.append((guess, state))
+        self.explore(x, GUESSES)
+
+    def _explore_each(self, states: Callable[[], Iterator[np.ndarray]], family: str) -> None:
+        for start in states():
+            self.explore(start, family)
 
     def draw(self, starts: int, most: int) -> None:
         """Make random starts, by what families led to and evenly, until so many led to nothing new.
@@ -310,6 +387,8 @@ class _Search(Parts):
     def _judged(self, x: np.ndarray) -> JudgedState | None:
         """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
         self._ends.append(x)
+        if not self.question.winding(x):
+            return None
         state = judge_end(self.problem, x, self.contact)
         near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
         if near is not None:
@@ -400,10 +479,9 @@ class _Search(Parts):
         elif state.verdict == "undecided":
             self.judged[beside[0]] = state
 
-    def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
+    def prove(self, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
-        known = self.problem, self.judged, self.contact
-        self.completeness, new = prove_list(pattern, *known, wanted)
+        self.completeness, new = self.question.prove(self.judged, wanted)
         minima = [s for s in new if s.verdict == "minimum"]
 
         def is_beside(one: JudgedState, other: JudgedState) -> bool:
@@ -419,14 +497,16 @@ class _Search(Parts):
                 self.add(state)
         listed = [s.phi for s in self.judged if s.verdict == "minimum"]
         for m in minima:
-            if min((np.abs(m.phi - x).max() for x in listed), default=np.inf) > DUPLICATE_TOL:
+            far = min((np.abs(m.phi - x).max() for x in listed), default=np.inf)
+            if self.completeness and far > DUPLICATE_TOL:
                 why = "a proved minimum is not distinguished from a state that is listed otherwise"
                 self.completeness = replace(self.completeness, status="not-proved", reason=why)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         most = max(OF_ESCAPES * self.go_down.work, LEAST_WORK)
-        self.judged = with_escapes(self.curves, self.by_energy(), self.contact, most)
+        moves = [partial(image, one) for one in self._symmetries]
+        self.judged = with_escapes(self.curves, self.by_energy(), moves, self.contact, most)
         self.problem.check_time()
 
     def add_confirmations(self) -> None:
@@ -442,21 +522,36 @@ class _Search(Parts):
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        given = self.by_energy(), degrees, type(self.go_down)
-        self.judged = with_survival(self.problem, self.labels, *given)
+        problem, labels = self.question.whole()
+        self.judged = with_survival(problem, labels, self.by_energy(), degrees, type(self.go_down))
 
-    def result(self, pattern: Pattern, starts: int) -> MinimaResult:
+    def add_full_space(self, full: bool | None) -> None:
+        """Add the verdict without an imposed symmetry to each minimum, where that is asked for or affordable."""
+        self.judged = self.question.in_full_space(self.by_energy(), full)
+
+    def result(self, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.count_families(self._draws.names)
         self.tally.seconds = time.perf_counter() - self._since
-        curves = tuple(self.curves.found)
-        return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
+        curves, listed = tuple(self.curves.found), [m.phi for m in minima]
+        self.tally.refused = tuple(
+            replace(state, fold_angles=tuple(guess.tolist()), contacts=(), hits=0)
+            for guess, state in self._guesses
+            if min((np.abs(guess - x).max() for x in listed), default=math.inf) > NEAR_SINGULAR_TOL
+        )
+        return MinimaResult(
+            self.question.stated,
+            minima,
+            self.tally,
+            self.completeness,
+            curves=curves,
+            model=self.problem,
+        )
 
     def from_crossroads(self) -> None:
         """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
         pattern, tally = self.problem.pattern, self.tally
-        self.add(judge(self.problem, np.zeros(pattern.creases), self.contact))
         flat = list_branches(pattern, None, self.problem.check_time)
         if flat.reason:
             self.tally.skip(

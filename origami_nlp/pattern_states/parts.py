@@ -13,8 +13,8 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import project, singular_beside
 from origami_nlp.minima import JudgedState, PatternSearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
+from origami_nlp.pattern_states.question import Question
 
 FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""
@@ -23,8 +23,6 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 class Parts:
     """Work on a problem, with the record of what it did and the states that it judged."""
 
-    problem: PatternProblem
-    labels: CanonicalLabelling
     curves: TracedCurves
     tally: PatternSearchReport
     judged: list[JudgedState]
@@ -33,7 +31,8 @@ class Parts:
     at = ""
     family = ""
 
-    def __init__(self) -> None:
+    def __init__(self, question: Question) -> None:
+        self.question, self.problem, self.labels = question, question.problem, question.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
         self._met = set[int]()  # since it was emptied
 
@@ -111,7 +110,10 @@ class Parts:
         return bool(here)
 
     def add(self, state: JudgedState) -> None:
-        """Keep a state, once."""
+        """Keep a state, once, if it is one that is asked for."""
+        if not self.question.winding(self.at_state(state)):
+            return
+        state = self.question.told(state)
         near = (
             singular_beside(self.problem, self.at_state(state))
             if state.verdict == "undecided"

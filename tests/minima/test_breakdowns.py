@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from origami_nlp.minima.windings import join_reports
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.minima import find, job, record
-from origami_nlp.minima.windings import join_reports
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
 from tests.computed_once import thinned

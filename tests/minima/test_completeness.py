@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from origami_nlp.minima.record import listed
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import proved, windings
-from origami_nlp.minima.record import listed
 from origami_nlp.proof import prove, read_certificate
 from tests.command_line import run, scene_file
 from tests.computed_once import thinned

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from origami_nlp.minima.escape import with_escapes
 
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
 from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
-from origami_nlp.minima.escape import with_escapes
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model
