@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -275,6 +275,8 @@ class _Search(Parts):
             self.part(GUESSES, self.judge_guess, guess)
         if self.problem.pattern.lies_flat:
             self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+        for name, states in self.question.exact:
+            self.part(name, self._settle_each, states, name)
         for name, states in self.question.starts:
             self.part(name, self._explore_each, states, name)
         if self.problem.pattern.lies_flat and self.problem.orbits is None:
@@ -306,7 +308,12 @@ class _Search(Parts):
         self._guesses.append((guess, state))
         self.explore(x, GUESSES)
 
-    def _explore_each(self, states: Callable[[], Iterator[np.ndarray]], family: str) -> None:
+    def _settle_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
+        for state in states():
+            self.begin(family)
+            self.attempt(self.settle, state, 0)
+
+    def _explore_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
         for start in states():
             self.explore(start, family)
 
@@ -414,7 +421,8 @@ class _Search(Parts):
 
     def trace_curves(self) -> None:
         """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
-        if self.problem.size > self.options.most_traced:
+        # curves end at fold limits
+        if self.problem.size > self.options.most_traced or not self.problem.has_limits:
             return
         for start in self._branches:
             if (phi := close(self.problem, start)) is not None and phi not in self.curves:

@@ -51,8 +51,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         why = f"does not close: {residual:.1e}"
     elif not problem.closure.lifts_to_one(phi):
         why = "closes with q = -1 round a vertex: not a sheet of paper"
-    elif not problem.fold_limits.inside(phi).all():
-        why = f"beyond the fold limit {problem.name(problem.beyond(phi, 0.0)[0])}"
+    elif beyond := problem.beyond(phi, 0.0):
+        why = f"beyond the fold limit {problem.name(beyond[0])}"
     if why:
         return JudgedState(energy, angles, "not admissible", why, closure_residual=residual)
     what = classified(problem, phi)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import passing_moment
 from origami_nlp.minima import Completeness, JudgedState, full_scene, with_full_space
-from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.numerics import DUPLICATE_TOL, OUTSIDE
 from origami_nlp.pattern import Pattern, Scene, canonical_labels
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, pose
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
@@ -20,7 +20,7 @@ from origami_nlp.pattern_states.vertex_proof import prove_each
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import StartKind, given
-from origami_nlp.starts import FlatFoldings, Moments, NearFlat, NearFolded, is_chain
+from origami_nlp.starts import FlatFoldings, HingeSets, Moments, NearFlat, NearFolded, is_chain
 
 Wanted: TypeAlias = bool | float | ProofOptions | None
 """A proof, see `find_states`."""
@@ -47,6 +47,8 @@ class Question:
     prove
         Tries to prove that the minima among judged states are all, as `prove` of `find_states` says: what is proved,
         None where it is not tried, and states that were judged on the way.
+    exact
+        States that are judged where they are, listed likewise: no descent need end there.
     whole
         The problem without an imposed symmetry, and its labels: what has random errors.
     families
@@ -69,9 +71,10 @@ class Question:
     labels: CanonicalLabelling
     symmetries: Sequence[tuple[np.ndarray, float]]
     prove: Callable[[Sequence[JudgedState], Wanted], Proved]
-    starts: Sequence[tuple[str, Callable[[], Iterator[np.ndarray]]]]
+    starts: Sequence[tuple[str, Callable[[], Iterable[np.ndarray]]]]
     whole: Callable[[], tuple[PatternProblem, CanonicalLabelling]]
     families: Sequence[StartKind] = ()
+    exact: Sequence[tuple[str, Callable[[], Iterable[np.ndarray]]]] = ()
     winding: Callable[[np.ndarray], int] = lambda x: 1
     told: Callable[[JudgedState], JudgedState] = lambda state: state
     lists_all: Callable[[], bool] = lambda: False
@@ -135,7 +138,7 @@ def _of_vertex(scene: Scene) -> Question:
         missed = [float(np.abs(model.closure(x)[0]).max()) for model in models]
         k = int(np.argmin(missed))
         # folds beyond whole turns are not modelled
-        beyond = not problem.has_limits and np.abs(x).max() >= problem.bound
+        beyond = not problem.has_limits and np.abs(x).max() > problem.bound + OUTSIDE
         return 0 if beyond or missed[k] > DUPLICATE_TOL else models[k].structure.winding
 
     def told(state: JudgedState) -> JudgedState:
@@ -145,13 +148,17 @@ def _of_vertex(scene: Scene) -> Question:
             return state
         return replace(state, moment=passing.vector, moment_residual=passing.residual)
 
+    def each(kind: type[Any]) -> Iterator[np.ndarray]:
+        for model in models:
+            yield from kind(model).states()
+
     def beside_folded() -> Iterator[np.ndarray]:
         for model in models:
             yield from NearFolded(model, list(FlatFoldings(model).states())).states()
 
     starts = [
         (GIVEN, lambda: (problem.reduce(x) for x in given(problem.pattern))),
-        (NearFlat.name, lambda: (x for model in models for x in NearFlat(model).states())),
+        (NearFlat.name, partial(each, NearFlat)),
         (NearFolded.name, beside_folded),
     ]
     return Question(
@@ -163,6 +170,7 @@ def _of_vertex(scene: Scene) -> Question:
         starts,
         whole,
         [Moments(first)] if n >= FEWEST_FOR_MOMENTS and is_chain(first) else [],
+        [(kind.name, partial(each, kind)) for kind in (FlatFoldings, HingeSets)],
         winding,
         told,
         in_full_space=partial(with_full_space, scene, problem),
