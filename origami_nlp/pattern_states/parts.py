@@ -34,6 +34,7 @@ class Parts:
     def __init__(self, question: Question) -> None:
         self.question, self.problem, self.labels = question, question.problem, question.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
+        self._at: dict[tuple[float, ...], np.ndarray] = {}
         self._met = set[int]()  # since it was emptied
 
     def say(self) -> None:
@@ -92,7 +93,10 @@ class Parts:
 
     def at_state(self, state: JudgedState) -> np.ndarray:
         """Return a judged state in the variables of the problem, [n]."""
-        return self.problem.reduce(state.phi)
+        at = self._at.get(state.fold_angles)
+        if at is None:
+            at = self._at[state.fold_angles] = self.problem.reduce(state.phi)
+        return at
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
         """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it.
@@ -100,10 +104,12 @@ class Parts:
         Of a minimum it is noted that the start that is on led to it.
         """
         least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
+        states = np.array([self.at_state(s) for s in self.judged]).reshape(-1, len(phi))
+        far = np.abs(states - phi).max(axis=1, initial=0.0)
         here = [
             k
-            for k, s in enumerate(self.judged)
-            if np.abs(phi - self.at_state(s)).max() <= least.get(s.verdict, 10 * DUPLICATE_TOL)
+            for k in np.flatnonzero(far <= 10 * DUPLICATE_TOL).tolist()
+            if far[k] <= least.get(self.judged[k].verdict, math.inf)
         ]
         for k in here:
             self._reach(k)

@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import passing_moment
 from origami_nlp.minima import Completeness, JudgedState, full_scene, with_full_space
-from origami_nlp.numerics import DUPLICATE_TOL, OUTSIDE
+from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene, canonical_labels
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, pose
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
@@ -138,7 +138,7 @@ def _of_vertex(scene: Scene) -> Question:
         missed = [float(np.abs(model.closure(x)[0]).max()) for model in models]
         k = int(np.argmin(missed))
         # folds beyond whole turns are not modelled
-        beyond = not problem.has_limits and np.abs(x).max() > problem.bound + OUTSIDE
+        beyond = not problem.has_limits and np.abs(x).max() >= problem.bound
         return 0 if beyond or missed[k] > DUPLICATE_TOL else models[k].structure.winding
 
     def told(state: JudgedState) -> JudgedState:
