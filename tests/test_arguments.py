@@ -9,12 +9,11 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp import write_fold
+from origami_nlp import find_minima, write_fold
 from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.chart import landscape
 from origami_nlp.critical import find_critical_points
 from origami_nlp.landscape import draw_landscape, find_landscape
-from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.space import find_space

@@ -13,7 +13,7 @@ from origami_nlp.io import to_plain
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions, prove
 from tests import computed_once
-from tests.computed_once import PANELS, by_minima, by_scene, once, panel_result
+from tests.computed_once import PANELS, by_scene, once, panel_result
 
 
 def test_a_shared_panel_is_that_of_a_search():
@@ -44,22 +44,6 @@ def test_a_shared_proof_is_that_of_its_scene():
     assert repr(dataclasses.replace(fresh, seconds=one.seconds)) == repr(kept)
     assert [p.x for p in fresh.points] == [p.x for p in kept.points]
     assert not shared(Model(scenes[0]), options=ProofOptions(boxes=9)).finished
-
-
-def test_shared_barriers_are_those_of_their_minima():
-    with_escapes = importlib.import_module("origami_nlp.minima.escape").with_escapes
-    calls = []
-
-    def with_barriers(*given):
-        calls.append(given)
-        return with_escapes(*given)
-
-    result = find_minima(examples.degree6("pi/4", 0.02), max_starts=16, prove=False, escape=False)
-    model = Model(result.scene)
-    shared, fresh = by_minima(with_barriers), with_escapes(model, result.minima)
-    assert fresh == shared(model, result.minima) == shared(model, result.minima)
-    assert len(calls) == 1 and all(m.escape.barrier > 0 for m in fresh)
-    assert shared(model, result.minima[:1]) != fresh[:1] and len(calls) == 2
 
 
 @pytest.mark.slow  # eight searches with proofs

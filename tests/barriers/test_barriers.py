@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from origami_nlp import find_minima
 from origami_nlp.barriers import Known, find_barriers
 from origami_nlp.barriers.bounds import side_of_flat
 from origami_nlp.closed_forms import degree6
 from origami_nlp.kkt import State, project
-from origami_nlp.minima import find_minima
 from origami_nlp.numerics import CLOSURE_TOL, merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.problem import Model

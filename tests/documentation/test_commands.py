@@ -35,7 +35,7 @@ SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(p
 @pytest.fixture(autouse=True)
 def _searched_once(monkeypatch):
     """Pages search the same scenes as other pages, and the panels that other tests have."""
-    monkeypatch.setattr("origami_nlp.minima.find_minima", minima_once)
+    monkeypatch.setattr("origami_nlp.pattern_states.find_states", minima_once)
 
 
 def run_block(block, names):

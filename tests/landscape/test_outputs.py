@@ -28,7 +28,7 @@ def folder_written():
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
     options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 31]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
+        patch.setattr("origami_nlp.pattern_states.find_states", minima_once)  # a panel
         # meshes of tests/space, which find the same on them as on finer ones
         patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=8))
         assert run("landscape", path, *options).code == 0

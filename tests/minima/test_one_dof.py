@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples
+from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Solve, State, classify, polish
-from origami_nlp.minima import find_minima, trace
+from origami_nlp.minima import trace
 from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.independent.scenes import SHAPES, build

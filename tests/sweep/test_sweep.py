@@ -262,7 +262,7 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
     def fail(*args, **kwargs):
         raise RuntimeError("no luck")
 
-    monkeypatch.setattr("origami_nlp.minima.find_minima", fail)
+    monkeypatch.setattr("origami_nlp.pattern_states.find_states", fail)
     sweep = parse_sweep(tomllib.loads(FEW))
     assert run_scene(sweep, 0).reason == "RuntimeError: no luck"
     report = run_sweep(sweep, tmp_path, executor=Inline())

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from origami_nlp import find_minima
 from origami_nlp.cli import app
 from origami_nlp.errors import OrigamiError
 from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene, tangent_slope
 from origami_nlp.problem import Model
