@@ -129,7 +129,7 @@ class PatternSearchReport(SearchReport):
         self.undecided = tuple(s for s in judged if s.verdict == "undecided")
         self.rejected = tuple(s for s in judged if s.verdict not in ("minimum", "undecided"))
         self.feasible_starts = max(self.starts - self.open - self.stopped.get(CLOSES_NOT, 0), 0)
-        ended = "rule" if self.quiet == starts else "cap"
+        ended = "rule" if self.quiet >= starts else "cap"
         self.stopped_by = "time" if self.left_out else ended
         self.curves, self.ended = len(found), sum(c.complete for c in found)
         self.unclear = sum(c.stretches.unclear for c in found if c.stretches is not None)

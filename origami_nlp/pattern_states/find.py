@@ -23,7 +23,7 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.kkt import TangentCone, Verdict, singular_beside
+from origami_nlp.kkt import TangentCone, Verdict, polished_nearby, singular_beside
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
@@ -36,7 +36,15 @@ from origami_nlp.minima import (
     check_prove,
     with_survival,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, NEAR_SINGULAR_TOL, RESOLVED
+from origami_nlp.numerics import (
+    BESIDE_SINGULAR,
+    CLOSURE_TOL,
+    DESIGN_SNAP,
+    DUPLICATE_TOL,
+    NEAR_CONTACT,
+    NEAR_SINGULAR_TOL,
+    RESOLVED,
+)
 from origami_nlp.pattern import Stated, as_origami
 from origami_nlp.pattern_problem import PatternProblem, image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
@@ -274,7 +282,7 @@ class _Search(Parts):
         for guess in guesses:
             self.part(GUESSES, self.judge_guess, guess)
         if self.problem.pattern.lies_flat:
-            self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+            self.part("the flat state", self.add_flat)
         for name, states in self.question.exact:
             self.part(name, self._settle_each, states, name)
         for name, states in self.question.starts:
@@ -284,29 +292,44 @@ class _Search(Parts):
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
 
+    def add_flat(self) -> None:
+        """Judge the flat state: descents that end there are counted."""
+        self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+
     def judge_guess(self, guess: np.ndarray) -> None:
         """Judge the stationary state beside a guess [N], and go down from there."""
         x = self.problem.reduce(guess)
-        closed, _ = self.problem.project(x)
-        beside = stationary_beside(self.problem, closed)
-        state = judge_end(self.problem, closed if beside is None else beside, self.contact)
+        closed, residual = self.problem.project(x)
+        state = judge(self.problem, closed, self.contact)
+        verdict: Verdict = "not admissible"
         if np.abs(self.problem.expand(x) - guess).max() > NEAR_SINGULAR_TOL:
             why = "it does not have the symmetry of the scene"
-            state = replace(state, verdict="not admissible", kind="", certificate=why)
-        elif np.abs(self.at_state(state) - x).max() > NEAR_SINGULAR_TOL:
-            verdict: Verdict = "not stationary"
-            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium"
-            if np.abs(closed - x).max() > NEAR_SINGULAR_TOL:
-                verdict, why = (
-                    "not admissible",
-                    f"no state within {NEAR_SINGULAR_TOL:g} rad of it closes",
-                )
-            state = replace(state, verdict=verdict, kind="", certificate=why)
-        else:
+        elif (beside := self._stationary_at(x)) is not None:
             self.begin(GUESSES)
-            self.add(state)
-        self._guesses.append((guess, state))
+            self.add(beside)
+            state, verdict, why = beside, beside.verdict, beside.certificate
+        elif residual > CLOSURE_TOL or np.abs(closed - x).max() > NEAR_SINGULAR_TOL:
+            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it closes"
+        elif state.verdict == "not admissible":
+            why = state.certificate
+        else:
+            verdict = "not stationary"
+            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium"
+        self._guesses.append((guess, replace(state, verdict=verdict, kind="", certificate=why)))
         self.explore(x, GUESSES)
+
+    def _stationary_at(self, x: np.ndarray) -> JudgedState | None:
+        """Return the stationary state beside a guess [n], judged: a minimum before others; None where there is none."""
+        best = None
+        # what people type holds contacts to fewer digits than what was computed
+        for tolerance in (NEAR_CONTACT, DESIGN_SNAP):
+            for end in polished_nearby(self.problem, x, tolerance):
+                if self.problem.residual(end.x) <= CLOSURE_TOL:
+                    state = judge_end(self.problem, end.x, self.contact)
+                    if state.verdict == "minimum":
+                        return state
+                    best = best or state
+        return best
 
     def _settle_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
         for state in states():

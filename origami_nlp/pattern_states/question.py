@@ -119,8 +119,8 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
 
 
 def _of_vertex(scene: Scene) -> Question:
-    problem, models = pose(scene), [Model(one) for one in scene.of_each_winding]
-    first, n = models[0], problem.size
+    models = [Model(one) for one in scene.of_each_winding]
+    first, n = models[0], models[0].size
 
     def named(scene: Scene) -> CanonicalLabelling:
         labels = canonical_labels(scene)
@@ -129,6 +129,7 @@ def _of_vertex(scene: Scene) -> Question:
     # forces count from a facet
     trivial = scene.group.is_trivial and not scene.loads
     labels = named(scene) if trivial else CanonicalLabelling(np.arange(n), 1.0, False, ())
+    problem = pose(scene, labels if trivial else None)
 
     def whole() -> tuple[PatternProblem, CanonicalLabelling]:
         full = full_scene(scene)

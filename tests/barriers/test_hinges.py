@@ -137,7 +137,7 @@ def test_what_survives_errors_is_the_same_with_linear_laws(monkeypatch):
     laws = replace(plain, laws=tuple(map(wide, plain.stiffness, plain.rest_angles)))
     # draws go by labels, which laws have of their own: both get one
     labels = lambda scene: Relabelling(0, False, False, scene.degree)  # noqa: E731
-    monkeypatch.setattr("origami_nlp.minima.find.canonical_labels", labels)
+    monkeypatch.setattr("origami_nlp.pattern_states.question.canonical_labels", labels)
     one, two = (
         o.find_minima(s, noise=8.0, prove=False, escape=False).minima for s in (plain, laws)
     )
