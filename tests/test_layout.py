@@ -38,7 +38,7 @@ VERTEX_STACK = frozenset(
     "Model Structure compile_structure CreaseChain close_by Gap Kinematics MomentMap vertices".split()
 )
 """What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("barriers chart critical landscape minima paper problem proof starts".split())
+READERS = frozenset("chart critical landscape paper pattern_states problem proof starts".split())
 """Rooms that read it: the list only shrinks (paper when the search is one, proof when the prover is)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 

@@ -1,5 +1,9 @@
 from . import table as table
-from .account import SearchReport as SearchReport
+from .account import (
+    ESCAPE_PATHS as ESCAPE_PATHS,
+    MEETINGS as MEETINGS,
+    SearchReport as SearchReport,
+)
 from .canonical import canonical_states as canonical_states
 from .completeness import (
     Added as Added,
@@ -49,12 +53,6 @@ from .noise import (
     is_overdetermined as is_overdetermined,
     with_survival as with_survival,
 )
-from .one_dof import CandidateMinima as CandidateMinima, trace as trace
-from .pattern_account import (
-    ESCAPE_PATHS as ESCAPE_PATHS,
-    MEETINGS as MEETINGS,
-    PatternSearchReport as PatternSearchReport,
-)
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
@@ -64,4 +62,3 @@ from .stability import (
 )
 from .stopping import chao1 as chao1, chao1_error as chao1_error
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes

@@ -11,7 +11,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem, pose
-
-if TYPE_CHECKING:
-    from origami_nlp.minima.minimum import JudgedState
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
@@ -223,9 +220,12 @@ def not_judged(why: str) -> FullSpace:
 
 
 def with_full_space(
-    scene: Scene, problem: PatternProblem, states: Sequence[JudgedState], full: bool | None
-) -> list[JudgedState]:
-    """Add the verdict in the full space to each minimum; full: whether, None: where it is affordable."""
+    scene: Scene, problem: PatternProblem, states: Sequence[Any], full: bool | None
+) -> list[Any]:
+    """Add the verdict in the full space to each minimum among judged states.
+
+    full: whether, None: where it is affordable.
+    """
     minima = [s.phi for s in states if s.verdict == "minimum"]
     if not (is_affordable(scene, len(minima)) if full is None else full):
         return list(states)

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import project, singular_beside
-from origami_nlp.minima import JudgedState, PatternSearchReport, chao1, chao1_error
+from origami_nlp.minima import JudgedState, SearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.question import Question
@@ -24,7 +24,7 @@ class Parts:
     """Work on a problem, with the record of what it did and the states that it judged."""
 
     curves: TracedCurves
-    tally: PatternSearchReport
+    tally: SearchReport
     judged: list[JudgedState]
     progress: Callable[[int, int, str], object] | None = None
     found: Callable[[float, np.ndarray], object] | None = None

@@ -38,6 +38,8 @@ class Question:
     ----------
     stated
         The origami.
+    contact
+        ``"full"``, ``"fold-limits"`` or ``"none"``.
     problem
         Posed.
     labels
@@ -67,6 +69,7 @@ class Question:
     """
 
     stated: Scene | Pattern
+    contact: str
     problem: PatternProblem
     labels: CanonicalLabelling
     symmetries: Sequence[tuple[np.ndarray, float]]
@@ -108,6 +111,7 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
 
     return Question(
         pattern,
+        "full" if contact else "fold-limits",
         problem,
         labels,
         labels.symmetries(pattern),
@@ -157,13 +161,14 @@ def _of_vertex(scene: Scene) -> Question:
         for model in models:
             yield from NearFolded(model, list(FlatFoldings(model).states())).states()
 
-    starts = [
+    starts: list[tuple[str, Callable[[], Iterable[np.ndarray]]]] = [
         (GIVEN, lambda: (problem.reduce(x) for x in given(problem.pattern))),
         (NearFlat.name, partial(each, NearFlat)),
         (NearFolded.name, beside_folded),
     ]
     return Question(
         scene,
+        scene.contact,
         problem,
         labels,
         [(np.argsort(order), float(sign)) for order, sign in first.own_symmetries[1:]],

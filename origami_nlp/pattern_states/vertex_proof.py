@@ -36,7 +36,7 @@ UNASKED = 50_000
 """Boxes after which a proof that nobody asked for gives up: two seconds; panels and degree 5 take at most 17,000."""
 
 
-class Known:
+class KnownStates:
     """States of one winding that a search judged, and those that a proof adds.
 
     Parameters
@@ -103,7 +103,7 @@ def prove_each(
     new : list of JudgedState
         What the proofs found, judged.
     """
-    each = [Known(model, problem, states) for model in models]
+    each = [KnownStates(model, problem, states) for model in models]
     if len(each) == 1 or (wanted is None and not is_cheap(models[0])):
         return prove_complete(each[0], wanted, problem.until), each[0].new
     until = math.inf
@@ -145,7 +145,7 @@ def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completen
 
 
 def prove_complete(
-    known: Known, wanted: bool | float | ProofOptions | None, until: float = math.inf
+    known: KnownStates, wanted: bool | float | ProofOptions | None, until: float = math.inf
 ) -> Completeness | None:
     """Try to prove that the minima that are known are all; what is missing is added to them.
 
@@ -218,7 +218,7 @@ def is_cheap(model: Model) -> bool:
     return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
 
 
-def hold_against(known: Known, proof: Proof, until: float = math.inf) -> Completeness:
+def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> Completeness:
     """Hold what a search knows against a proof; what the proof has and the search lacks is judged and added.
 
     Parameters
@@ -322,7 +322,7 @@ def _ranges_over(scene: Scene) -> str:
     return f"among closed states that keep {scene.group.name}{wind}"
 
 
-def _state_at(known: Known, point: ProvedCriticalPoint) -> JudgedState | None:
+def _state_at(known: KnownStates, point: ProvedCriticalPoint) -> JudgedState | None:
     """Return the state at a certified critical point; a possible minimum that is not known is judged and added."""
     x = np.array(point.x)
     # the point is the only critical one within its radius: what is known there is it
@@ -370,7 +370,7 @@ def _disagreement(
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
 
 
-def _judged(known: Known, cluster: Cluster) -> Open:
+def _judged(known: KnownStates, cluster: Cluster) -> Open:
     """Judge the state in a small cluster: what is known there, else the polished middle."""
     model, lower, upper = known.model, np.array(cluster.lower), np.array(cluster.upper)
     if (upper - lower).max() > NEAR_SINGULAR_TOL:
