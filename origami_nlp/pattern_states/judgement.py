@@ -20,6 +20,9 @@ from origami_nlp.numerics import (
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.search import stationary_beside
 
+LEFT = 1e-12
+"""Torque of a minimum, relative to the largest, that Newton takes away."""
+
 
 def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
     """Judge a state.
@@ -114,7 +117,7 @@ def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) ->
 
 def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
     """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
-    left = state.kkt_residual > STATIONARY
+    left = state.kkt_residual > (LEFT if state.verdict == "minimum" else STATIONARY)
     if state.refuted:
         left &= state.kkt_residual < ANSWERED
     elif state.verdict in ("minimum", "undecided"):

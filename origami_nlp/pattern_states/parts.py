@@ -138,6 +138,27 @@ class Parts:
                 self.found(state.energy, state.phi.copy())
             self.say()
 
+    def on_level_set(self, x: np.ndarray) -> bool:
+        """Return whether some way from a state is level both ways, where an undecided one has that energy.
+
+        Hinges without stiffness at the bottom of a well leave whole sets of such states: one stands for them.
+        """
+        problem = self.problem
+        if not problem.pattern.laws:
+            return False
+        energy, level = problem.energy(x), LEVEL * problem.scale
+        at = [s.energy for s in self.judged if s.verdict == "undecided"]
+        if not any(abs(energy - other) <= max(level, LEVEL * abs(energy)) for other in at):
+            return False
+        for z in problem.kernel(x).T:
+            ends = [problem.project(x + side * NEAR_SINGULAR_TOL * z) for side in (-1.0, 1.0)]
+            if all(
+                left <= CLOSURE_TOL and abs(problem.energy_change(x, end)) <= level
+                for end, left in ends
+            ):
+                return True
+        return False
+
     def _level_with_known(self, state: JudgedState) -> bool:
         """Return whether a state is one that is known: beside it, and level with it and with what is between.
 

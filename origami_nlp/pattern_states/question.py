@@ -122,6 +122,15 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
     )
 
 
+def _families(scene: Scene, model: Model, labels: CanonicalLabelling) -> list[StartKind]:
+    """Return families of random starts of a vertex alone: drawn under labels that do not depend on its own."""
+    if model.size < FEWEST_FOR_MOMENTS or not is_chain(model):
+        return []
+    if scene.loads:
+        return [Moments(model)]
+    return [Moments(Model(canonical_labels(scene).relabelled(scene)), labels)]
+
+
 def _of_vertex(scene: Scene) -> Question:
     models = [Model(one) for one in scene.of_each_winding]
     first, n = models[0], models[0].size
@@ -175,7 +184,7 @@ def _of_vertex(scene: Scene) -> Question:
         partial(prove_each, models, problem),
         starts,
         whole,
-        [Moments(first)] if n >= FEWEST_FOR_MOMENTS and is_chain(first) else [],
+        _families(scene, first, labels),
         [(kind.name, partial(each, kind)) for kind in (FlatFoldings, HingeSets)],
         winding,
         told,

@@ -245,6 +245,9 @@ class Search(Parts):
         self._ends.append(x)
         if not self.question.winding(x):
             return None
+        if self.on_level_set(x):
+            self.tally.stalled += 1
+            return None
         state = judge_end(self.problem, x, self.contact)
         near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
         if near is not None:

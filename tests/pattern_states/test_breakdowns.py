@@ -1,10 +1,11 @@
 """Linear algebra that breaks down at one item of a search: the item is counted and named, and the search goes on."""
 
+import importlib
+
 import numpy as np
 import pytest
 
 from origami_nlp import examples, find_minima
-from origami_nlp.minima import full_space
 from origami_nlp.pattern_states import find, question
 
 FAILURES = [np.linalg.LinAlgError("Singular matrix"), ZeroDivisionError("division by zero")]
@@ -40,7 +41,11 @@ def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, error):
 
 
 def test_a_state_that_breaks_the_judge_of_the_full_space_is_undecided_by_name(monkeypatch):
-    monkeypatch.setattr(full_space, "judge_in_full_space", broken(FAILURES[0]))
+    monkeypatch.setattr(
+        importlib.import_module("origami_nlp.minima.full_space"),
+        "judge_in_full_space",
+        broken(FAILURES[0]),
+    )
     found = search(full=True)
     assert {m.full_space.verdict for m in found.minima} == {"undecided"}
     assert "linear algebra failed" in found.minima[0].full_space.certificate

@@ -29,8 +29,8 @@ def searched(**changed):
 def test_fields_of_a_search_have_their_effect():
     plain = searched()
     assert plain.search.effort == "own options"
-    assert searched(in_a_row=40).search.starts > plain.search.starts
-    assert searched(most_drawn=1).search.starts < plain.search.starts
+    assert searched(in_a_row=40).search.drawn > plain.search.drawn
+    assert searched(most_drawn=1).search.drawn <= plain.search.drawn
 
 
 def test_an_effort_is_its_options():
