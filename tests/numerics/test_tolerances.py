@@ -33,7 +33,6 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER
-        minima/one_dof.ASIDE
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR
@@ -47,7 +46,7 @@ BESIDE_THE_TABLE = {
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
-        kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
+        kkt/neighbourhood.GOES kkt/descent_witness.DOWN
         continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
@@ -55,9 +54,6 @@ BESIDE_THE_TABLE = {
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         search/descend.NAMES
-    """,
-    "nodes at which a series is checked": """
-        minima/curve.CHECKS
     """,
     "what a formula is resolved to by its pieces": """
         pattern/hinge_types.AS_STATED
@@ -113,7 +109,7 @@ BESIDE_THE_TABLE = {
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
-        minima/curve.ACCURACY kkt/descent.RISE
+        kkt/descent.RISE pattern_states/judgement.LEFT
         search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "accuracy of published states, and of the grid that they lie on": """
