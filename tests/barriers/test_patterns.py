@@ -132,11 +132,3 @@ def test_where_facets_may_cross_paths_close_and_climb_no_higher():
         assert math.isfinite(p.energy) and np.abs(p.path).max() <= math.pi + 1e-12
         assert np.abs(sheet_of(pattern).closure(p.path)[0]).max() < 1e-9
         assert pattern.energy(p.path).max() <= p.energy * (1 + 1e-12)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["yoshimura:3x3", "waterbomb:2x2", "miura:3x3"])
-def test_paths_of_whole_sheets_are_checked_state_by_state(name):
-    found = o.find_barriers(name)
-    checked(found)
-    assert any(p.energy < math.inf for p in found.passes)

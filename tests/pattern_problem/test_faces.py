@@ -89,14 +89,6 @@ def test_stacked_vertices_are_judged_as_their_own_search_says():
     assert {("minimum", "minimum"), ("not stationary", "not stationary")} <= set(reported)
 
 
-@pytest.mark.slow
-def test_40_stacked_vertices_are_judged_as_their_own_search_says():
-    reported = [both for seed in range(100, 140) for both in compare(seed)]
-    assert reported.count(("minimum", "minimum")) > 25
-    open_ones = [two for one, two in reported if one != "undecided"].count("undecided")
-    assert open_ones < 0.1 * len(reported)
-
-
 def _miura():
     pattern = miura(3, 3)
     return pattern, math.pi * np.sign(miura_angles(pattern, 3, 1.0))
@@ -182,23 +174,6 @@ def _moved(problem, body, phi, facet, places):
     at, motion = FoldedGeometry(problem.crossings.poses, phi), body.place(phi)[facet]
     back = (np.array(places) - at.shift[facet]) @ at.turn[facet]
     return back @ motion[:3, :3].T + motion[:3, 3]
-
-
-def held():
-    """Six equal sectors, creases on creases: a state in which facets push face to face, of random springs."""
-    rng = np.random.default_rng(0)
-    rest = rng.uniform(-3.1, 3.1, 6)
-    problem = PatternProblem(
-        wheel([math.pi / 3] * 6).with_springs(list(rng.uniform(0.3, 2, 6)), list(rest))
-    )
-    scene = Scene(
-        Vertex((math.pi / 3,) * 6),
-        tuple(problem.pattern.stiffness.tolist()),
-        tuple(rest.tolist()),
-        "none",
-        "full",
-    )
-    return problem, scene
 
 
 def _rolled(rest):

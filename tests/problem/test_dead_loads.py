@@ -162,7 +162,7 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
 
 
 def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_fixed_facet():
-    found = find_minima(FIVE, max_starts=128, effort="quick", prove=False, escape=False)
+    found = find_minima(FIVE, max_starts=32, effort="quick", prove=False, escape=False)
     model = Model(FIVE)
     assert found.minima and found.completeness is None
     rng = np.random.default_rng(3)
@@ -173,7 +173,7 @@ def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_fix
         assert len(y) > 10 and (FIVE.energy(y) > m.energy - 1e-13).all()
         assert m.moment is None
     other = find_minima(
-        replace(FIVE, fixed_facet=4), max_starts=64, effort="quick", prove=False, escape=False
+        replace(FIVE, fixed_facet=4), max_starts=16, effort="quick", prove=False, escape=False
     )
     assert abs(other.minima[0].energy - found.minima[0].energy) > 1e-3
 

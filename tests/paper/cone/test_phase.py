@@ -6,13 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from mpmath import mp
-from typer.testing import CliRunner
 
-from origami_nlp.cli import app
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.phase_curves import KINDS
+from tests.command_line import run
 
 SIDE = 1e-9
 SLOW = pytest.mark.slow
@@ -54,30 +52,6 @@ def test_counts_differ_on_both_sides_of_every_boundary(degree, depth):
                 assert changed == 1
             kinds.add(curve.kind)
     assert {"start", "end"} <= kinds if depth == 0 else {"depth", "end"} <= kinds
-
-
-@given(
-    degree=st.sampled_from([6, 8, 10, 12, 14]),
-    log_ratio=st.floats(-4, 4),
-    place=st.floats(0.01, 0.99),
-)
-@settings(max_examples=60)
-def test_at_least_half_of_all_branches_are_stable(degree, log_ratio, place):
-    """The branches (word, up) and (complement, down) leave the flat state in opposite directions."""
-    low, high = cone.Cone(degree).rest_range
-    nu = low + (high - low) * place
-    if abs(nu) < 1e-3:
-        return
-    count = cone.count(degree, 10**log_ratio, nu)
-    assert count.branches_with_minimum >= count.branches // 2
-    # exactly half unless a fold has added a pair
-    slopes = 0
-    for direction in (1, -1):
-        odd, even = cone.SideEnergy.of(degree, direction, nu).at(np.zeros(1)).slopes
-        falls = (odd + 10**log_ratio * even)[:, 0] < 0
-        branches = cone.assignment_classes(degree).multiplicity
-        slopes += sum(m for m, f in zip(branches, falls, strict=True) if f)
-    assert slopes == count.branches // 2
 
 
 @pytest.mark.parametrize("rest", ["waterbomb", "paper"])
@@ -151,10 +125,8 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
 def test_command_writes_map_and_boundaries(tmp_path):
     files = {k: tmp_path / f"phase.{k}" for k in ("png", "csv", "json")}
     wanted = [f"--output={file}" for file in files.values()]
-    result = CliRunner().invoke(
-        app, ["paper", "cone", "phase", "--degree", "8", "--size", "12", *wanted]
-    )
-    assert result.exit_code == 0, result.output
+    result = run(*"paper cone phase --degree 8 --size 12".split(), *wanted)
+    assert result.code == 0, result.err
     reported = json.loads(files["json"].read_text())
     assert reported["schema"] == "origami-nlp/paper/1" and reported["branches"] == "32"
     assert {b["kind"] for b in reported["boundaries"]} <= set(KINDS)
