@@ -13,7 +13,7 @@ from origami_nlp.errors import Interrupted
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
-from tests.command_line import run
+from tests.computed_once import states
 from tests.independent.search_sheets import sheet_of
 
 
@@ -43,8 +43,7 @@ def checked(found) -> None:
 def test_the_barrier_of_a_yoshimura(tmp_path):
     """Above 0.372454 J: of the lowest state with its vertex flat, which every path passes."""
     out = tmp_path / "barriers.json"
-    done = run("barriers", "yoshimura:2x2", "-o", out)
-    assert done.code == 0 and "at most" in done.out
+    o.find_barriers("yoshimura:2x2", states("yoshimura:2x2")).save(out)
     found = o.read_result(out)
     (p,) = found.passes
     flat = float(found.result.pattern.energy(np.zeros(found.result.pattern.creases)))
@@ -99,7 +98,7 @@ def test_ctrl_c_keeps_the_paths_that_were_found(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    result = o.find_minima("yoshimura:2x2", escape=False)
+    result = states("yoshimura:2x2")
     monkeypatch.setattr("origami_nlp.barriers.find.escape_paths_of_each", interrupt)
     with pytest.raises(Interrupted) as stop:
         o.find_barriers("yoshimura:2x2", result)

@@ -16,7 +16,6 @@ from origami_nlp.chart import (
     boundary_walk,
     chart_limits,
     chart_of,
-    distance_from,
     outline_of,
     trace_boundary,
 )
@@ -162,11 +161,3 @@ def test_outlines_without_full_contact(scene):
         around = corners[:, None] + 1e-9 * np.stack([turn.real, turn.imag], axis=-1)
         inside = allowed(chart, branch, around[..., 0], around[..., 1])[0]
         assert len(corners) > 100 and (inside.any(axis=1) & ~inside.all(axis=1)).all()
-
-
-def test_distances_from_a_line_are_those_of_shapely():
-    rng = np.random.default_rng(0)
-    line, points = rng.normal(size=(30, 2)), rng.normal(size=(200, 2))
-    line[4] = line[3]  # a side of no length
-    away = shapely.distance(shapely.LineString(line), shapely.points(points))
-    assert np.abs(distance_from(points, line) - away).max() < 1e-14

@@ -2,8 +2,6 @@
 
 import json
 import os
-import subprocess
-import sys
 
 import pytest
 
@@ -11,14 +9,6 @@ import origami_nlp
 from origami_nlp.cli.output import Output
 from tests.command_line import run
 from tests.fold_files import disc
-
-
-def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
-    for arguments, code in ((["example", "degree6"], 0), (["minima", "nowhere.toml"], 2)):
-        line = [sys.executable, "-m", "origami_nlp", *arguments]
-        done = subprocess.run(line, capture_output=True, text=True, check=False)
-        assert done.returncode == code
-        assert done.stderr.count("\n") == (code != 0) and bool(done.stdout) == (code == 0)
 
 
 @pytest.mark.parametrize(
@@ -42,34 +32,21 @@ def test_a_wrong_call_is_one_line(line, said):
 
 def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_writes(tmp_path):
     """All that a FOLD file leaves open can be written down once; the states are the same."""
-    file, whole = tmp_path / "a.fold", tmp_path / "b.fold"
+    file = tmp_path / "a.fold"
     data = disc([60, 100, 120, 80], "MVVV")
     file.write_text(json.dumps(data))
     springs = ("--stiffness", 0.3, "--rest-angle", 40)
-    for more, name in (((), "b.fold"), (("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
+    quick = ("--prove", 0, "--effort", "quick", "--max-starts", 8)
+    for more, name in ((("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
         made = tmp_path / name
         done = run("inspect", file, *springs, *more, "-o", made)
         assert done.code == 0, done.err
         found = [
-            json.loads(
-                run(
-                    "minima",
-                    *given,
-                    "--prove",
-                    0,
-                    "--effort",
-                    "quick",
-                    "--max-starts",
-                    8,
-                    "-o",
-                    "-",
-                ).out
-            )["minima"]
+            json.loads(run("minima", *given, *quick, "-o", "-").out)["minima"]
             for given in ((file, *springs, *more), (made,))
         ]
         energies = [[m["energy"] for m in one] for one in found]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
-    assert run("contacts", whole).code == 0
 
 
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):

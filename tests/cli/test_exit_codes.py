@@ -138,7 +138,7 @@ def test_what_was_found_before_the_time_was_over_is_written(here, monkeypatch):
         time.sleep(60)
 
     monkeypatch.setattr("origami_nlp.contact.find_contacts", wait)
-    done = run("contacts", "six.toml", "--seconds", 5, "-o", "out.json", "-o", "out.html")
+    done = run("contacts", "miura.toml", "--seconds", 2, "-o", "out.json", "-o", "out.html")
     assert done.code == Ended.OUT_OF_TIME and (here / "out.html").exists()
     assert json.loads((here / "out.json").read_text())["minima"]
 

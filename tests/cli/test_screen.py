@@ -115,7 +115,6 @@ def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
         ["inspect", scene],
         ["minima", scene, "--max-starts", "5"],
         ["minima", fold, "--max-starts", "5"],
-        ["contacts", scene, "--effort", "quick"],
         ["inspect", bad],
         ["inspect", tmp_path / "a\x1b[31m"],
     ):

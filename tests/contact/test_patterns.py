@@ -3,11 +3,12 @@
 import pytest
 
 import origami_nlp as o
+from tests.computed_once import states
 
 
 @pytest.fixture(scope="module")
 def found():
-    return o.find_minima("squaretwist", max_starts=10, escape=False, prove=False)
+    return states("squaretwist")
 
 
 def test_forces_are_those_of_the_states(found):

@@ -15,7 +15,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.problem import Model
-from tests.computed_once import shared, thinned
+from tests.computed_once import panel_points, thinned
 
 PANELS = examples.panels()
 SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis
@@ -25,13 +25,8 @@ SHAPES = list({s.vertex: s for s in PANELS}.values())
 # Every day a vertex of degree 8: its points cost a third of those of degree 6, which has one variable more.
 
 
-@shared
-def points_of(number):
-    return find_critical_points(PANELS[number])
-
-
 def critical_points(scene):
-    return points_of(PANELS.index(scene))
+    return panel_points(PANELS.index(scene))
 
 
 def with_energy(scene, stiffness, rest):
@@ -115,7 +110,7 @@ def chart_points(scene, size):
 
 
 @pytest.mark.parametrize(
-    "scene", thinned([PANELS[12], SOME[1], PANELS[0]], 3), ids=lambda s: s.name
+    "scene", thinned([PANELS[15], SOME[1], PANELS[0]], 3), ids=lambda s: s.name
 )
 def test_interior_points_are_those_of_the_chart(scene):
     """Both ways: nothing missing, nothing extra; the chart is regular at all interior points of these panels."""

@@ -14,7 +14,7 @@ from tests.independent.arcs import crossing_margin, nearest_touch
 from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project
 from tests.independent.scenes import SHAPES, build
-from tests.independent.stationary import Stratum, determinant_classes, retract
+from tests.independent.stationary import Stratum, retract
 
 BAND = 1e-9
 """Issue: no disagreement outside this distance [rad] from touching."""
@@ -224,11 +224,3 @@ def test_constraints_of_the_piece_are_those_of_the_whole_vertex(shape):
     rng = np.random.default_rng(7)
     verdicts = np.concatenate([wedge_agreement(build(rng, shape), rng, 60) for _ in range(3)])
     assert verdicts.any()
-
-
-def test_classes_of_determinants_are_counted_once():
-    # an unsymmetric vertex has one for every facet and crease that is not its own
-    p = Problem(
-        sectors_of(np.random.default_rng(9), 5), np.arange(5), np.ones(5), np.zeros(5), "full"
-    )
-    assert len(determinant_classes(p, np.random.default_rng(10))) == 15

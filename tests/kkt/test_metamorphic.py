@@ -31,7 +31,7 @@ def states():
     ]
     for r in np.random.default_rng(0).permutation(np.array(records, dtype=object)):
         stated = resolved(r["q"], table)["stated"]
-        if min(map(len, found.values())) >= MANY:
+        if len(found[True]) >= SINGULAR and len(found[False]) >= MANY - SINGULAR:
             break
         if "scene" not in stated:
             continue

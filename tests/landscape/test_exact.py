@@ -7,10 +7,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.chart import Boundary, with_energy
-from origami_nlp.contact import find_segments
 from origami_nlp.landscape import find_landscape
 from origami_nlp.landscape.exact import metastable_stretches
-from tests.computed_once import PANELS, panel_boundary, panel_result
+from tests.computed_once import PANELS, panel_boundary, panel_contacts, panel_result
 
 OCTAGON = o.examples.degree8("pi/12", 0.01)
 
@@ -23,7 +22,7 @@ def test_metastable_stretches_are_those_of_the_segments():
     """Lines traced for the picture have the same metastable parts as boundaries followed from states."""
     result = panel_result(OCTAGON)
     (part,) = metastable_stretches(result, boundary())
-    (segment,) = find_segments(result).segments
+    (segment,) = panel_contacts().segments.segments
     assert part.length == pytest.approx(segment.length, rel=1e-3)
     assert not part.hidden and part.contacts == ("phi = -pi at creases 1, 5",)
     line = next(ln for ln in boundary().lines if ln.contacts == part.contacts)

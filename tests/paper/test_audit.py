@@ -15,7 +15,7 @@ from origami_nlp.paper.audit import CAUSES, PanelAudit, chart_ends, chart_point
 from origami_nlp.pattern import examples
 from origami_nlp.problem import Model
 from tests.command_line import run
-from tests.computed_once import panel_result
+from tests.computed_once import minima_once, panel_result
 from tests.independent import rotations
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "authors_candidates.json"
@@ -111,7 +111,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ..
     ]
     file = tmp_path_factory.mktemp("audit") / "made.json"
     file.write_text(json.dumps([record(phi, alpha=alpha) for phi, alpha, _ in rows]))
-    return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("origami_nlp.paper.audit.find_minima", minima_once)  # panels
+        return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
 
 
 def test_every_artefact_is_named(made: tuple[tuple[PanelAudit, ...], list[str]]) -> None:

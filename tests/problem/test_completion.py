@@ -162,17 +162,6 @@ def test_double_roots_are_found_from_both_sides():
         assert not there(inside - way * distance[2:])[1].any()
 
 
-def turn(axis, angle):
-    return np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=1)
-
-
-def compose(p, q):
-    """Hamilton product by vectors, not by components."""
-    w = p[:, :1] * q[:, :1] - (p[:, 1:] * q[:, 1:]).sum(axis=1, keepdims=True)
-    v = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
-    return np.concatenate([w, v], axis=1)
-
-
 def corners_by_newton(sectors, rng, numbers, tries):
     """Closed states at which creases, `numbers` of them, are not at +-pi and cannot move, by Newton with matrices."""
     n = len(sectors)
