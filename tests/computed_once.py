@@ -21,6 +21,8 @@ from filelock import FileLock
 from origami_nlp import MinimaResult, Scene, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
+from origami_nlp.contact import find_contacts
+from origami_nlp.critical import find_critical_points
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_states import find_states
@@ -176,6 +178,18 @@ def panel_barriers() -> Barriers:
     """Return the barriers of the panel alpha_1 = pi/4, r_k = 0.01."""
     scene = examples.degree6("pi/4", 0.01)
     return find_barriers(scene, panel_result(scene, full=True))
+
+
+@shared
+def panel_contacts() -> Any:
+    """Return what holds the states of the panel of degree 8 with alpha_1 = pi/12, r_k = 0.01, with its segments."""
+    return find_contacts(panel_result(examples.degree8("pi/12", 0.01)), segments=True)
+
+
+@shared
+def panel_points(number: int) -> Any:
+    """Return the critical points of a panel."""
+    return find_critical_points(PANELS[number])
 
 
 @shared

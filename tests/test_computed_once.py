@@ -1,10 +1,7 @@
 """What tests share is what they would have computed: the same minima, and once per run."""
 
 import dataclasses
-import importlib
 import math
-import multiprocessing
-from pathlib import Path
 
 import pytest
 
@@ -45,54 +42,11 @@ def test_a_shared_proof_is_that_of_its_scene():
     assert not shared(Model(scenes[0]), options=ProofOptions(boxes=9)).finished
 
 
-@pytest.mark.slow  # eight searches with proofs
-def test_a_shared_search_of_a_pattern_is_that_of_its_springs():
-    """Proof and barriers of it are computed once, and others for the least other spring."""
-    proved = importlib.import_module("origami_nlp.pattern_states.proved")
-    find = importlib.import_module("origami_nlp.pattern_states.find")
-    sheet = examples.pattern("metasheet", 2, 2)
-    stiffer = sheet.with_springs([math.nextafter(sheet.stiffness[0], 1), *sheet.stiffness[1:]])
-    with pytest.MonkeyPatch.context() as patch:
-        for owner, name in ((proved, "prove_sheet"), (find, "with_escapes")):
-            patch.setattr(owner, name, getattr(owner, name).__wrapped__)
-        fresh = find_minima(sheet, starts=1)
-    shared = [find_minima(one, starts=1) for one in (sheet, sheet, stiffer)]
-    assert len({one.completeness.seconds for one in (fresh, *shared)}) == 3
-    assert shared[0].minima == shared[1].minima == fresh.minima != shared[2].minima
-    assert all(m.escape.barrier > 0 for m in fresh.minima) and fresh.completeness.proved
-    short = [find_minima(sheet, starts=1, seconds=60.0).completeness.seconds for _ in range(2)]
-    assert len({*short, shared[0].completeness.seconds}) == 3
-
-
 def test_a_scene_that_only_has_the_name_of_a_panel_is_refused():
     scene = examples.degree6("pi/4", 0.01, contact="none")
     assert scene.name == PANELS[0].name
     with pytest.raises(ValueError, match="not in list"):
         panel_result(scene)
-
-
-def ask(folder, gate, answers):
-    def compute():
-        with (folder / "calls.txt").open("a") as file:
-            file.write("called\n")
-        return {"x": 0.1 + 0.2}
-
-    computed_once.folder = folder
-    gate.wait()
-    answers.put(once("number", compute))
-
-
-@pytest.mark.slow  # two processes that import the package
-def test_processes_that_ask_at_once_compute_once(tmp_path: Path):
-    context = multiprocessing.get_context("spawn")
-    gate, answers = context.Barrier(2), context.Queue()
-    asking = [context.Process(target=ask, args=(tmp_path, gate, answers)) for _ in range(2)]
-    for process in asking:
-        process.start()
-    assert [answers.get(timeout=120) for _ in asking] == [{"x": 0.1 + 0.2}] * 2
-    for process in asking:
-        process.join()
-    assert (tmp_path / "calls.txt").read_text() == "called\n"
 
 
 def test_what_fails_is_not_kept(tmp_path, monkeypatch):

@@ -25,8 +25,8 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = (
-    "bistable_waterbomb by_ipopt check check_a_claim cones design export extend files fold getting_started hinges "
-    "loads many_scenes noise others paths pattern periodic"
+    "README bistable_waterbomb by_ipopt check check_a_claim cones design export extend files fold getting_started "
+    "hinges loads many_scenes noise others paths pattern periodic"
 ).split()
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]

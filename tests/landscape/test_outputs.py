@@ -64,6 +64,7 @@ def test_json_is_consistent(written):
         if step["energy"] is not None:
             ends = (minima[step["from_state"]]["energy"], minima[step["to_state"]]["energy"])
             assert step["energy"] >= max(ends)
+            assert any(abs(step["energy"] - p["energy"]) < 1e-9 for p in critical["points"])
     for point in critical["points"]:
         phi = np.array(point["fold_angles"])
         assert point["energy"] == pytest.approx(float(SCENE.energy(phi)), rel=1e-12)

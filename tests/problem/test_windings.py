@@ -50,11 +50,3 @@ def test_every_winding_closes_the_whole_vertex(kind, order, flat):
             assert np.abs(q[:, 1:]).max() < 1e-8
             assert ((q[:, 0] > 0) == model.lifts_to_one(x)).all()
     assert seen == set(scene.windings)
-
-
-def test_a_model_says_which_states_it_has():
-    (scene, *_) = scenes("D", 5, True)
-    once, thrice, closed = map(str, map(Model, scene.of_each_winding))
-    assert "-cos(pi/5)" in once and "states that wind 3, 5 times" in once
-    assert "-cos(3 pi/5)" in thrice and "wind 3 times round its axis" in thrice
-    assert "H n_k = n_1" in closed and "equalities    2" in closed
