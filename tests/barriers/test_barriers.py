@@ -12,12 +12,7 @@ from origami_nlp.barriers import Known, find_barriers
 from origami_nlp.barriers.bounds import side_of_flat
 from origami_nlp.critical import find_critical_points
 from origami_nlp.kkt import State, project
-<<<<<<< HEAD
-from origami_nlp.numerics import CLOSURE_TOL, merge_tree
-=======
-from origami_nlp.minima import find_minima
 from origami_nlp.numerics import merge_tree
->>>>>>> hh1
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.problem import Model
 from tests.computed_once import once, panel_result, thinned
