@@ -11,7 +11,7 @@ from flint import arb
 
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.facets import Facets
-from origami_nlp.proof.law_torques import LawBalls
+from origami_nlp.proof.laws import LawBalls
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
 from origami_nlp.proof.sheets import SheetMinimum, closer, sign_of
 from origami_nlp.proof.slopes import DEPTH, Budget, Crossing, Curve, Look, least
