@@ -18,7 +18,6 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -169,35 +168,18 @@ def prune(
     Remainder
         Candidates and boxes that are open; every other point of `start` is excluded, or near the flat state.
     """
-    stack, found = [start], []
+    left, found = start, [start[:0]]
     boxes = flats = 0
-    while stack and boxes < most and time.monotonic() < until:
-        batch = joined(list(_popped(stack, BATCH)))
+    while len(left) and boxes < most and time.monotonic() < until:
+        batch, left = left[-BATCH:], left[:-BATCH]
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small)
-        near = (_reach(again) <= flat) & (again.pins == 0).all(axis=0)
+        reach = np.maximum(-again.lower, again.upper).max(axis=0)
+        near = (reach <= flat) & (again.pins == 0).all(axis=0)
         flats += int(near.sum())
         found.append(done)
-        if not near.all():
-            stack.append(again[~near])
-    nothing = start[:0]
-    return Remainder(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
-
-
-def _popped(stack: list[Boxes], wanted: int) -> Iterator[Boxes]:
-    """Take up to `wanted` boxes off the end of a stack of batches."""
-    while stack and wanted:
-        top = stack.pop()
-        if len(top) > wanted:
-            stack.append(top[: len(top) - wanted])
-            top = top[len(top) - wanted :]
-        wanted -= len(top)
-        yield top
-
-
-def _reach(boxes: Boxes) -> np.ndarray:
-    """Largest |fold angle| in each box, [K]."""
-    return np.maximum(-boxes.lower, boxes.upper).max(axis=0)
+        left = joined([left, again[~near]])
+    return Remainder(joined(found), left, boxes, flats)
 
 
 def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes]:

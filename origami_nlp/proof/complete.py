@@ -111,7 +111,7 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
             undecided += [cluster_of(one, "a curve" + names) for one in some]
             continue
         system = BoxKkt(model, tuple(t.gap for t in touches))
-        roots, held, number, rest, more = certified(system, stratum.posed, left.candidates, beside)
+        roots, rest, more = certified(system, stratum.posed, left.candidates, beside)
         treated += more
         # a root with a free angle at its limit is none of the open stratum: the state belongs to others
         inside = (model.fold_limits.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
@@ -120,8 +120,9 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
             known is not None and _again(model, roots, i, stratum, known) for i in range(len(roots))
         ]
         for i in np.flatnonzero(~inside & np.logical_not(again)):
+            x, r, pins = (v[i][..., None] for v in (roots.x, roots.radius, roots.pins))
             reason = "free angles at their limits: a state of other strata" + names
-            singular.append(cluster_of(held[number == i], reason))
+            singular.append(cluster_of(Boxes(x - r, x + r, pins), reason))
         for group in (rest[g] for g in clusters(rest)):
             reason, is_singular = reason_of(system, group)
             (singular if is_singular else undecided).append(cluster_of(group, reason + names))
@@ -189,16 +190,13 @@ def _within_stops(flat: Flat, model: Model) -> Flat:
 
 def certified(
     system: BoxKkt, posed: BoxProblem, boxes: Boxes, flat: float
-) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
+) -> tuple[Roots, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
 
     Returns
     -------
     roots : Roots
         Different ones, each held by some box.
-    held : Boxes
-    number : numpy.ndarray
-        Of the root of each of these.
     rest : Boxes
         Those that no root holds.
     more : int
@@ -206,7 +204,6 @@ def certified(
     """
     found, more = none_certified(system), 0
     fresh = boxes
-    held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
     for small in (0.0, *SMALLER):
         if small:
             which = _regular(system, boxes, flat)
@@ -217,16 +214,9 @@ def certified(
             boxes, more = joined([boxes[~which], fresh]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, fresh)]), len(found))
         number = holds(system, roots, boxes)
-        used = np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), dtype=int)
-        place = np.full(len(roots), -1)
-        place[used] = np.arange(len(used))
-        found = roots[used]
-        held.append(boxes[number >= 0])
-        numbers.append(place[number[number >= 0]])
+        found = roots[np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), int)]
         boxes = boxes[number < 0]
-        if not len(boxes):
-            break
-    return found, joined(held), np.concatenate(numbers), boxes, more
+    return found, boxes, more
 
 
 def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:

@@ -183,7 +183,6 @@ class Placed:
                 (flat,) = closed
                 if any(self._reached(k, flat, sides) for k in asked):
                     raise Crossing(at_end=True)
-                pairs = [p for p in pairs if not self._parted(p, flat, sides[flat])]
             return None if pairs else {}
         if width > NEAR:
             return None if pairs else {}
@@ -272,28 +271,6 @@ class Placed:
             return None
         # det(x1 - x0, y1 - y0, y0 - x0) = det(x1 - x0, y1 - x0, y0 - x0)
         return FacetTouch((a, b), ((a, i), (a, i2), (b, j2), (b, j)), sign)
-
-    def _parted(self, pair: tuple[int, int], flat: int, fold: int) -> bool:
-        """Return whether one of two facets that come to lie on each other is between two polygons, until they do.
-
-        Its own corners are in its plane, those of the other facet on the side to which that is folded, or in it: of a
-        valley that of the normal.  A polygon on the far side may have none of the latter.
-        """
-        polygons = self.facets.pattern.polygons
-        for base, over in (self.facets.beside[flat], self.facets.beside[flat][::-1]):
-            own, folded = set(polygons[base]), set(polygons[over])
-            sides = []
-            for p in pair:
-                far = [sign_of(_height(self.x[base], x)) for x in self.x[p]]
-                beyond = {s for s, v in zip(far, polygons[p], strict=True) if v not in own | folded}
-                if p == over:
-                    beyond = {fold}
-                elif beyond == {-fold} and set(polygons[p]) & (folded - own):
-                    beyond = set()
-                sides.append(sum(beyond) if len(beyond) == 1 and p != base else 0)
-            if sides[0] * sides[1] < 0:
-                return True
-        return False
 
     def _reached(self, k: int, flat: int, sides: dict[int, int]) -> bool:
         """Return whether a facet, folded flat on another, goes on past a crease beyond which one is folded to it.
