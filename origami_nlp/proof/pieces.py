@@ -362,12 +362,24 @@ def about_normal(angle: float) -> tuple[float, float, float, float]:
 
 
 def expansion(column: Quadratic, rows: Quadratic, which: np.ndarray, of: np.ndarray) -> Quadratic:
-    """Return the sums over a of (-1)^a column[which_a] rows[of_a], which and of [M, A]: M determinants."""
-    terms = [
-        (column[w] * rows[o]).times((-1.0) ** a)
-        for a, (w, o) in enumerate(zip(which.T, of.T, strict=True))
-    ]
-    return sum(terms[1:], terms[0])
+    """Return the sums over a of (-1)^a column[which_a] rows[of_a], which and of [M, A]: M determinants.
+
+    Row i of the column is linear in variable i alone.
+    """
+    at, pair = np.arange(len(which)), pairs(column.slopes.shape[1])[2]
+    size, every = column.magnitude(), rows.magnitude()
+    out = number(np.zeros((len(which), column.value.shape[1])), 0.0, len(pair))
+    for a, (i, t) in enumerate(zip(which.T, of.T, strict=True)):
+        g, r = ((-1.0) ** a * v for v in (column.value[i], column.slopes[i, i]))
+        out.value[:] += g * rows.value[t]
+        out.slopes[:] += g[:, None] * rows.slopes[t]
+        out.slopes[at, i] += r * rows.value[t]
+        out.bends[:] += g[:, None] * rows.bends[t]
+        # xi_i times the slopes of the row: each pair (i, j) once
+        out.bends[at[:, None], pair[i]] += r[:, None] * rows.slopes[t]
+        out.rest[:] += size[i] * rows.rest[t] + np.abs(r) * np.abs(rows.bends[t]).sum(axis=1)
+        out.rest[:] += (column.rest[i] + 32 * UNIT * size[i]) * every[t]
+    return out
 
 
 def piece_of(model: Model) -> Piece:
