@@ -26,7 +26,6 @@ from origami_nlp.proof.roots import (
     holds,
     joined_roots,
     newton,
-    none_certified,
 )
 from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.touches import ContactStratum, contact_strata, kept_closed, why_no_touches
@@ -202,7 +201,7 @@ def certified(
     more : int
         Boxes treated.
     """
-    found, more = none_certified(system), 0
+    found, more = _roots_of(system, boxes[:0]), 0
     fresh = boxes
     for small in (0.0, *SMALLER):
         if small:

@@ -34,7 +34,7 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import EPS, quaternion
+from origami_nlp.numerics import quaternion
 from origami_nlp.problem import Model
 from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
 from origami_nlp.proof.rows import (
@@ -54,11 +54,6 @@ from origami_nlp.proof.rows import (
     times_vector,
     variables,
 )
-
-
-def folded_flat(angle: np.ndarray, pins: np.ndarray) -> np.ndarray:
-    """Return the pins [n, K] of angles at +-pi, where facets lie on each other; 0 at other stops."""
-    return np.where(np.abs(angle) >= np.pi * (1 - 2 * EPS), pins, 0)
 
 
 class Piece:
@@ -88,7 +83,7 @@ class Piece:
 
     def __init__(self, model: Model, rank: int) -> None:
         p, scene = model.parameters, model.scene
-        self.size = model.size
+        self.size, self.limits = model.size, model.fold_limits
         stiffness = p.stiffness / model.multiplicity
         self.sectors = np.asarray(p.sectors, float)
         # a load on a crease is a spring that rests elsewhere
@@ -125,10 +120,6 @@ class Piece:
         out.rest[:] = 16 * UNIT * (out.magnitude() + 8 * k)
         return out
 
-    def fold(self, lower: np.ndarray, upper: np.ndarray) -> Folded:
-        """Fold at the middle of boxes lower, upper [n, K] [rad]."""
-        return self.chain.fold(*variables(lower, upper))
-
     def rows(
         self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
     ) -> tuple[Affine, np.ndarray]:
@@ -150,7 +141,7 @@ class Piece:
         asked = [
             np.ones(rows[0].value.shape, dtype=bool),
             (pins == 0)[self.subsets].all(axis=1),
-            twins_asked(self.twins, pins, folded_flat(lower, pins)),
+            twins_asked(self.twins, pins, self.limits.folded_flat(pins.T).T),
         ]
         return joined_rows([r.affine() for r in rows]), np.concatenate(asked)
 

@@ -80,16 +80,6 @@ class Roots:
         return Roots(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
 
-def none_certified(system: BoxKkt) -> Roots:
-    """Return no roots."""
-    n, none = system.n, np.zeros(0)
-    x, pins = np.zeros((0, n)), np.zeros((0, n), dtype=np.int8)
-    whole = none.astype(int)
-    return Roots(
-        x, np.zeros((0, system.m)), pins, none, none, none, whole, np.zeros((0, n), dtype=int)
-    )
-
-
 def newton(
     system: BoxKkt, x: np.ndarray, pins: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -68,16 +68,14 @@ class SheetProof:
                 f"are products of {curves}, along which tangents of half the fold angles are proportional ({self.sets} "
                 f"sets of rows that move, {self.alone} of them of flat and flat-folded states alone)"
             )
-            meant = "vertices fold flat and whose equal sectors are equal exactly"
         else:
             states = (
                 f"are the flat state, {self.alone} rigid states that stand alone, and {curves} through it, along which "
                 f"vertices of equal sectors fold alike ({self.sets} choices of a mode at each vertex, the others "
                 "excluded by intervals)"
             )
-            meant = "equal sectors are equal exactly"
         exactly = (
-            f"; of the sheet whose {meant}, as the file's are to {self.deviation:.2g} rad"
+            f"; of the sheet whose relations of sectors are exact, as the file's are to {self.deviation:.2g} rad"
             * bool(self.deviation)
         )
         laid = f"; laid into its plane to {self.moved:.2g} rad" * bool(self.moved)
