@@ -108,8 +108,8 @@ def find_minima(
         Whether each minimum is also judged without the symmetry; None: where that is affordable
         (`minima.full_space.is_affordable`).
     prove
-        Whether to prove that the list is complete: True (in at most 10 million boxes, ten minutes), seconds of
-        processor time, or `ProofOptions`; False: no.  None: within fold limits, up to two degrees of freedom.
+        Whether to prove that the list is complete: True (in at most 10 million boxes, ten minutes), seconds, or
+        `ProofOptions`; False: no.  None: within fold limits, up to two degrees of freedom.
     seconds
         Wall time after which the search goes no further; a proof gets what is left, and the answer depends on the
         machine. None: the effort alone bounds it.

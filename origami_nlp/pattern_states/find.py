@@ -121,8 +121,8 @@ def find_states(
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     escape, noise, effort, options, max_starts, prove
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for
-        meshes of vertices of degree four of which none folds flat (`proof.prove_sheet`), unasked of up to two, or
-        four within fold limits, or all do.  A proof that is asked for has its share of the time;
+        meshes of vertices of degree four of which none folds flat (`proof.prove_sheet`), unasked of up to four
+        within fold limits, or all do, unasked of up to two.  A proof that is asked for has its share of the time;
         of a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT from the same starts.

@@ -7,6 +7,7 @@ first piece and the last go on beyond the ends.
 
 from __future__ import annotations
 
+import functools
 import itertools
 from typing import Any
 
@@ -36,11 +37,10 @@ class LawBalls:
         """Return the torque and its slope; nothing where the angle is not known."""
         if not abs(phi) < FAR:
             return arb.nan(), arb.nan()
-        torque = slope = None
+        found = []
         for part, (start, (a, b, c, d)) in zip(self.parts, self.pieces, strict=True):
             if part.overlaps(phi):
                 t = phi.intersection(part) - start
-                one, other = ((a * t + b) * t + c) * t + d, (3 * a * t + 2 * b) * t + c
-                torque = one if torque is None else torque.union(one)
-                slope = other if slope is None else slope.union(other)
+                found.append((((a * t + b) * t + c) * t + d, (3 * a * t + 2 * b) * t + c))
+        torque, slope = (functools.reduce(arb.union, v) for v in zip(*found, strict=True))
         return torque + self.drift, slope
