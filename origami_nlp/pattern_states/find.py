@@ -102,7 +102,7 @@ def find_states(
     seconds
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     prove
-        Whether to prove that the list is complete: True, seconds of processor time, or `ProofOptions`; False: no.
+        Whether to prove that the list is complete: True, seconds, or `ProofOptions`; False: no.
         None: where that is cheap.  A proof that is asked for has its share of the time; of a mesh that folds flat,
         within fold limits, it comes first, and where it is complete nothing else is searched for.
     escape

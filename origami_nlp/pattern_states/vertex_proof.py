@@ -25,7 +25,7 @@ from origami_nlp.proof import (
     ProofOptions,
     ProvedCriticalPoint,
     prove,
-    why_not as touches_not_proved,
+    why_not as not_by_boxes,
 )
 
 MOST_DOF = 4
@@ -108,11 +108,11 @@ def prove_each(
         return prove_complete(each[0], wanted, problem.until), each[0].new
     until = math.inf
     if wanted is not None and not isinstance(wanted, bool | ProofOptions):
-        until = time.process_time() + wanted
+        until = time.monotonic() + wanted
     found: list[Completeness] = []
     for known in each:
         if until < math.inf:
-            wanted = max(until - time.process_time(), 0.0)
+            wanted = max(until - time.monotonic(), 0.0)
         one = prove_complete(known, wanted, problem.until)
         if one is None:
             return None, []
@@ -154,7 +154,7 @@ def prove_complete(
     known
         Of the search.
     wanted
-        True, or options: in at most as many boxes as they say; or the seconds of processor time that it may take; None:
+        True, or options: in at most as many boxes as they say; or the seconds that it may take; None:
         where it is cheap; False: not at all.
     until
         When the time of the search is over (`time.monotonic`).
@@ -172,18 +172,13 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     try:
-        if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
-            options = (
-                ProofOptions(boxes=UNASKED, touching_boxes=UNASKED)
-                if wanted is None
-                else ProofOptions()
-            )
-            options = wanted if isinstance(wanted, ProofOptions) else options
-            proof = prove(model, until=until, options=options)
+        if isinstance(wanted, ProofOptions):
+            boxes = wanted.boxes
         else:
-            no_limit = ProofOptions(boxes=sys.maxsize)
-            proof = prove(model, seconds=float(wanted), until=until, options=no_limit)
-        return hold_against(known, proof, until)
+            boxes = UNASKED if wanted is None else ProofOptions().boxes
+            if wanted is not None and wanted is not True:
+                boxes, until = sys.maxsize, min(until, time.monotonic() + float(wanted))
+        return hold_against(known, prove(model, until=until, boxes=boxes), until)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
@@ -209,7 +204,7 @@ def why_not(model: Model) -> str:
         return "nothing can move: the states listed are all that were looked for"
     if model.dof > MOST_DOF:
         return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
-    return touches_not_proved(model) if model.scene.contact == "full" else ""
+    return not_by_boxes(model)
 
 
 def is_cheap(model: Model) -> bool:
@@ -451,9 +446,7 @@ def _status(
 def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
     why = [*against]
     if not proof.finished:
-        why.append(
-            "time was up, or the number of boxes" + (f": {proof.left}" if proof.left else "")
-        )
+        why.append("time was up, or the number of boxes")
     if undecided:
         energies = [r.energy for r in undecided]
         many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"

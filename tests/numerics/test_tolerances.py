@@ -96,10 +96,10 @@ BESIDE_THE_TABLE = {
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
         proof/boxes.WIDER proof/boxes.EXACT
         proof/complete.LOW proof/complete.NEAR
-        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
+        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES
+        proof/boxes.SMALLEST proof/complete.SMALLER
         proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
         proof/quads.ALIKE proof/quads.WIDEST
-        proof/law_torques.SMOOTH
     """,
     "bounds on rounding in proofs": """
         proof/flat.CLEAR
