@@ -72,7 +72,7 @@ def find_minima(
         Cap on starts; None: what the effort says.
     seconds
         Wall time after which the search goes no further: what is left out is named, and the answer depends on the
-        machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
+        machine.  None: 300 s.
     escape
         Say what it takes to leave each minimum (its ``escape``); False: do not.
     noise
@@ -84,15 +84,15 @@ def find_minima(
         Random starts in a row that find nothing new, in place of the effort.
     contact
         Of a pattern: ``"full"``, or ``"fold-limits"``: facets may cross.
-    guesses, full
-        Of a scene, see `minima.find_minima`; full: judge each without the symmetry (None: up to 12 creases and 64
-        states).
+    guesses
+        States to start from first, fold angles [N] [rad] each: ``search.refused`` says why one is no minimum.
+    full
+        Of a scene, judge each without the symmetry; None: up to 12 creases and 64 states.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT on the same problem, from one start after
         the other.
     progress
-        Called with starts, minima, and how many of these one drawn start reached; of a pattern with what the search is
-        at.
+        Called with starts, minima, and what the search is at.
     found
         Called with energy and fold angles of each minimum as it is found.
 

@@ -120,7 +120,7 @@ class MinimaResult(Report, Viewable):
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/3"
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/4"
     ALSO = ("model", "flags", "closure_stress", "lattices")
 
     def __post_init__(self) -> None:

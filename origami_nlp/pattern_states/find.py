@@ -265,10 +265,5 @@ class _Answer(Search):
             if min((np.abs(guess - x).max() for x in listed), default=math.inf) > NEAR_SINGULAR_TOL
         )
         return MinimaResult(
-            self.question.stated,
-            minima,
-            self.tally,
-            self.completeness,
-            curves=curves,
-            model=self.problem,
+            self.question.stated, minima, self.tally, self.completeness, curves=curves
         )

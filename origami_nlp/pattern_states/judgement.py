@@ -13,6 +13,7 @@ from origami_nlp.numerics import (
     ANSWERED,
     BESIDE_SINGULAR,
     CLOSURE_TOL,
+    LEVEL,
     NONZERO,
     STATIONARY,
     energy_or_zero,
@@ -20,6 +21,8 @@ from origami_nlp.numerics import (
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.search import stationary_beside
 
+FAR_ALONG = 1e-2
+"""How far along a mode the energy is asked for [rad]."""
 LEFT = 1e-12
 """Torque of a minimum, relative to the largest, that Newton takes away."""
 
@@ -80,6 +83,9 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
         softest_mode=() if what.mode is None else tuple(problem.expand(what.mode).tolist()),
     )
+    if state.verdict == "minimum" and _is_level_beside(problem, phi, what.mode):
+        why = "hinges are slack beside it: the energy is level one way"
+        return replace(state, verdict="undecided", kind="", certificate=why)
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if state.verdict == "minimum" or state.refuted:
         if why := not_told_apart(problem, phi):
@@ -90,6 +96,21 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
             why = f"not decided: closes to {residual:.1e}, and to do so exactly would take a step of {left:.1g} rad"
             return replace(state, verdict="undecided", kind="", certificate=why)
     return state
+
+
+def _is_level_beside(problem: PatternProblem, phi: np.ndarray, mode: np.ndarray | None) -> bool:
+    """Return whether hinges by laws leave the energy level to one side along the softest mode [n] of a state.
+
+    Curvature says nothing there: at the edge of a level piece, or beyond it by less than rounding, it may be positive.
+    """
+    if mode is None or not problem.pattern.laws:
+        return False
+    for side in (-1.0, 1.0):
+        end, residual = problem.project(phi + side * FAR_ALONG * mode)
+        change = abs(problem.energy_change(phi, end))
+        if residual <= CLOSURE_TOL and change <= LEVEL * problem.scale:
+            return True
+    return False
 
 
 def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:

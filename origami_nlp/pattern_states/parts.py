@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,10 @@ class Parts:
         self._met.add(k)
         if self.judged[k].verdict == "minimum":
             self._reached[k].add((self.family, self.tally.starts))
+
+    def note_hits(self) -> None:
+        """Note in what was judged how many starts led there."""
+        self.judged = [replace(s, hits=len(self._reached[k])) for k, s in enumerate(self.judged)]
 
     def count_families(self, drawn: Collection[str]) -> None:
         """Sum up what each family led to; how many minima drawn starts miss at least, in expectation."""

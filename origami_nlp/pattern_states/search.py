@@ -107,16 +107,17 @@ class Search(Parts):
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
         for guess in guesses:
             self.part(GUESSES, self.judge_guess, guess)
-        if self.problem.pattern.lies_flat:
-            self.part("the flat state", self.add_flat)
         for name, states in self.question.exact:
             self.part(name, self._settle_each, states, name)
+        if self.problem.pattern.lies_flat:
+            self.part("the flat state", self.add_flat)
         for name, states in self.question.starts:
             self.part(name, self._explore_each, states, name)
         if self.problem.pattern.lies_flat and self.problem.orbits is None:
             self.part("branch directions of the flat state", self.from_crossroads)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
+        self.note_hits()
 
     def add_flat(self) -> None:
         """Judge the flat state: descents that end there are counted."""

@@ -133,7 +133,7 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
     done = run("inspect", path, "--vertex", 5)
     assert done.code == 0 and "2 frames have geometry: frame 0 is read, --frame" in done.err
     assert "frames" not in run("inspect", path, "--vertex", 5, "--frame", 1).err
-    path.write_text(json.dumps({"schema": "origami-nlp/minima/3", "scene": {}}))
+    path.write_text(json.dumps({"schema": "origami-nlp/minima/4", "scene": {}}))
     other = tmp_path / "result.txt"
     other.write_bytes(path.read_bytes())
     for file in (path, other):  # by its name, or by what is in it

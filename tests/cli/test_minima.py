@@ -20,7 +20,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     code, table, _ = run("minima", scene, "-o", out)
     assert code == 0 and "IPOPT" not in table
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/3"
+    assert data["schema"] == "origami-nlp/minima/4"
     assert set(data) == {
         "schema",
         "origami",

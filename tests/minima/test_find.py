@@ -108,10 +108,14 @@ SLOW = pytest.mark.slow
 )
 @pytest.mark.parametrize("make", [examples.degree6, examples.degree8], ids=["6", "8"])
 def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):
-    result = find_minima(make("pi/4", ratio), prove=False, escape=False)
+    scene = make("pi/4", ratio)
+    result = find_minima(scene, prove=False, escape=False)
     assert result.minima
+    k, rest = (np.array(v) for v in (scene.stiffness, scene.rest_angles))
     for m in result.minima:
-        assert m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
+        # rounding of the fold angle of the stiffest crease, beside the torques that balance
+        rounded = 4e-16 * k.max() * math.pi / np.abs(k * (m.phi - rest)).max()
+        assert m.closure_residual <= CLOSURE and m.kkt_residual <= max(KKT, rounded)
 
 
 def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():

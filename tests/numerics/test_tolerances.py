@@ -35,7 +35,7 @@ BESIDE_THE_TABLE = {
         loading/result.SHIFT loading/stable_path.OVER
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
-        continuation/branch_point.FAR
+        continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS
@@ -89,6 +89,9 @@ BESIDE_THE_TABLE = {
     """,
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST
+    """,
+    "breaks of hinge laws": """
+        problem/hinge_laws.AT_BREAK
     """,
     "symmetry of the shortest step of a path": """
         minima/full_space.KEPT
