@@ -26,7 +26,7 @@ def pattern_passes(result: MinimaResult) -> tuple[Barriers, TracedPasses] | None
     traced = curve_passes(problem, result.curves, states) if len(states) else None
     if traced is None:
         return None
-    scale = energy_scale(result.pattern.stiffness)
+    scale = energy_scale(problem.pattern.stiffness)
     level = level_of(problem.energies(states), scale) / problem.scale
 
     def why(i: int, j: int, height: float) -> str:

@@ -35,7 +35,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     problem
         The problem.
     phi
-        Fold angles [rad], [n]; those beyond pi by less than closure can resolve are at pi.
+        Fold angles [rad], [n]; those beyond pi, or off 0, by less than closure can resolve are at pi, or 0.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -48,6 +48,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     at_limit = problem.fold_limits.clip(phi)
     if np.abs(phi - at_limit).max(initial=0.0) <= CLOSURE_TOL:  # as exactly as states close
         phi = at_limit
+    phi = np.where(np.abs(phi) <= CLOSURE_TOL, 0.0, phi)
     problem = problem.with_contact(contact)
     residual = problem.residual(phi)
     energy = float(energy_or_zero(problem.energy(phi), problem.pattern.stiffness))
@@ -122,7 +123,7 @@ def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
 def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
     """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it.
 
-    An end that is not decided gives way to a minimum beside it at which creases are flat or fully folded.
+    An end that is not decided gives way to the state beside it at which creases are flat or fully folded, if that is.
     """
     state = judge(problem, phi, contact)
     better = beside(problem, state)
@@ -132,7 +133,7 @@ def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) ->
         and (near := singular_beside(problem, problem.reduce(state.phi))) is not None
     ):
         exact = judge(problem, near, contact)
-        state = exact if exact.verdict == "minimum" else state
+        state = state if exact.verdict == "undecided" else exact
     return state
 
 

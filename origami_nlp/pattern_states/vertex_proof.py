@@ -17,7 +17,7 @@ from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.judgement import judge
+from origami_nlp.pattern_states.judgement import judge_end
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
@@ -72,11 +72,12 @@ class KnownStates:
         state = self.nearest(x)
         if state is None:
             state = replace(
-                judge(self.problem, x, self.problem.contact), winding=self.model.structure.winding
+                judge_end(self.problem, x, self.problem.contact),
+                winding=self.model.structure.winding,
             )
             self.new.append(state)
             self.states.append(state)
-            self.at.append(x)
+            self.at.append(self.problem.reduce(state.phi))
         return state
 
     def polished(self, x: np.ndarray) -> JudgedState | None:

@@ -35,10 +35,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     }
     assert data["lattices"] == []
     assert set(data["model"]) == {"variables", "equalities", "left_out"}
-    assert {"starts", "solves", "statuses", "quiet", "effort", "seconds", "seed"} <= set(
-        data["search"]
-    )
-    assert sum(data["search"]["statuses"].values()) == data["search"]["solves"]
+    assert {"starts", "solves", "quiet", "effort", "seconds", "seed"} <= set(data["search"])
     for m in data["minima"]:
         assert len(m["fold_angles"]) == 6
         assert m["kind"] in ("interior", "contact-pinned", "contact-touching", "degenerate")

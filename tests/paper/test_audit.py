@@ -113,7 +113,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ..
     records = [record(phi, alpha=a, ratio=0.01 if a == "pi/4" else 1.0) for phi, a, _ in rows]
     file.write_text(json.dumps(records))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("origami_nlp.paper.audit.find_minima", minima_once)  # panels
+        patch.setattr("origami_nlp.paper.audit.find_states", minima_once)  # panels
         return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
 
 

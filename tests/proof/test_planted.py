@@ -10,7 +10,7 @@ from origami_nlp.problem import Model
 from origami_nlp.proof import boxes, complete, flat, pieces, prove, roots, rows
 from tests.computed_once import shared
 from tests.independent.scan_four import minima
-from tests.minima.test_completeness import generic
+from tests.pattern_states.test_completeness import generic
 
 
 def scene_of(sectors, stiffness, rest):
