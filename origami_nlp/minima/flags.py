@@ -14,8 +14,7 @@ from origami_nlp.display import Flags
 class ResultFlags(Flags):
     """Of a `MinimaResult`: what to know before the list is used.
 
-    Those about the search are down where nothing can be missing: where the list is proved complete, or all curves of
-    one degree of freedom were traced.
+    Those about the search are down where nothing can be missing: where the list is proved complete.
 
     Attributes
     ----------
