@@ -13,7 +13,7 @@ import origami_nlp as o
 from benchmarks.families import family_scene
 from origami_nlp.display import Table
 from origami_nlp.io import save_figure
-from origami_nlp.minima import METHODS
+from origami_nlp.pattern_states import METHODS
 
 SHEETS = (
     *("miura:2x2", "miura:2x3", "metasheet:2x3", "metasheet:2x4", "squaretwist"),

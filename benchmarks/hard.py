@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.reference import Reference, Unsolved, solve_reference
+from origami_nlp import find_minima
 from origami_nlp.display import Table
 from origami_nlp.errors import SceneError
 from origami_nlp.kkt import State, classify, polish, project
-from origami_nlp.minima import JudgedState, MinimaResult, find_minima
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import CLOSURE_TOL, EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
 from origami_nlp.pattern_problem import pose

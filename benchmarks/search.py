@@ -21,10 +21,11 @@ import numpy as np
 from benchmarks.families import family_scene
 from benchmarks.reference import Unsolved, solve_reference
 from benchmarks.rivals import Ends, rivals, run_rival
+from origami_nlp import find_minima
 from origami_nlp.display import Table
 from origami_nlp.io import Unbounded, from_plain, save_figure, to_plain
 from origami_nlp.kkt import Solve, State, classify, exact_beside, polish
-from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, ENDPOINT_TOL
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import Model

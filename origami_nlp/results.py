@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from origami_nlp.display import InteractivePage
 
 _READ = (
-    ("minima/3", "minima", "minima", "MinimaResult"),
+    ("minima/4", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "critical", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),

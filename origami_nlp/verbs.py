@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,7 +32,6 @@ _OF_A_PATTERN = {
 }
 _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
-    "guesses": "a state of a pattern is judged by classify",
 }
 """What only the one or the other takes, and why."""
 
@@ -73,7 +72,7 @@ def find_minima(
         Cap on starts; None: what the effort says.
     seconds
         Wall time after which the search goes no further: what is left out is named, and the answer depends on the
-        machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
+        machine.  None: 300 s.
     escape
         Say what it takes to leave each minimum (its ``escape``); False: do not.
     noise
@@ -85,15 +84,15 @@ def find_minima(
         Random starts in a row that find nothing new, in place of the effort.
     contact
         Of a pattern: ``"full"``, or ``"fold-limits"``: facets may cross.
-    guesses, full
-        Of a scene, see `minima.find_minima`; full: judge each without the symmetry (None: up to 12 creases and 64
-        states).
+    guesses
+        States to start from first, fold angles [N] [rad] each: ``search.refused`` says why one is no minimum.
+    full
+        Of a scene, judge each without the symmetry; None: up to 12 creases and 64 states.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT on the same problem, from one start after
         the other.
     progress
-        Called with starts, minima, and how many of these one drawn start reached; of a pattern with what the search is
-        at.
+        Called with starts, minima, and what the search is at.
     found
         Called with energy and fold angles of each minimum as it is found.
 
@@ -120,29 +119,33 @@ def find_minima(
     5
     """
     until = check_until(seconds)
-    from origami_nlp import minima, pattern_states
     from origami_nlp.pattern import Scene, as_origami
+    from origami_nlp.pattern_states import find_states
 
     stated = as_origami(origami)
-    asked: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "prove": prove}
-    asked |= {"progress": progress, "found": found}
-    of_scene = {"guesses": guesses, "full": full}
-    of_pattern: dict[str, Any] = {"contact": contact}
-    find: Any
     if isinstance(stated, Scene):
-        refuse("scene", _OF_A_PATTERN, **of_pattern)
-        find, asked = minima.find_minima, asked | of_scene
+        refuse("scene", _OF_A_PATTERN, contact=contact)
     else:
-        refuse("pattern", _OF_A_SCENE, **of_scene)
-        find, asked = pattern_states.find_states, asked | of_pattern
-        if contact is not None:
-            asked["contact"] = _facets_apart(contact)
-    asked = {name: value for name, value in asked.items() if value is not None}
-    asked |= {"seed": seed, "effort": effort, "options": options, "escape": escape, "noise": noise}
-    asked["method"] = method
-    # importing and reading took some of it
-    left = None if seconds is None else max(until - time.monotonic(), 0.0)
-    return find(stated, seconds=left, **asked)  # type: ignore[no-any-return]
+        refuse("pattern", _OF_A_SCENE, full=full)
+    return find_states(
+        stated,
+        seed=seed,
+        effort=effort,
+        options=options,
+        max_starts=max_starts,
+        # importing and reading took some of it
+        seconds=None if seconds is None else max(until - time.monotonic(), 0.0),
+        escape=escape,
+        noise=noise,
+        prove=prove,
+        starts=starts,
+        contact=contact is None or _facets_apart(contact),
+        guesses=() if guesses is None else guesses,
+        full=full,
+        method=method,
+        progress=progress,
+        found=found,
+    )
 
 
 def _facets_apart(contact: object) -> bool:

@@ -18,17 +18,20 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import MinimaResult, Scene, examples, find_minima, minima
+from origami_nlp import MinimaResult, Scene, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
+from origami_nlp.contact import find_contacts
+from origami_nlp.critical import find_critical_points
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove_sheet
 
 T = TypeVar("T")
 PANELS = examples.panels()
-SEARCH = minima.find_minima
+SEARCH = find_states
 """The true one: where this module imports it nothing stands in its place yet."""
 DEFAULTS = {name: p.default for name, p in inspect.signature(SEARCH).parameters.items()}
 FAR = 100.0
@@ -82,21 +85,6 @@ def _question(compute: Callable[..., Any], stated: Scene | Model, *what: Any) ->
     numbers = [] if stated is scene else stated.parameters.vector.tolist()
     asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, *what))
     return f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
-
-
-def by_minima(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[JudgedState]]:
-    """Compute what it takes to leave minima once per run for each list of them, the same to the last bit."""
-
-    @functools.wraps(compute)
-    def ask(
-        model: Model, minima: Sequence[JudgedState], traced: Any = None, *problem: Any
-    ) -> list[JudgedState]:
-        states = [x.hex() for m in minima for x in m.fold_angles]
-        name = _question(compute, model, states, traced is None)
-        found = once(name, lambda: [m.escape for m in compute(model, minima, traced, *problem)])
-        return [dataclasses.replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
-
-    return ask
 
 
 def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
@@ -158,8 +146,10 @@ def _searched(number: int) -> MinimaResult:
 _kept = by_scene(SEARCH)
 
 
-def minima_once(scene: Scene, **options: Any) -> MinimaResult:
-    """Return `find_minima(scene, **options)`, the same for the same question; no progress is reported."""
+def minima_once(scene: Any, **options: Any) -> MinimaResult:
+    """Return `find_states(scene, **options)`, the same for the same question of a vertex; no progress is reported."""
+    if not isinstance(scene, Scene):
+        return SEARCH(scene, **options)
     asked = {
         k: v for k, v in options.items() if k not in ("progress", "found") and v != DEFAULTS[k]
     }
@@ -188,6 +178,18 @@ def panel_barriers() -> Barriers:
     """Return the barriers of the panel alpha_1 = pi/4, r_k = 0.01."""
     scene = examples.degree6("pi/4", 0.01)
     return find_barriers(scene, panel_result(scene, full=True))
+
+
+@shared
+def panel_contacts() -> Any:
+    """Return what holds the states of the panel of degree 8 with alpha_1 = pi/12, r_k = 0.01, with its segments."""
+    return find_contacts(panel_result(examples.degree8("pi/12", 0.01)), segments=True)
+
+
+@shared
+def panel_points(number: int) -> Any:
+    """Return the critical points of a panel."""
+    return find_critical_points(PANELS[number])
 
 
 @shared

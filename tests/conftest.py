@@ -46,7 +46,7 @@ def _folder_of_the_run(tmp_path_factory, pytestconfig):
 
 
 SHARED = {
-    "origami_nlp.minima.proved": "prove",
+    "origami_nlp.pattern_states.vertex_proof": "prove",
     "origami_nlp.chart.outline": "_outline",
     "origami_nlp.landscape.exact": "trace_boundary",
     "origami_nlp.contact.segments": "trace_boundary",
@@ -62,8 +62,6 @@ def _once_a_scene(_folder_of_the_run):
         for module, name in SHARED.items():
             true = getattr(importlib.import_module(module), name)
             patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
-        windings = importlib.import_module("origami_nlp.minima.windings")
-        patch.setattr(windings, "with_escapes", computed_once.by_minima(windings.with_escapes))
         proved = importlib.import_module("origami_nlp.pattern_states.proved")
         patch.setattr(proved, "prove_sheet", computed_once.prove_sheet)
         find = importlib.import_module("origami_nlp.pattern_states.find")

@@ -14,7 +14,6 @@ from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.chart import landscape
 from origami_nlp.critical import find_critical_points
 from origami_nlp.landscape import draw_landscape, find_landscape
-from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.space import find_space
@@ -114,14 +113,18 @@ CASES = [
     case(o.Scene, "symmetry_tolerance", (None, True, [], *NOTHING), "vertex", **SPRINGS),
     case(SCENE.energy, "fold_angles", (None, 0, [], [0.0] * (N - 1), ["a"] * N, *NOTHING)),
     case(o.pose, "origami", (None, 0, True, [])),
-    case(find_minima, "scene", SCENES),
     case(o.find_minima, "origami", (None, 0, True, [])),
-    case(find_minima, "seed", SEEDS, "scene"),
-    case(find_minima, "max_starts", (0, *(v for v in SEEDS if v is not None)), "scene"),
-    case(find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
-    case(find_minima, "full", tuple(v for v in FLAGS if v is not None), "scene"),
-    case(find_minima, "progress", CALLS, "scene"),
-    case(find_minima, "found", CALLS, "scene"),
+    case(o.find_minima, "seed", SEEDS, origami=SCENE),
+    case(o.find_minima, "max_starts", (0, *(v for v in SEEDS if v is not None)), origami=SCENE),
+    case(
+        o.find_minima,
+        "guesses",
+        (*LISTS[1:], [[0.0] * 5], [[math.nan] * 6], np.zeros(6)),
+        origami=SCENE,
+    ),
+    case(o.find_minima, "full", tuple(v for v in FLAGS if v is not None), origami=SCENE),
+    case(o.find_minima, "progress", CALLS, origami=SCENE),
+    case(o.find_minima, "found", CALLS, origami=SCENE),
     case(o.draw_minima, "result", (SCENE, *SCENES)),
     case(o.draw_minima, "path", PATHS, "result"),
     case(o.draw_minima, "size", (7, *WHOLES), "result"),

@@ -2,7 +2,6 @@
 
 import doctest
 import inspect
-import os
 import re
 import rlcompleter
 import subprocess
@@ -56,9 +55,10 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 DEAR = (
     "origami_nlp bifurcation.result chart.outline display.result space.find starts.options "
-    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.segments "
+    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.report contact.segments "
     "continuation.tracer critical.find critical.result inverse_design.finding inverse_design.result landscape.exact "
     "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "paper.cone.phase_curves space.result "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
 ).split()
 """Modules whose examples take seconds: they run with the long studies."""
@@ -185,49 +185,3 @@ def test_dir_and_tab_show_the_face_and_load_nothing():
     offered = rlcompleter.Completer({"o": origami_nlp}).attr_matches("o.find_")
     assert {f"o.{name}(" for name in FINDERS} == set(offered)
     assert len(FINDERS) > 5
-
-
-SCRIPT = """
-import origami_nlp as o
-
-result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
-reveal_type(result.minima[0].energy)
-reveal_type(o.find_barriers(result.scene, result).passes[0].pass_kind)
-reveal_type(o.paper.cone.count(8, ratio=1.0, elevation=0.5).branches)
-"""
-
-
-OTHERS = "numpy scipy matplotlib sympy casadi pandas rich typer click mpmath shapely flint plotly IPython"
-CONFIG = f"""
-[mypy]
-[mypy-{",".join(f"{name}.*" for name in OTHERS.split())}]
-follow_imports = skip
-follow_imports_for_stubs = True
-"""
-"""Packages of others are not read: half the time, and the types that are asked for are our own."""
-
-
-def check_types(folder: Path, config, script: str) -> tuple[int, str]:
-    """Run mypy on a script that lies outside; it reads the package because of its `py.typed`."""
-    (folder / "script.py").write_text(script)
-    (folder / "mypy.ini").write_text(CONFIG)
-    kept = getattr(config, "cache", None)  # the first run takes half a minute
-    cache = kept.mkdir("mypy") if kept else folder / "cache"
-    command = [sys.executable, "-m", "mypy", "--cache-dir", str(cache), "script.py"]
-    environment = {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
-    run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    return run.returncode, run.stdout
-
-
-@pytest.mark.slow  # half a minute on a new machine; .ci/run runs mypy
-def test_a_type_checker_outside_sees_types_through_the_faces(tmp_path, pytestconfig):
-    pytest.importorskip("mypy")
-    code, said = check_types(tmp_path, pytestconfig, SCRIPT + "o.find_minima(result)\n")
-    energy, kind, branches = re.findall(r'Revealed type is "(.*)"', said)
-    assert (energy.removeprefix("builtins."), branches.removeprefix("builtins.")) == (
-        "float",
-        "int",
-    )
-    assert kind.startswith("Literal[")
-    (wrong,) = re.findall(r": error: (.*)", said)  # the last line, and nothing else
-    assert code == 1 and '"find_minima" has incompatible type "MinimaResult"' in wrong

@@ -34,11 +34,9 @@ BESIDE = ("symbolic", "benchmarks")
 """Packages beside it, run from a checkout; `symbolic` is installed with it, as `origami_nlp.symbolic`."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
-VERTEX_STACK = frozenset(
-    "Model Structure compile_structure CreaseChain close_by Gap Kinematics MomentMap vertices".split()
-)
+VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics MomentMap".split())
 """What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("barriers chart critical landscape minima paper problem proof starts".split())
+READERS = frozenset("chart critical landscape paper pattern_states problem proof starts".split())
 """Rooms that read it: the list only shrinks (paper when the search is one, proof when the prover is)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 

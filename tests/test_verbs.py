@@ -7,6 +7,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern_states import find_states
+from tests.computed_once import panel_result
 
 PATTERN = "metasheet:3x3"
 
@@ -89,7 +90,7 @@ def test_states_of_a_pattern_go_to_a_file_and_come_back(found, tmp_path):
 
 @pytest.mark.parametrize("write", [o.write_fold, o.write_mesh])
 def test_what_is_no_result_or_no_path_is_said(write):
-    found = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16, escape=False)
+    found = panel_result(o.examples.degree6("pi/4", ratio=0.01))
     with pytest.raises(o.OrigamiError, match="path = None must be a path"):
         write(found, None)
     with pytest.raises(o.OrigamiError, match="result = "):

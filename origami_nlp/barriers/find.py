@@ -22,7 +22,7 @@ from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
 from origami_nlp.barriers.graph import PathDown, graph_of, passes_over
 from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.traced import pattern_passes, vertex_barriers
+from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.barriers.walks import Walks, number_of
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.kkt import (
@@ -38,12 +38,11 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, TracedPasses, canonical_states, find_minima
+from origami_nlp.minima import MinimaResult, canonical_states
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
-from origami_nlp.pattern_states import find_states
-from origami_nlp.problem import Model
+from origami_nlp.pattern_states import TracedPasses, find_states
 from origami_nlp.search import MOST_CREASES, DescentTerrain, softest_modes
 
 SEARCHING = 0.5
@@ -131,16 +130,14 @@ def find_barriers(
     if result is None:
         left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
         told = None if progress is None else partial(_told, progress)
-        find: Any = find_minima if isinstance(stated, Scene) else find_states
-        result = find(stated, seed=seed, prove=False, escape=False, seconds=left, progress=told)
+        result = find_states(
+            stated, seed=seed, prove=False, escape=False, seconds=left, progress=told
+        )
     check_type("result", result, MinimaResult)
     if isinstance(stated, Scene):
         # no path within the symmetry leads from one winding to another
         here = tuple(m for m in result.minima if m.winding == stated.windings[0])
         result = replace(result, minima=here) if len(here) < len(result.minima) else result
-        model = Model(stated)
-        if model.dof == 1:
-            return vertex_barriers(model, result)
     problem, before = result.model, result.model.until
     problem.until = until
     try:
@@ -159,7 +156,7 @@ class _Paths:
 
     def __init__(self, result: MinimaResult, say: Callable[[str], object]) -> None:
         self.result, self._say, self._stated = result, say, result.model
-        contact = self._stated.contact and getattr(result.search, "contact", "full") == "full"
+        contact = self._stated.contact and result.search.contact == "full"
         minima = np.array([m.fold_angles for m in result.minima])
         minima = minima.reshape(-1, self._stated.pattern.creases)
         self.minima, self.stopped = self._stated.reduce(minima), False

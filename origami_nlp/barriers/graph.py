@@ -18,8 +18,9 @@ from origami_nlp.barriers.passes import Known, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import State, project
-from origami_nlp.minima import MinimaResult, TracedPasses
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED, merge_tree
+from origami_nlp.pattern_states import TracedPasses
 
 APART = 0.2
 """Length of a step of a path [rad]."""

@@ -6,52 +6,27 @@ of the curves, cut where the energy is stationary, holds the lowest pass between
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from origami_nlp.barriers.graph import passes_over
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.errors import OptionError
 from origami_nlp.kkt import energy_scale, level_of
-from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
-from origami_nlp.pattern_states import curve_passes
+from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern_states import TracedPasses, curve_passes
 
-EVERY = "no lower path: all curves of the one degree of freedom are known"
 FOLLOWED = (
     "no lower path: motions from the first state follow traced curves, up to where others meet them"
 )
 
 
-def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
-    """Return the barriers of a vertex with one degree of freedom.
-
-    Raises
-    ------
-    OptionError
-        If its curves could not be resolved.
-    """
-    states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
-    states = states.reshape(-1, model.size)
-    energies = np.array([m.energy for m in result.minima])
-    curves = trace(model)
-    found = None
-    if curves.complete and model.has_limits:
-        found = traced_passes(model, curves.curves, curves.branches, states, energies)
-    if found is None:
-        raise OptionError(
-            "the curves of the one degree of freedom could not be resolved: passes may be missing"
-        )
-    return passes_over(model, result, found, 1.0, lambda i, j, height: EVERY)
-
-
 def pattern_passes(result: MinimaResult) -> tuple[Barriers, TracedPasses] | None:
     """Return the barriers of a pattern on its traced curves, and these curves; None where none are known."""
-    problem, states = result.model, np.array([m.fold_angles for m in result.minima])
+    problem = result.model
+    states = np.array([problem.reduce(m.phi) for m in result.minima])
     traced = curve_passes(problem, result.curves, states) if len(states) else None
     if traced is None:
         return None
-    scale = energy_scale(result.pattern.stiffness)
+    scale = energy_scale(problem.pattern.stiffness)
     level = level_of(problem.energies(states), scale) / problem.scale
 
     def why(i: int, j: int, height: float) -> str:

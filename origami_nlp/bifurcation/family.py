@@ -26,7 +26,7 @@ from origami_nlp.continuation import (
     line_between,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import (
     LAW_NUMBER,
@@ -175,7 +175,7 @@ class Family:
         share = None if seconds is None else seconds / len(made)
         options = {"escape": False, "seconds": share, **options}
         if isinstance(made[0], Scene):
-            return [find_minima(one, **options, full=False) for one in made]
+            return [find_states(one, **options, full=False) for one in made]
         return [find_states(one, **{**options, "prove": False}) for one in made]
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:

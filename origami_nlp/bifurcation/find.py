@@ -43,7 +43,7 @@ from origami_nlp.continuation import (
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, unless_stopped
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, PatternSearchReport, check_prove, full_scene
+from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Scene, Stated, Vertex, as_origami
 from origami_nlp.proof import ProofOptions
@@ -407,13 +407,9 @@ class _Survey:
 
 def _complete(result: MinimaResult) -> str:
     """Return why the minima of a search are all, or that its time was over; "" where that is not known."""
-    if isinstance(result.search, PatternSearchReport):
-        return OUT_OF_TIME if result.search.left_out else ""
-    if result.search.stopped_by == "time":
+    if result.search.left_out:
         return OUT_OF_TIME
-    if result.completeness is not None:
-        return result.completeness.status
-    return "traced" if result.search.complete else ""
+    return "" if result.completeness is None else result.completeness.status
 
 
 def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:

@@ -38,7 +38,6 @@ from origami_nlp.pattern_problem import pose
 
 COMPLETE = {
     "proved": "proved to be all",
-    "traced": "all that the curves of its one degree of freedom hold",
 }
 """How it is said that a check is complete."""
 MOST_NAMED = 4

@@ -20,7 +20,6 @@ from origami_nlp.inverse_design.result import Design
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.targets_file import Ask, read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
-from origami_nlp.minima import find_minima
 from origami_nlp.numerics import DESIGN_SNAP
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_states import find_states
@@ -166,7 +165,7 @@ class _Work:
         asked: dict[str, Any] = {"seed": self.seed, "effort": self.effort, "escape": False}
         if isinstance(scene, Scene):
             full = self.targets.full_space and self.targets.symmetric
-            minima = find_minima(scene, full=full, **asked)
+            minima = find_states(scene, full=full, **asked)
         else:
             minima = find_states(scene, contact=self.targets.contact == "full", **asked)
         ways = {} if self.passes is None else self.passes.ways

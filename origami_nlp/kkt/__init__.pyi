@@ -4,7 +4,6 @@ from .classification import (
     Kind as Kind,
     Verdict as Verdict,
     classify as classify,
-    of_image as of_image,
 )
 from .contact_forces import (
     OMIT as OMIT,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -205,30 +205,6 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
         tuple((state.problem.scale * judged[0].eigenvalues).tolist()),
         math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )
-
-
-def of_image(state: State, what: Classification) -> Classification:
-    """Classify the image of a minimum, under a symmetry that the problem has, what is true of both.
-
-    Certificates depend on the order in which contacts are looked at, so that one of two images may be certified and the
-    other not; what is proved of one holds for both.
-
-    Parameters
-    ----------
-    state
-        The image.
-    what
-        The classification of the minimum.
-
-    Returns
-    -------
-    Classification
-        With the contacts of the image that all pieces of its feasible set share.
-    """
-    base = judge_branch(state.on(state.contacts.base), STATIONARY)
-    reason = f"image of a certified state under a symmetry of the scene: {what.reason}"
-    forces = forces_of(state, base)
-    return replace(what, reason=reason, contacts=forces, descent=None, mode=None)
 
 
 def _refuted(lower: DescentWitness) -> Classification:

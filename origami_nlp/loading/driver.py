@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import Interrupted, NothingInTime, OptionError, OutOfTime
-from origami_nlp.minima import JudgedState, find_minima, full_scene
+from origami_nlp.minima import JudgedState, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
@@ -44,7 +44,7 @@ def search_minima(
     asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **options}
     try:
         if isinstance(origami, Scene):
-            result = find_minima(origami, full=False, **asked)
+            result = find_states(origami, full=False, **asked)
         else:
             result = find_states(origami, **asked)
     except Interrupted:  # what it found is no path

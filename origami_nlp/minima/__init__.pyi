@@ -1,18 +1,17 @@
-from . import (
-    find as find,
-    record as record,
-    search as search,
-    table as table,
+from . import table as table
+from .account import (
+    ESCAPE_PATHS as ESCAPE_PATHS,
+    MEETINGS as MEETINGS,
+    SearchReport as SearchReport,
 )
-from .account import SearchReport as SearchReport
 from .canonical import canonical_states as canonical_states
-from .completeness import Added as Added, Completeness as Completeness, Open as Open
-from .figure import draw_minima as draw_minima
-from .find import (
-    METHODS as METHODS,
-    check_method as check_method,
-    find_minima as find_minima,
+from .completeness import (
+    Added as Added,
+    Completeness as Completeness,
+    Open as Open,
+    check_prove as check_prove,
 )
+from .figure import draw_minima as draw_minima
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     Part as Part,
@@ -29,6 +28,7 @@ from .full_space import (
     is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
+    with_full_space as with_full_space,
 )
 from .interactive import (
     CELLS as CELLS,
@@ -53,14 +53,6 @@ from .noise import (
     is_overdetermined as is_overdetermined,
     with_survival as with_survival,
 )
-from .one_dof import CandidateMinima as CandidateMinima, trace as trace
-from .pattern_account import (
-    ESCAPE_PATHS as ESCAPE_PATHS,
-    MEETINGS as MEETINGS,
-    PatternSearchReport as PatternSearchReport,
-)
-from .proved import check_prove as check_prove
-from .record import FoundState as FoundState, Record as Record
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
@@ -70,4 +62,3 @@ from .stability import (
 )
 from .stopping import chao1 as chao1, chao1_error as chao1_error
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes

@@ -5,12 +5,27 @@ The words are chosen with care: *complete* stands nowhere else than at a proof t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.arguments import check_number
 from origami_nlp.io import ShortRepr
+from origami_nlp.proof import ProofOptions
+
+
+def check_prove(name: str, value: object) -> None:
+    """Raise an error for what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
+
+    Raises
+    ------
+    OptionError
+        With the name, the value and what it must be.
+    """
+    if not (value is None or isinstance(value, bool | np.bool_ | ProofOptions)):
+        check_number(name, value, 0.0, math.inf)
 
 
 @dataclass(frozen=True, repr=False)

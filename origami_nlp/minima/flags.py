@@ -14,8 +14,7 @@ from origami_nlp.display import Flags
 class ResultFlags(Flags):
     """Of a `MinimaResult`: what to know before the list is used.
 
-    Those about the search are down where nothing can be missing: where the list is proved complete, or all curves of
-    one degree of freedom were traced.
+    Those about the search are down where nothing can be missing: where the list is proved complete.
 
     Attributes
     ----------
@@ -50,7 +49,7 @@ class ResultFlags(Flags):
         the reason of each; often a sector angle or a stiffness is nearly special, and making it exactly so, or clearly
         not, decides.
     solver_failed
-        IPOPT, asked to confirm each minimum, did not converge somewhere (`search.statuses`). Certificates do not rest
+        IPOPT, asked to confirm each minimum, did not converge somewhere (`solver` of each). Certificates do not rest
         on it. Cure: None is needed where certificates are exact; look at `solver` of the minima to see which.
     residual_above_tolerance
         A listed state closes, or balances, less well than states do that Newton has polished. Cure: Do not use its

@@ -7,17 +7,20 @@ strictly falling energy, and end at a lower stable state.
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_problem import PatternProblem, pose
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
@@ -214,6 +217,28 @@ def group_average(scene: Scene) -> np.ndarray:
 def not_judged(why: str) -> FullSpace:
     """Return the verdict on a state that was not judged, with the reason."""
     return FullSpace("undecided", why, None, 0, (), (), None, None, None)
+
+
+def with_full_space(
+    scene: Scene, problem: PatternProblem, states: Sequence[Any], full: bool | None
+) -> list[Any]:
+    """Add the verdict in the full space to each minimum among judged states.
+
+    full: whether, None: where it is affordable.
+    """
+    minima = [s.phi for s in states if s.verdict == "minimum"]
+    if not (is_affordable(scene, len(minima)) if full is None else full):
+        return list(states)
+
+    def verdict(x: np.ndarray) -> FullSpace:
+        if time.monotonic() > problem.until:
+            return not_judged(f"{OUT_OF_TIME} before it was judged")
+        try:
+            return judge_in_full_space(scene, x, tuple(minima))
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            return not_judged(f"linear algebra failed where it was judged: {error}")
+
+    return [replace(s, full_space=verdict(s.phi)) if s.verdict == "minimum" else s for s in states]
 
 
 @lru_cache(maxsize=64)

@@ -76,16 +76,16 @@ class JudgedState(ShortRepr):
     local_dimension
         Dimension of the feasible set at a minimum.
     dof
-        Of patterns: variables less the rank of closure; -1 where that was not computed.
+        Variables less the rank of closure; -1 where that was not computed.
     closure_residual
-        Largest entry of loop closure; nan of a state of a vertex that is no minimum.
+        Largest entry of loop closure.
     kkt_residual
         Largest entry of the stationarity residual, relative to the torques that balance; nan where nothing has to
         balance.  At a degenerate minimum of a pattern it need not be small.
     polished
         Whether Newton reached rounding, or the state is an exact singular one; no minimum is listed without.
     hits
-        Starts that ended here; 0 for what is found by listing or tracing, and of patterns.
+        Starts that led here; 0 for what a proof or curves added.
     contacts
         Active constraints with their Lagrange multipliers, positive where they push.
     hessian_eigenvalues

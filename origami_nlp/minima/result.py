@@ -34,7 +34,6 @@ from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Faces, Part, minima_to_fold, state_mesh, state_parts
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.pattern_account import PatternSearchReport
 from origami_nlp.minima.report_lines import (
     angle_lines,
     flag_lines,
@@ -115,13 +114,13 @@ class MinimaResult(Report, Viewable):
 
     origami: Scene | Pattern
     minima: tuple[JudgedState, ...]
-    search: SearchReport | PatternSearchReport
+    search: SearchReport
     completeness: Completeness | None = None
     relations: Relations | None = None
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/3"
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/4"
     ALSO = ("model", "flags", "closure_stress", "lattices")
 
     def __post_init__(self) -> None:
@@ -241,25 +240,22 @@ class MinimaResult(Report, Viewable):
         search, known = self.search, self.completeness
         one = self.origami if isinstance(self.origami, Scene) else None
         proved = known.status if known else ""
-        settled = proved in ("proved", "proved-except-singular") or search.stopped_by == "complete"
-        reached = search.outcomes.get("minimum", 0) if one else len(self.minima)
-        drawn = search.drawn if isinstance(search, PatternSearchReport) else search.starts
-        full = one.contact if one else getattr(search, "contact", "full")
+        settled = proved in ("proved", "proved-except-singular")
         return ResultFlags(
             nothing_found=not self.minima,
             may_miss_minima=not settled,
             singular_states_open=proved == "proved-except-singular",
             search_stopped_early=not settled and search.stopped_by in ("cap", "time"),
-            starts_ended_nowhere=not settled and search.stalled > reached,
+            starts_ended_nowhere=not settled and search.stalled > len(self.minima),
             reached_once=not settled and search.seen_once > 0,
-            still_finding=not settled and drawn > 0 and search.quiet == 0,
+            still_finding=not settled and search.drawn > 0 and search.quiet == 0,
             proof_added_minima=bool(known and known.added),
             undecided_states=bool(search.undecided),
-            solver_failed=any(status != SUCCESS for status in search.statuses),
+            solver_failed=any(m.solver and m.solver.status != SUCCESS for m in self.minima),
             residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
             geometry_moved=bool(one and one.relations.made_exact),
             made_symmetric=bool(one and one.adjusted > 0),
-            facets_may_cross=full != "full",
+            facets_may_cross=search.contact != "full",
             stability_not_asked=any(verdict(self.origami, m) == NOT_ASKED for m in self.minima),
         )
 

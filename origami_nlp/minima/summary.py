@@ -176,7 +176,7 @@ def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
     if n := len(search.undecided):
         return f"{n} state{'s'[: n > 1]} found, none certified"
     crossed = any(s.crossings for s in search.rejected)
-    gave_up = [why for why in getattr(search, "stopped", {}) if why != CLOSES_NOT]
+    gave_up = [why for why in search.stopped if why != CLOSES_NOT]
     late = search.stopped_by == "time" or bool(search.left_out)
     if not gave_up and not late:
         return ""
@@ -188,13 +188,11 @@ def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
 def _assumed(origami: Scene | Pattern, search: SearchReport) -> Iterator[str]:
     if is_symmetric(origami):
         yield f"symmetry {origami.group.name} kept"  # type: ignore[union-attr]
-    of_pattern = getattr(search, "contact", "full")
-    contact = origami.contact if isinstance(origami, Scene) else of_pattern
     yield {
         "full": "contact on",
         "none": "contact off: facets may cross",
         "fold-limits": "fold limits only: facets may cross",
-    }[contact]
+    }[search.contact]
 
 
 def _complete(completeness: Completeness | None, search: SearchReport) -> str:
@@ -203,11 +201,9 @@ def _complete(completeness: Completeness | None, search: SearchReport) -> str:
         return "list proved complete"
     if status == "proved-except-singular":
         return "list proved complete but for singular states"
-    if search.stopped_by == "complete":
-        return "every curve of closed states traced"
     if not search.is_open:
         return "completeness not proved"
-    new = getattr(search, "new_per_thousand", 0.0)
+    new = search.new_per_thousand
     return f"open: {new:.3g} new ones a thousand starts at the end" if new else "open"
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from origami_nlp.display import short_label
-from origami_nlp.minima.result import MinimaResult
+from origami_nlp.minima.result import SUCCESS, MinimaResult
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import residual_words
 
@@ -39,7 +39,7 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
         else m.kind.removeprefix("contact-")
         for m in r.minima
     ]
-    failed = sum(n for status, n in r.search.statuses.items() if status != "Solve_Succeeded")
+    failed = sum(bool(m.solver and m.solver.status != SUCCESS) for m in r.minima)
     return (
         short_label(r.scene.label or repr(r.scene.vertex)),
         str(len(kinds)),

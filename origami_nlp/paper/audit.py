@@ -25,11 +25,12 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
 from origami_nlp.io import pick
 from origami_nlp.kkt import State, follow, lower_dimensional_at, project, sample_neighbourhood
-from origami_nlp.minima import MinimaResult, find_minima
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import ENDPOINT_TOL, null_space
 from origami_nlp.paper.candidates import INDEPENDENT, PRINTED, Candidate
 from origami_nlp.pattern import Scene, Vertex, format_angle
 from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_states import find_states
 
 ON_MINIMUM = 2.0
 """A candidate within this many grid steps of an exact minimum, in its chart, is that minimum as a grid sees it."""
@@ -148,7 +149,7 @@ def audit_candidates(
     done, out = 0, []
     for key in sorted(panels):
         members = panels[key]
-        result = find_minima(members[0].scene, seed=seed, escape=False)
+        result = find_states(members[0].scene, seed=seed, escape=False)
         step = grid_step(result.scene, members)
         audited: list[Audited] = []
         seen: list[tuple[np.ndarray, int]] = []

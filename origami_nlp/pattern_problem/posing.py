@@ -14,6 +14,7 @@ from origami_nlp.folding import fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, cross
 from origami_nlp.pattern import Pattern, Scene, Stated, Vertex, as_origami, dead_loads, make_pattern
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
+from origami_nlp.pattern_problem.labels import CanonicalLabelling
 from origami_nlp.pattern_problem.orbits import orbits_of
 from origami_nlp.pattern_problem.poses import rotations
 from origami_nlp.pattern_problem.problem import PatternProblem
@@ -22,13 +23,15 @@ SHARES = np.linspace(0.0, 0.95, 39)
 """Of half a turn, by which creases of a vertex that does not lie flat are tried to be folded in its reference state."""
 
 
-def pose(origami: Stated) -> PatternProblem:
+def pose(origami: Stated, labels: CanonicalLabelling | None = None) -> PatternProblem:
     """Pose an origami as a nonlinear program: of a scene states that keep its symmetry, whichever way they wind.
 
     Parameters
     ----------
     origami
         A vertex or a sheet with its springs, limits and loads, however it is stated.
+    labels
+        In whose order loops begin; None: as stated.
 
     Returns
     -------
@@ -44,9 +47,11 @@ def pose(origami: Stated) -> PatternProblem:
     (4, [1, 2, 2, 1], 3)
     """
     scene = as_origami(origami)
+    paper = scene if isinstance(scene, Pattern) else one_vertex(scene)
+    paper = paper if labels is None else labels.arranged(paper)
     if isinstance(scene, Pattern):
-        return PatternProblem(scene)
-    n, paper = scene.degree, one_vertex(scene)
+        return PatternProblem(paper)
+    n = scene.degree
     orbits = None
     if not scene.group.is_trivial:
         # crease i (0-based) runs to corner i + 1

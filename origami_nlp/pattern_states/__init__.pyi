@@ -10,7 +10,7 @@ from .drawing import (
     draw_mobility as draw_mobility,
     draw_motion as draw_motion,
 )
-from .find import find_states as find_states
+from .find import METHODS as METHODS, find_states as find_states
 from .flat_folded import (
     FlatFolded as FlatFolded,
     list_branches as list_branches,
@@ -37,4 +37,4 @@ from .mobility import (
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .proved import hold_against as hold_against
-from .traced_passes import curve_passes as curve_passes
+from .traced_passes import TracedPasses as TracedPasses, curve_passes as curve_passes

@@ -110,7 +110,8 @@ def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
     TangentCone
         Candidates: whether states follow is seen when they are walked.
     """
-    return split(problem, phi, list_branches(problem.pattern, phi, problem.check_time))
+    given = problem.pattern, phi, problem.check_time, problem.closure
+    return split(problem, phi, list_branches(*given))
 
 
 def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> TangentCone:

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from origami_nlp.kkt import TRACED, Escape, barriers, energy_scale, level_of
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SHALLOW
-from origami_nlp.pattern_problem import PatternProblem, image
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.traced_passes import CurvePasses, curve_passes
 from origami_nlp.search import find_escapes
 
 
 def with_escapes(
-    curves: TracedCurves, states: Sequence[JudgedState], contact: bool, most: float
+    curves: TracedCurves,
+    states: Sequence[JudgedState],
+    moves: Sequence[Callable[[np.ndarray], np.ndarray]],
+    contact: bool,
+    most: float,
 ) -> list[JudgedState]:
     """Add what it takes to leave each stable state.
 
@@ -29,6 +32,8 @@ def with_escapes(
         Of the sheet, those that were traced.
     states
         Judged; ways lead to minima among them, numbered in their order.
+    moves
+        Symmetries of the origami and its springs, of states [n].
     contact
         Whether facets must not cross.
     most
@@ -42,15 +47,19 @@ def with_escapes(
     minima = [s for s in states if s.verdict == "minimum"]
     if not minima:
         return list(states)
-    found = iter(_escapes(curves, minima, contact, most))
+    found = iter(_escapes(curves, minima, moves, contact, most))
     return [replace(s, escape=next(found)) if s.verdict == "minimum" else s for s in states]
 
 
 def _escapes(
-    curves: TracedCurves, minima: Sequence[JudgedState], contact: bool, most: float
+    curves: TracedCurves,
+    minima: Sequence[JudgedState],
+    moves: Sequence[Callable[[np.ndarray], np.ndarray]],
+    contact: bool,
+    most: float,
 ) -> list[Escape]:
     problem = curves.problem
-    at = np.array([s.phi for s in minima])
+    at = np.array([problem.reduce(s.phi) for s in minima])
     energies = np.array([s.energy for s in minima])
     scale = energy_scale(problem.pattern.stiffness)
     level = level_of(energies, scale)
@@ -59,9 +68,8 @@ def _escapes(
     if traced is not None:
         heights, sure = (t.heights() * problem.scale for t in (traced.passes, traced.sure))
     exact = _exact(problem, minima, traced, sure, level, scale, contact)
-    moves = [partial(image, one) for one in curves.labels.symmetries(problem.pattern)]
     alone = [not s.local_dimension for s in minima]
-    return find_escapes(
+    found = find_escapes(
         problem.with_contact(contact),
         at,
         alone,
@@ -71,6 +79,10 @@ def _escapes(
         heights=heights,
         most=most,
     )
+    return [
+        replace(e, top=tuple(problem.expand(np.array(e.top)).tolist())) if e.top else e
+        for e in found
+    ]
 
 
 def _exact(

@@ -1,84 +1,53 @@
-"""Finds the stable states of a sheet: starts, descents, what is distinct, certified, and fed on; then curves.
-
-Starts are drawn by labels that do not depend on how creases are numbered.  Where one degree of freedom is left, the
-curves through what was found are traced after the search, and each well of the energy along them is asked for.
-"""
+"""Finds the stable states of an origami: searched for, proved, and what else is asked of each."""
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole
+from origami_nlp.arguments import (
+    check_angles,
+    check_callback,
+    check_flag,
+    check_number,
+    check_whole,
+    shown,
+)
 from origami_nlp.errors import Interrupted, OptionError
-from origami_nlp.kkt import TangentCone, singular_beside
 from origami_nlp.minima import (
-    ESCAPE_PATHS,
-    MEETINGS,
     NOISE,
     Completeness,
     JudgedState,
     MinimaResult,
-    PatternSearchReport,
-    check_method,
     check_noise,
     check_prove,
     with_survival,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
-from origami_nlp.pattern import Pattern, as_pattern
-from origami_nlp.pattern_problem import PatternProblem, find_labels, image
-from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
-from origami_nlp.pattern_states.clearance import last_free
-from origami_nlp.pattern_states.curve import tangents
-from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
-from origami_nlp.pattern_states.escape import with_escapes
-from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
-from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
-from origami_nlp.pattern_states.judgement import (
-    classified,
-    judge,
-    judge_end,
+from origami_nlp.numerics import (
+    BESIDE_SINGULAR,
+    DUPLICATE_TOL,
+    NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern_states.parts import Parts
-from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
+from origami_nlp.pattern import Stated, as_origami
+from origami_nlp.pattern_problem import PatternProblem, image
+from origami_nlp.pattern_states.escape import with_escapes
+from origami_nlp.pattern_states.question import question_of
+from origami_nlp.pattern_states.search import Search
 from origami_nlp.proof import ProofOptions
 from origami_nlp.search import (
-    BESIDE_FLAT,
-    CLOSES_NOT,
-    DEEP,
-    MOST_TRIED,
-    NO_LOWER,
-    ByIpopt,
-    Changed,
-    Draws,
-    StartState,
-    at_limits,
-    close,
     confirm,
-    given,
-    hinge_rests,
-    on_grid,
-    other_wells,
-    stationary_beside,
-    way_down,
 )
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
-BRANCHES = "branch directions"
-"""Out of the flat state and of others where curves meet, as starts."""
-GIVEN = "what the pattern gives"
-SNAPPED = "minima with a hinge in another well"
-CURVES = "wells along curves"
+METHODS = ("batch", "ipopt")
+"""Engines of a search: compiled descents with an active set, or IPOPT."""
+FULL = "verdicts without the symmetry"
 CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
-NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
-"""Said of a search that had none."""
-OUT = 0.2
-"""First step out of a state where curves meet, of the longest fold angle [rad]."""
 PROOF = "the proof that the list is complete"
 OF_PROOF = 0.4
 """Share of the time of a search that is kept for a proof that is asked for."""
@@ -88,42 +57,62 @@ SECONDS = 300.0
 """For a search, of wall time."""
 
 
+def _check_method(method: object) -> None:
+    if method not in METHODS:
+        raise OptionError(f"method = {shown(method)} must be {' or '.join(map(repr, METHODS))}")
+
+
 def find_states(
-    pattern: Pattern | str,
-    starts: int | None = None,
-    seed: int = 0,
-    contact: bool = True,
-    seconds: float | None = None,
-    escape: bool = True,
-    noise: float | None = None,
+    origami: Stated,
     *,
-    progress: Callable[[int, int, str], object] | None = None,
-    found: Callable[[float, np.ndarray], object] | None = None,
+    seed: int = 0,
     effort: str = "normal",
     options: SearchOptions | None = None,
+    starts: int | None = None,
     max_starts: int | None = None,
+    contact: bool = True,
+    guesses: Sequence[np.ndarray] = (),
+    seconds: float | None = None,
     prove: bool | float | ProofOptions | None = None,
+    escape: bool = True,
+    full: bool | None = None,
+    noise: float | None = None,
     method: str = "batch",
+    progress: Callable[[int, int, str], object] | None = None,
+    found: Callable[[float, np.ndarray], object] | None = None,
 ) -> MinimaResult:
-    """Find the stable states of a pattern.
+    """Find the stable states of an origami: of a scene among states of its symmetry, whichever way they wind.
 
     Parameters
     ----------
-    pattern
-        As `as_pattern` takes it.
-    starts
-        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
+    origami
+        As `as_origami` takes it.
     seed
         Of the random starts, whatever the numbers of creases, the sheet's place and the side it is seen from.
+    effort
+        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts in a row find nothing new.
+    options
+        All that steers the search, in place of the effort.
+    starts, max_starts
+        Random starts in a row that find no other minimum or curve, and starts in all; None: as `effort` says.
     contact
-        Whether facets must not cross; without, only fold limits count.
+        Of a pattern, whether facets must not cross; without, only fold limits count.
+    guesses
+        States to start from first, fold angles [N] [rad] each: `SearchReport.refused` says why one is no minimum.
     seconds
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
-    escape, noise, effort, options, max_starts, prove
-        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for
-        meshes of vertices of degree four of which none folds flat (`proof.prove_sheet`), unasked of up to two, or
-        four within fold limits, or all do.  A proof that is asked for has its share of the time;
-        of a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
+    prove
+        Whether to prove that the list is complete: True, seconds, or `ProofOptions`; False: no.
+        None: where that is cheap.  A proof that is asked for has its share of the time; of a mesh that folds flat,
+        within fold limits, it comes first, and where it is complete nothing else is searched for.
+    escape
+        Whether to say what it takes to leave each minimum (`JudgedState.escape`).
+    full
+        Whether each minimum is also judged without an imposed symmetry; None: where that is affordable
+        (`minima.full_space.is_affordable`).
+    noise
+        Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
+        angles, of a pattern positions of vertices: how many of 20 draws each minimum survives.
     method
         ``"batch"``: compiled descents with an active set; ``"ipopt"``: IPOPT from the same starts.
     progress
@@ -140,6 +129,8 @@ def find_states(
     ------
     OptionError
         If an argument is not what it must be, or the pattern has no crease.
+    AngleError
+        If a guess is not N finite numbers.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
@@ -151,259 +142,70 @@ def find_states(
     """
     begin = time.monotonic()
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
-    pattern = as_pattern(pattern)
+    stated = as_origami(origami)
     asked = options_of(effort, options)
     check_whole("seed", seed, 0)
     check_flag("escape", escape)
+    if full is not None:
+        check_flag("full", full)
     check_noise(noise)
-    if noise is not None:
-        pattern.check_alone("the survival of states under errors")
     check_prove("prove", prove)
     check_callback("progress", progress)
     check_callback("found", found)
-    if not pattern.creases:
-        raise OptionError("the pattern has no crease: there is nothing to fold")
-    if contact:
-        pattern.check_wide()
-    check_method(method)
-    search = _Search(pattern, contact, begin + seconds, asked, seed)
-    if method == "ipopt":
-        search.go_down = ByIpopt(search.problem)
-    starts, most = asked.random_starts(starts, max_starts, search.problem)
+    _check_method(method)
+    question = question_of(stated, contact)
+    guesses = _check_guesses(guesses, question.problem)
+    search = _Answer(question, begin + seconds, asked, seed, ipopt=method == "ipopt")
+    in_a_row, most = asked.random_starts(starts, max_starts, search.problem)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     wanted = prove is not None and prove is not False
-    if wanted and covers(pattern, contact):
-        search.part(PROOF, search.prove, pattern, prove)
+    if wanted and question.lists_all():
+        search.part(PROOF, search.prove, prove)
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
-        search.go(pattern, starts, most)
+        search.go(guesses, in_a_row, most)
         if not search.tally.interrupted:
             search.problem.until = until
-        if is_tried(pattern, prove, contact):
-            search.part(PROOF, search.prove, pattern, prove)
+        if prove is not False:
+            search.part(PROOF, search.prove, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     search.part(CONFIRMED, search.add_confirmations)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
+    search.part(FULL, search.add_full_space, full)
+    result = search.result(in_a_row)
     if search.tally.interrupted:
-        raise Interrupted(search.result(pattern, starts))
-    return search.result(pattern, starts)
+        raise Interrupted(result)
+    return result
 
 
-class _Search(Parts):
-    """A search on its way."""
+def _check_guesses(guesses: object, problem: PatternProblem) -> list[np.ndarray]:
+    if isinstance(guesses, str | bytes | dict) or not isinstance(guesses, Iterable):
+        raise OptionError(
+            f"guesses = {shown(guesses)} must be a list of states, [N] fold angles each"
+        )
+    many = problem.pattern.creases
+    return [
+        check_angles(f"guesses[{k}]", g, many, one=True) for k, g in enumerate(guesses, start=1)
+    ]
 
-    def __init__(
-        self, pattern: Pattern, contact: bool, until: float, options: SearchOptions, seed: int
-    ) -> None:
-        super().__init__()
-        self._since, self.options = time.perf_counter(), options
-        self.labels, self.contact = find_labels(pattern), contact
-        self.problem = PatternProblem(self.labels.arranged(pattern), contact)
-        self.dof = self.problem.dof  # before the clock can stop it
-        self.problem.until = until
-        self.problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
-        self._symmetries = self.labels.symmetries(pattern)
-        self.curves = TracedCurves(self.problem, self.labels, contact)
-        self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
-        self.judged = list[JudgedState]()
-        self.completeness: Completeness | None = None
-        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
-        self._draws = Draws(self.problem, self.labels, seed)
-        self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
-        self.go_down = way_down(self.problem)
-        if isinstance(self.go_down, ByIpopt):
-            self.tally.skip(NO_COMPILER)
-        self._seed = seed
+
+class _Answer(Search):
+    """A search, and what is asked of the states that it found."""
+
+    completeness: Completeness | None = None
 
     @property
     def proved(self) -> bool:
         """Whether all that was found is proved to be all."""
         return self.completeness is not None and self.completeness.proved
 
-    def go(self, pattern: Pattern, starts: int, most: int) -> None:
-        """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
-        for start in given(self.problem.pattern):
-            self.part(GIVEN, self.explore, start, GIVEN)
-        if pattern.lies_flat:
-            self.part("branch directions of the flat state", self.from_crossroads)
-        self.part("random starts", self.draw, starts, most)
-        self.part(CURVES, self.trace_curves)
-
-    def draw(self, starts: int, most: int) -> None:
-        """Make random starts, by what families led to and evenly, until so many led to nothing new.
-
-        Each start is drawn from numbers of its own, and what it takes is counted, not measured: one that rounding sends
-        elsewhere moves no other.
-        """
-        draws, tally = self._draws, self.tally
-        while tally.drawn < most and tally.quiet < starts and draws.made < MOST_TRIED * most:
-            self.problem.check_time()
-            name, batch, asides = draws.next(most - tally.drawn)
-            for way in self.go_down.each(batch, asides, self._is_end):
-                self.begin(name)
-                before, lost = self.count()[0], tally.stopped[CLOSES_NOT] + tally.open
-                self.attempt(self._arrive, way)
-                new = self.count()[0] - before
-                closed = lost == tally.stopped[CLOSES_NOT] + tally.open
-                draws.note(name, new, closed)
-                tally.drawn += closed
-                # what starts from minima leads back to them says nothing of others
-                tally.quiet = 0 if new else tally.quiet + (closed and name != Changed.name)
-
-    def explore(self, start: np.ndarray, family: str, hold: bool = False) -> None:
-        """Follow a state from which a listed family starts, with creases at their limits kept there if possible.
-
-        hold: until the others are at rest.
-        """
-        self.begin(family)
-        self.attempt(self.follow, StartState(start, at_limits(self.problem, start), (), hold))
-
-    def follow(self, start: StartState, deep: int = DEEP) -> None:
-        """Go downhill from a start, on either side of saddles, and judge what is reached."""
-        here = [*self.family.encode(), self.tally.by_source[self.family]]
-        rng = np.random.default_rng([self._seed, *here])
-        aside = self.labels.drawn(rng.normal(size=self.problem.size))
-        self._arrive(partial(self.go_down, start, aside, self._is_end), deep)
-
-    def _arrive(self, way: Callable[[], tuple[np.ndarray, str]], deep: int = DEEP) -> None:
-        """Judge where a way down ends."""
-        x, why = way()
-        if why == NO_LOWER and (near := singular_beside(self.problem, x)) is not None:
-            x, why = near, ""  # it is not told from that state, where closure loses rank
-        if why:
-            self.tally.stopped[why] += 1
-        elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
-            self.tally.flat += 1
-        else:
-            self.settle(x, deep)
-
-    def _is_end(self, x: np.ndarray) -> bool:
-        """Return whether a descent ended at a state before, and note that the start that is on led to it as well."""
-        far = np.abs(np.array(self._ends).reshape(-1, len(x)) - x).max(axis=1, initial=0.0)
-        if not (far <= DUPLICATE_TOL).any():
-            return False
-        self.known(x)
-        return True
-
-    def settle(self, x: np.ndarray, deep: int = DEEP) -> None:
-        """Judge where a descent ended, and its images; beside one that is refuted, go on from a lower state."""
-        if self._is_end(x) or self.known(x) or (state := self._judged(x)) is None:
-            return
-        x = self.at_state(state)
-        images = self._images(x)
-        if state.verdict == "minimum" and x.any():
-            self._draws.changed.add(*(on_grid(self.problem, x) for x in images))
-        for other in images[1:]:
-            if not state.refuted and not self.known(other):
-                self.attempt(self._judged, other)
-        if state.verdict == "minimum":
-            self.snap(x)
-        elif state.refuted and deep:
-            lower = classified(self.problem, x).lower
-            if lower is not None:
-                self.follow(StartState(lower, at_limits(self.problem, lower)), deep - 1)
-
-    def _judged(self, x: np.ndarray) -> JudgedState | None:
-        """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
-        self._ends.append(x)
-        state = judge_end(self.problem, x, self.contact)
-        near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
-        if near is not None:
-            exact = judge(self.problem, near, self.contact)
-            state = state if exact.verdict == "undecided" else exact
-        at = self.at_state(state)
-        alike = self._images(at) if state.refuted else [at]
-        if any(self.known(x, state.verdict) for x in alike):
-            return None  # of what is refuted one image is kept
-        self.add(state)
-        return state
-
-    def _images(self, x: np.ndarray) -> list[np.ndarray]:
-        """Return a state and its images under the symmetries of the sheet and its springs."""
-        return [x, *(image(symmetry, x) for symmetry in self._symmetries)]
-
-    def snap(self, x: np.ndarray) -> None:
-        """Start from a minimum with each hinge in each other well of its law."""
-        if hinge_rests(self.problem.pattern):
-            for start in other_wells(self.problem.pattern, self.labels, x):
-                if self.tally.by_source.get(SNAPPED, 0) < self.options.most_on:
-                    self.explore(start, SNAPPED)
-
-    def trace_curves(self) -> None:
-        """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
-        if self.problem.size > self.options.most_traced:
-            return
-        for start in self._branches:
-            if (phi := close(self.problem, start)) is not None and phi not in self.curves:
-                self._trace(phi)
-        gone = 0
-        while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
-            phi = self.at_state(self.judged[gone])
-            gone += 1
-            if phi not in self.curves and self.judged[gone - 1].verdict != "not admissible":
-                self._trace(phi)
-            if gone == len(self.judged):
-                self.part(MEETINGS, self._leave_meetings)
-
-    def _trace(self, phi: np.ndarray) -> None:
-        """Trace the curve through a closed state, where one degree of freedom is left."""
-        z = tangents(self.problem, phi)
-        if z.shape[1] == 1 and len(self.curves.found) < self.options.most_curves:
-            for traced in self.curves.trace(phi, z[:, 0]):
-                self._along(traced)
-
-    def _along(self, traced: TracedCurve) -> None:
-        """Judge the wells of a curve, and go down from where facets begin to cross along it."""
-        for well in wells(self.problem, traced.curve):
-            self.tally.wells += 1
-            self.begin(CURVES)
-            self.attempt(self._settle_well, well)
-        if (seen := traced.stretches) is not None:
-            for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
-                free, crossed = (i + 1, i) if seen.crosses[i] else (i, i + 1)
-                start = last_free(self.problem, seen.states[free], seen.states[crossed])
-                self.explore(start, CURVES)
-
-    def _settle_well(self, well: np.ndarray) -> None:
-        """Judge the stationary state at a well of a curve, and go downhill from it."""
-        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
-        known |= dict.fromkeys(("saddle", "not stationary"), 10 * DUPLICATE_TOL)
-
-        def judged() -> bool:
-            return any(
-                np.abs(well - self.at_state(s)).max() <= known.get(s.verdict, -1.0)
-                for s in self.judged
-            )
-
-        if (closed := close(self.problem, well)) is not None:
-            beside = stationary_beside(self.problem, closed)
-            if beside is not None:
-                self._add_exact(beside)
-        if not judged():
-            self.follow(StartState(well, at_limits(self.problem, well)))
-        self.tally.resolved += judged()
-
-    def _add_exact(self, x: np.ndarray) -> None:
-        """Add the state at a well; where it is not decided, it stands for a minimum that is not told from it."""
-        state = judge_end(self.problem, x, self.contact)
-        beside = [
-            k
-            for k, s in enumerate(self.judged)
-            if np.abs(self.at_state(s) - x).max() <= 10 * DUPLICATE_TOL
-        ]
-        if not self.known(x):
-            self.add(state)
-        elif state.verdict == "undecided":
-            self.judged[beside[0]] = state
-
-    def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
+    def prove(self, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
-        known = self.problem, self.judged, self.contact
-        self.completeness, new = prove_list(pattern, *known, wanted)
+        self.completeness, new = self.question.prove(self.judged, wanted)
         minima = [s for s in new if s.verdict == "minimum"]
 
         def is_beside(one: JudgedState, other: JudgedState) -> bool:
@@ -419,14 +221,16 @@ class _Search(Parts):
                 self.add(state)
         listed = [s.phi for s in self.judged if s.verdict == "minimum"]
         for m in minima:
-            if min((np.abs(m.phi - x).max() for x in listed), default=np.inf) > DUPLICATE_TOL:
+            far = min((np.abs(m.phi - x).max() for x in listed), default=np.inf)
+            if self.completeness and far > DUPLICATE_TOL:
                 why = "a proved minimum is not distinguished from a state that is listed otherwise"
                 self.completeness = replace(self.completeness, status="not-proved", reason=why)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         most = max(OF_ESCAPES * self.go_down.work, LEAST_WORK)
-        self.judged = with_escapes(self.curves, self.by_energy(), self.contact, most)
+        moves = [partial(image, one) for one in self._symmetries]
+        self.judged = with_escapes(self.curves, self.by_energy(), moves, self.contact, most)
         self.problem.check_time()
 
     def add_confirmations(self) -> None:
@@ -442,69 +246,24 @@ class _Search(Parts):
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        given = self.by_energy(), degrees, type(self.go_down)
-        self.judged = with_survival(self.problem, self.labels, *given)
+        problem, labels = self.question.whole()
+        self.judged = with_survival(problem, labels, self.by_energy(), degrees, type(self.go_down))
 
-    def result(self, pattern: Pattern, starts: int) -> MinimaResult:
+    def add_full_space(self, full: bool | None) -> None:
+        """Add the verdict without an imposed symmetry to each minimum, where that is asked for or affordable."""
+        self.judged = self.question.in_full_space(self.by_energy(), full)
+
+    def result(self, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.count_families(self._draws.names)
         self.tally.seconds = time.perf_counter() - self._since
-        curves = tuple(self.curves.found)
-        return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
-
-    def from_crossroads(self) -> None:
-        """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
-        pattern, tally = self.problem.pattern, self.tally
-        self.add(judge(self.problem, np.zeros(pattern.creases), self.contact))
-        flat = list_branches(pattern, None, self.problem.check_time)
-        if flat.reason:
-            self.tally.skip(
-                f"branch directions of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
-            )
-            return
-        tally.lines, tally.families = len(flat.lines), len(flat.families)
-        folded = list_flat_folded(pattern, self.contact, self.problem.check_time)
-        states = folded.states
-        if folded.reason:
-            self.tally.skip(
-                f"flat-folded states: not enumerated, {folded.reason}; only branches from the flat state are followed"
-            )
-            states = np.zeros((1, pattern.creases))
-        tally.flat_folded = len(states)
-        order = sorted(
-            range(len(states)),
-            key=lambda i: (round(np.abs(states[i]).sum(), 6), self.labels.key(states[i])),
+        curves, listed = tuple(self.curves.found), [m.phi for m in minima]
+        self.tally.refused = tuple(
+            replace(state, fold_angles=tuple(guess.tolist()), contacts=(), hits=0)
+            for guess, state in self._guesses
+            if min((np.abs(guess - x).max() for x in listed), default=math.inf) > NEAR_SINGULAR_TOL
         )
-        self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order])
-
-    def _leave_meetings(self) -> None:
-        """Go all branch directions of states at which curves meet."""
-        for traced in self.curves.found:
-            for phi in traced.branch_points:
-                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in self._met_at):
-                    self._met_at.append(phi)
-                    self.tally.branch_points += 1
-                    self._leave(phi, branch_directions(self.problem, phi))
-
-    def _leave_flat_folded(self, states: np.ndarray) -> None:
-        """Go all branch directions of flat-folded states [S, n]."""
-        for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
-            self.begin(BRANCHES)
-            self.attempt(self.settle, phi, 0)  # there is no one way down: its branches are
-            self._leave(phi, split(self.problem, phi, ways))
-
-    def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
-        """Go all branch directions of a state."""
-        if ways.reason:
-            self.tally.skip(f"branch directions of a state where curves meet: {ways.reason}")
-            return
-        lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
-        for d in lines:
-            self._branches.append(phi + OUT * d / np.abs(d).max())
-            self.explore(self._branches[-1], BRANCHES)
-        for basis in ways.families:
-            for d in into_family(phi, basis, self._side, self.problem.fold_limits):
-                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
-        if not lines and not ways.families and not self.known(phi):
-            self.add(judge(self.problem, phi, self.contact))
+        return MinimaResult(
+            self.question.stated, minima, self.tally, self.completeness, curves=curves
+        )

@@ -22,7 +22,10 @@ from origami_nlp.pattern_problem import Closure, round_vertex
 
 
 def list_branches(
-    pattern: Pattern, phi: np.ndarray | None = None, check: Callable[[], None] = lambda: None
+    pattern: Pattern,
+    phi: np.ndarray | None = None,
+    check: Callable[[], None] = lambda: None,
+    closure: Closure | None = None,
 ) -> TangentCone:
     """Enumerate the branch directions of a closed state.
 
@@ -34,13 +37,16 @@ def list_branches(
         The state [n] [rad]; the reference state without.
     check
         Called every now and then: may raise to end it.
+    closure
+        In whose variables; None: the fold angles of all creases.
 
     Returns
     -------
     TangentCone
         Candidates to second order at each vertex: whether states follow is seen when they are walked.
     """
-    n = pattern.creases
+    closure = closure or Closure(pattern)
+    n = closure.variables
     nothing = np.zeros((0, n))
     if phi is None:
         phi = pattern.reference
@@ -48,7 +54,7 @@ def list_branches(
             return TangentCone(nothing, (), "the reference state is not flat")
     if pattern.holes:
         return TangentCone(nothing, (), "ways round holes are not enumerated")
-    cone = tangent_cone(Closure(pattern).loops(phi), n, check)
+    cone = tangent_cone(closure.loops(phi), n, check)
     if not cone.split:
         degree = max(len(loop.creases) for loop in pattern.vertices)
         why = f"vertices of degree {degree} have no modes to be enumerated"

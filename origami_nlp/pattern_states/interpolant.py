@@ -207,7 +207,7 @@ def stationary(problem: PatternProblem, curve: Interpolant) -> list[tuple[int, f
         Step, share of it, and whether the slope rises there: a well, else a top.
     """
     found = []
-    if problem.pattern.laws:
+    if not problem.parameters.plain:
         slopes = _sampled_slopes(problem, curve)
         one, two = np.sign(slopes[:, :-1]), np.sign(slopes[:, 1:])
         # a slope that is 0 at a sample belongs to what comes before it
@@ -232,8 +232,10 @@ def _slopes(problem: PatternProblem, curve: Interpolant) -> np.ndarray:
     """Slopes of the energy over u in each step, coefficients of 1, u, ..., [S - 1, 10]."""
     c = POWERS @ curve.control  # coefficients of u^k, [S - 1, 6, n]
     pull = c.copy()
-    pull[:, 0] -= problem.pattern.rest
-    pull *= problem.stiffness
+    springs = problem.parameters
+    pull[:, 0] -= springs.rest
+    pull *= springs.stiffness
+    pull[:, 0] -= springs.load
     speed = c[:, 1:] * np.arange(1.0, 6.0)[:, None]
     slope = np.zeros((len(c), 10))
     for i in range(6):
@@ -248,7 +250,7 @@ def _sampled_slopes(problem: PatternProblem, curve: Interpolant) -> np.ndarray:
     c = POWERS @ curve.control
     x = np.einsum("uk,skn->sun", u ** np.arange(6.0), c)
     speed = np.einsum("uk,skn->sun", u ** np.arange(5.0), c[:, 1:] * np.arange(1.0, 6.0)[:, None])
-    slopes: np.ndarray = (problem.springs.torque(x) * speed).sum(axis=2)
+    slopes: np.ndarray = (problem.torque(x) * speed).sum(axis=2)
     return slopes
 
 
@@ -268,7 +270,7 @@ def wells(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
         Fold angles [n], to the accuracy of the polynomials.
     """
     found = [curve.at(step, u) for step, u, rises in stationary(problem, curve) if rises]
-    if problem.pattern.laws:
+    if not problem.parameters.plain:
         sampled = _sampled_slopes(problem, curve)
         first, last = sampled[0, 0], float(sampled[-1, -1])
     else:

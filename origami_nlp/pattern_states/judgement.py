@@ -13,12 +13,18 @@ from origami_nlp.numerics import (
     ANSWERED,
     BESIDE_SINGULAR,
     CLOSURE_TOL,
+    LEVEL,
     NONZERO,
     STATIONARY,
     energy_or_zero,
 )
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.search import stationary_beside
+
+FAR_ALONG = 1e-2
+"""How far along a mode the energy is asked for [rad]."""
+LEFT = 1e-12
+"""Torque of a minimum, relative to the largest, that Newton takes away."""
 
 
 def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
@@ -29,7 +35,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     problem
         The problem.
     phi
-        Fold angles [rad], [n]; those beyond pi by less than closure can resolve are at pi.
+        Fold angles [rad], [n]; those beyond pi, or off 0, by less than closure can resolve are at pi, or 0.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -42,6 +48,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     at_limit = problem.fold_limits.clip(phi)
     if np.abs(phi - at_limit).max(initial=0.0) <= CLOSURE_TOL:  # as exactly as states close
         phi = at_limit
+    phi = np.where(np.abs(phi) <= CLOSURE_TOL, 0.0, phi)
     problem = problem.with_contact(contact)
     residual = problem.residual(phi)
     energy = float(energy_or_zero(problem.energy(phi), problem.pattern.stiffness))
@@ -51,8 +58,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         why = f"does not close: {residual:.1e}"
     elif not problem.closure.lifts_to_one(phi):
         why = "closes with q = -1 round a vertex: not a sheet of paper"
-    elif not problem.fold_limits.inside(phi).all():
-        why = f"beyond the fold limit {problem.name(problem.beyond(phi, 0.0)[0])}"
+    elif beyond := problem.beyond(phi, 0.0):
+        why = f"beyond the fold limit {problem.name(beyond[0])}"
     if why:
         return JudgedState(energy, angles, "not admissible", why, closure_residual=residual)
     what = classified(problem, phi)
@@ -77,6 +84,9 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
         softest_mode=() if what.mode is None else tuple(problem.expand(what.mode).tolist()),
     )
+    if state.verdict == "minimum" and _is_level_beside(problem, phi, what.mode):
+        why = "hinges are slack beside it: the energy is level one way"
+        return replace(state, verdict="undecided", kind="", certificate=why)
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if state.verdict == "minimum" or state.refuted:
         if why := not_told_apart(problem, phi):
@@ -89,6 +99,21 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     return state
 
 
+def _is_level_beside(problem: PatternProblem, phi: np.ndarray, mode: np.ndarray | None) -> bool:
+    """Return whether hinges by laws leave the energy level to one side along the softest mode [n] of a state.
+
+    Curvature says nothing there: at the edge of a level piece, or beyond it by less than rounding, it may be positive.
+    """
+    if mode is None or not problem.pattern.laws:
+        return False
+    for side in (-1.0, 1.0):
+        end, residual = problem.project(phi + side * FAR_ALONG * mode)
+        change = abs(problem.energy_change(phi, end))
+        if residual <= CLOSURE_TOL and change <= LEVEL * problem.scale:
+            return True
+    return False
+
+
 def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
     """Return what the kernel decides on a closed state; kept, as a descent asks before its end is judged."""
     what: Classification = problem.kept("classified", phi, lambda: classify(State(problem, phi)))
@@ -98,7 +123,7 @@ def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
 def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
     """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it.
 
-    An end that is not decided gives way to a minimum beside it at which creases are flat or fully folded.
+    An end that is not decided gives way to the state beside it at which creases are flat or fully folded, if that is.
     """
     state = judge(problem, phi, contact)
     better = beside(problem, state)
@@ -108,13 +133,13 @@ def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) ->
         and (near := singular_beside(problem, problem.reduce(state.phi))) is not None
     ):
         exact = judge(problem, near, contact)
-        state = exact if exact.verdict == "minimum" else state
+        state = state if exact.verdict == "undecided" else exact
     return state
 
 
 def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
     """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
-    left = state.kkt_residual > STATIONARY
+    left = state.kkt_residual > (LEFT if state.verdict == "minimum" else STATIONARY)
     if state.refuted:
         left &= state.kkt_residual < ANSWERED
     elif state.verdict in ("minimum", "undecided"):

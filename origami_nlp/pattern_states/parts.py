@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import project, singular_beside
-from origami_nlp.minima import JudgedState, PatternSearchReport, chao1, chao1_error
+from origami_nlp.minima import JudgedState, SearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
+from origami_nlp.pattern_states.question import Question
 
 FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""
@@ -23,18 +24,18 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 class Parts:
     """Work on a problem, with the record of what it did and the states that it judged."""
 
-    problem: PatternProblem
-    labels: CanonicalLabelling
     curves: TracedCurves
-    tally: PatternSearchReport
+    tally: SearchReport
     judged: list[JudgedState]
     progress: Callable[[int, int, str], object] | None = None
     found: Callable[[float, np.ndarray], object] | None = None
     at = ""
     family = ""
 
-    def __init__(self) -> None:
+    def __init__(self, question: Question) -> None:
+        self.question, self.problem, self.labels = question, question.problem, question.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
+        self._at: dict[tuple[float, ...], np.ndarray] = {}
         self._met = set[int]()  # since it was emptied
 
     def say(self) -> None:
@@ -54,6 +55,10 @@ class Parts:
         self._met.add(k)
         if self.judged[k].verdict == "minimum":
             self._reached[k].add((self.family, self.tally.starts))
+
+    def note_hits(self) -> None:
+        """Note in what was judged how many starts led there."""
+        self.judged = [replace(s, hits=len(self._reached[k])) for k, s in enumerate(self.judged)]
 
     def count_families(self, drawn: Collection[str]) -> None:
         """Sum up what each family led to; how many minima drawn starts miss at least, in expectation."""
@@ -93,7 +98,10 @@ class Parts:
 
     def at_state(self, state: JudgedState) -> np.ndarray:
         """Return a judged state in the variables of the problem, [n]."""
-        return self.problem.reduce(state.phi)
+        at = self._at.get(state.fold_angles)
+        if at is None:
+            at = self._at[state.fold_angles] = self.problem.reduce(state.phi)
+        return at
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
         """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it.
@@ -101,17 +109,22 @@ class Parts:
         Of a minimum it is noted that the start that is on led to it.
         """
         least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
+        states = np.array([self.at_state(s) for s in self.judged]).reshape(-1, len(phi))
+        far = np.abs(states - phi).max(axis=1, initial=0.0)
         here = [
             k
-            for k, s in enumerate(self.judged)
-            if np.abs(phi - self.at_state(s)).max() <= least.get(s.verdict, 10 * DUPLICATE_TOL)
+            for k in np.flatnonzero(far <= 10 * DUPLICATE_TOL).tolist()
+            if far[k] <= least.get(self.judged[k].verdict, math.inf)
         ]
         for k in here:
             self._reach(k)
         return bool(here)
 
     def add(self, state: JudgedState) -> None:
-        """Keep a state, once."""
+        """Keep a state, once, if it is one that is asked for."""
+        if not self.question.winding(self.at_state(state)):
+            return
+        state = self.question.told(state)
         near = (
             singular_beside(self.problem, self.at_state(state))
             if state.verdict == "undecided"
@@ -129,6 +142,27 @@ class Parts:
             if state.verdict == "minimum" and self.found is not None:
                 self.found(state.energy, state.phi.copy())
             self.say()
+
+    def on_level_set(self, x: np.ndarray) -> bool:
+        """Return whether some way from a state is level both ways, where an undecided one has that energy.
+
+        Hinges without stiffness at the bottom of a well leave whole sets of such states: one stands for them.
+        """
+        problem = self.problem
+        if not problem.pattern.laws:
+            return False
+        energy, level = problem.energy(x), LEVEL * problem.scale
+        at = [s.energy for s in self.judged if s.verdict == "undecided"]
+        if not any(abs(energy - other) <= max(level, LEVEL * abs(energy)) for other in at):
+            return False
+        for z in problem.kernel(x).T:
+            ends = [problem.project(x + side * NEAR_SINGULAR_TOL * z) for side in (-1.0, 1.0)]
+            if all(
+                left <= CLOSURE_TOL and abs(problem.energy_change(x, end)) <= level
+                for end, left in ends
+            ):
+                return True
+        return False
 
     def _level_with_known(self, state: JudgedState) -> bool:
         """Return whether a state is one that is known: beside it, and level with it and with what is between.

@@ -27,7 +27,7 @@ from origami_nlp.proof import (
 )
 
 FEW = 2
-"""Vertices up to which a proof is tried unasked: of a mesh that folds flat, and of others with contact."""
+"""Vertices of a mesh that folds flat up to which a proof is tried unasked."""
 FEW_ROUND = 4
 """Vertices of a mesh that need not fold flat up to which a proof is tried unasked, within fold limits."""
 UNASKED = 20_000
@@ -43,9 +43,9 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     if many > FEW_ROUND:
         return False
     sheet, _ = as_sheet(pattern)
-    if sheet is None or (contact and sheet.folds_flat):
+    if sheet is None or (contact and why_no_contact(pattern)):
         return False
-    return many <= (FEW if contact or sheet.folds_flat else FEW_ROUND)
+    return many <= (FEW if sheet.folds_flat else FEW_ROUND)
 
 
 def covers(pattern: Pattern, contact: bool) -> bool:
@@ -95,8 +95,7 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
-    facets = contact and not why_no_contact(pattern)
-    proof = prove_sheet(pattern, contact=facets, boxes=options.boxes, until=until)
+    proof = prove_sheet(pattern, boxes=options.boxes, until=until)
     return hold_against(proof, problem, known, contact)
 
 
@@ -121,6 +120,7 @@ def hold_against(
     """
     against: list[str] = []
     judged: list[JudgedState] = []
+    why = why_no_contact(problem.pattern) if contact else ""
     shown = [m.fold_angles for m in proof.minima]
     try:
         for minimum in proof.minima:
@@ -135,9 +135,7 @@ def hold_against(
                     new = [judge_end(problem, minimum.fold_angles, contact)]
                 near, judged = [*near, *found, *new], [*judged, *new]
             # facets of a proof within fold limits may cross
-            confirmed = (
-                ("minimum", "not admissible") if contact and not proof.contact else ("minimum",)
-            )
+            confirmed = ("minimum", "not admissible") if why else ("minimum",)
             if not any(s.verdict in confirmed for s in near):
                 against.append(
                     f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
@@ -150,16 +148,16 @@ def hold_against(
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
     for state in listed:
         if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:
-            if proof.contact or not (contact and any(not c.is_limit for c in state.contacts)):
+            if not (why and any(not c.is_limit for c in state.contacts)):
                 against.append(f"a listed minimum ({state.energy:.9g} J) is none of the proof")
     reasons = [*against]
     if proof.undecided:
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
-    if contact and not proof.contact:
+    if why:
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
-            f"{why_no_contact(problem.pattern)}: states that touching facets hold are not enumerated"
+            f"{why}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(

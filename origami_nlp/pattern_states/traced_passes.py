@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.minima import TracedPasses
-from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, groups, merge_tree
+from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, MergeTree, groups, merge_tree
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.clearance import Stretches
 from origami_nlp.pattern_states.curves import LONG, TracedCurve
@@ -23,6 +22,38 @@ from origami_nlp.pattern_states.interpolant import ON_CURVE, Interpolant, statio
 
 SHARES = np.linspace(0.0, 1.0, 7)
 """Of a stretch beside touching facets, at which it is asked whether facets cross."""
+
+
+@dataclass(frozen=True, eq=False)
+class TracedPasses:
+    """The merge tree of traced curves.
+
+    tree: over the minima.  states, energies: of the vertices, [V, n], [V].  edges: [E, 2].
+    on_curves: minima that are states of the curves.
+    """
+
+    tree: MergeTree
+    states: np.ndarray
+    energies: np.ndarray
+    edges: np.ndarray
+    on_curves: np.ndarray
+
+    def heights(self) -> np.ndarray:
+        """Energy of the lowest pass between two minima, [M, M]; inf where no curve leads from one to the other."""
+        many = len(self.on_curves)
+        out = np.full((many, many), math.inf)
+        for merge in self.tree.merges:
+            for i in merge.first:
+                out[i, list(merge.second)] = merge.height
+        return np.minimum(out, out.T)
+
+    def top(self, i: int, j: int) -> np.ndarray:
+        """Return the pass between two minima that are joined, [n]."""
+        merge = self.tree.barrier(i, j)
+        assert merge is not None
+        ends = self.edges[merge.edge]
+        top: np.ndarray = self.states[ends[self.energies[ends].argmax()]]
+        return top
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,6 @@ from .compiled import (
     compile_structure as compile_structure,
     law_energy as law_energy,
 )
-from .completion import (
-    CreaseChain as CreaseChain,
-    close_by as close_by,
-)
 from .contact import (
     STOP as STOP,
     Contact as Contact,
@@ -26,7 +22,6 @@ from .nlp import Nlp as Nlp
 from .parameters import Parameters as Parameters
 from .posed import Energies as Energies
 from .protocol import Problem as Problem, Sparse as Sparse
-from .strata import vertices as vertices
 from .touching import (
     MOST_LISTED as MOST_LISTED,
     ClosedContacts as ClosedContacts,

@@ -14,6 +14,8 @@ FEWEST_CELLS = 64
 """Of a law, in which its pieces are found."""
 PIECE = 6
 """Numbers of a piece: where it begins, and coefficients of its energy from the fourth power down."""
+AT_BREAK = 1e-9
+"""Fold angles so near to a break of a law [rad] are at it: Newton ends there to less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,8 +185,17 @@ class HingeLaws:
         return out
 
     def slope(self, x: np.ndarray) -> np.ndarray:
-        """Derivatives of the torques [..., n]; 0 where there is no law."""
+        """Derivatives of the torques [..., n], at a break the smaller of both sides; 0 where there is no law.
+
+        A state from which energy rises on one side of a break alone is no strict minimum.
+        """
         out, x = np.zeros(x.shape), x - self.shift
         for law, v in self._each:
-            out[..., v] = self.weight[v] * law.slope(x[..., v])
+            slope, breaks = law.slope(x[..., v]), np.array(law.breaks)
+            left, right = x[..., v] - AT_BREAK, x[..., v] + AT_BREAK
+            beside = np.searchsorted(breaks, left) != np.searchsorted(breaks, right)
+            if beside.any():
+                least = np.minimum(law.slope(left), law.slope(right))
+                slope = np.where(beside, least, slope)
+            out[..., v] = self.weight[v] * slope
         return out

@@ -7,10 +7,9 @@ from .certificate import (
     write_certificate as write_certificate,
 )
 from .check import Check as Check, check_proof as check_proof
-from .complete import pose as pose
+from .complete import pose as pose, prove as prove, why_not as why_not
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .options import ProofOptions as ProofOptions
-from .pieces import VanishingRows as VanishingRows
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .sheet_proof import (
     SheetProof as SheetProof,
@@ -20,4 +19,3 @@ from .sheet_proof import (
     why_no_sheet as why_no_sheet,
 )
 from .sheets import SheetMinimum as SheetMinimum
-from .touches import prove as prove, why_not as why_not

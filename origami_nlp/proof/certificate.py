@@ -14,9 +14,8 @@ from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Pattern, Scene, in_plane
 from origami_nlp.problem import Model
-from origami_nlp.proof.options import ProofOptions
+from origami_nlp.proof.complete import prove
 from origami_nlp.proof.sheet_proof import prove_sheet
-from origami_nlp.proof.touches import prove
 
 SCHEMA = "origami-nlp/proof/2"
 LARGEST = 1_000_000_000
@@ -117,7 +116,7 @@ def _of_scene(scene: Scene, boxes: int) -> Certificate:
     minima, undecided, flat = [], [], []
     for one in scene.of_each_winding:
         model = Model(one)
-        proof = prove(model, options=ProofOptions(boxes=boxes))
+        proof = prove(model, boxes=boxes)
         variable = model.variable_of_crease
 
         def creases(x: tuple[float, ...], of: Any = variable) -> tuple[float, ...]:

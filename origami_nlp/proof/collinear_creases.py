@@ -39,11 +39,6 @@ class CollinearPair:
     sign: int
     closed: tuple[int, ...]
 
-    @property
-    def terms(self) -> tuple[tuple[int, float], ...]:
-        """Variables and factors of the torques whose sum vanishes."""
-        return tuple(zip(self.creases, (1.0, -float(self.sign)), strict=False))
-
 
 def collinear_creases(
     sectors: Sequence[float], variable: Sequence[int], doubt: float

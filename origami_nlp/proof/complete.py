@@ -13,10 +13,10 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.problem import Model
-from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
+from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
+from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.law_torques import energy_bounds
-from origami_nlp.proof.options import DEFAULT, ProofOptions
+from origami_nlp.proof.options import ProofOptions
 from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
@@ -26,35 +26,41 @@ from origami_nlp.proof.roots import (
     holds,
     joined_roots,
     newton,
-    none_certified,
 )
 from origami_nlp.proof.system import BoxKkt
+from origami_nlp.proof.touches import ContactStratum, contact_strata, kept_closed, why_no_touches
 
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
 LOW = 1e-4
 """Smallest singular value of closure on the free variables, in the smallest boxes, that counts as regular."""
+SMALLER = (1e-7, 1e-9, 1e-11)
+"""Widths [rad] to which candidates that hold no certified root are cut once more where closure has full rank."""
+MOST_SMALLER = 20_000
+"""Boxes for each of these."""
+ISOLATED = 5_000
+"""Candidates of a set of touches up to which they are taken for isolated points, and not for a curve."""
 
 
-def prove(
-    model: Model,
-    *,
-    seconds: float | None = None,
-    until: float = math.inf,
-    options: ProofOptions = DEFAULT,
-) -> Proof:
-    """Find every critical point of a scene within its fold limits, by branch and prune and certificates of all roots.
+def why_not(model: Model) -> str:
+    """Return why boxes do not prove the list of a model; "" where they may."""
+    scene = model.scene
+    if scene.laws:
+        return "hinge laws: boxes know linear springs (a pattern of degree four is proved along its curves)"
+    return why_no_touches(model) if scene.contact == "full" else ""
+
+
+def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().boxes) -> Proof:
+    """Find every critical point of a scene within fold limits or with full contact.
 
     Parameters
     ----------
     model
-        Of a scene with contact "fold-limits".
-    seconds
-        Stop after so much processor time; what is left then is undecided.
+        Of a scene with contact "fold-limits" or "full".
     until
-        Stop then (`time.monotonic`), as after `seconds`.
-    options
-        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
+        Stop then (`time.monotonic`); what is left is undecided.
+    boxes
+        At most so many (which, unlike a time, ends at the same place everywhere).
 
     Returns
     -------
@@ -63,58 +69,78 @@ def prove(
     Raises
     ------
     OptionError
-        If the scene has other contact or dead loads, or is no flat sheet.
+        If the scene has no contact, dead loads or no degree of freedom, is no flat sheet, or `why_not` names a reason.
 
     Examples
     --------
     >>> from origami_nlp import Scene, Vertex
     >>> from origami_nlp.problem import Model
     >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
-    >>> scene = Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "fold-limits")
-    >>> proof = prove(Model(scene))
+    >>> proof = prove(Model(Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")))
     >>> proof.complete, len(proof.minima)
     (True, 2)
     """
     check_type("model", model, Model)
     started = time.process_time()
     posed, flat = pose(model)
-    start = strata(posed.size, model.fold_limits)
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    within = model.fold_limits
-    limits = {"most": options.boxes, "seconds": seconds, "until": until}
-    left = prune(posed, start, flat=near, options=options, **limits)  # type: ignore[arg-type]
-    system = BoxKkt(model)
-    roots, held, number, rest, more = certified(system, posed, left.candidates, near, options)
-    # a root with a free angle at its limit is none of the open stratum: the state belongs to others
-    # between the limits for certain on the open stratum
-    inside = (within.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
-    ends = np.flatnonzero(~inside.all(axis=1))
-    order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
-    order = order[inside.all(axis=1)[order]]
-    points = tuple(_point(model, roots, int(i)) for i in order)
+    full = model.scene.contact == "full"
+    within = ContactStratum((), posed, strata(model.size, model.fold_limits))
+    treated, crossing, finished = flat.boxes, 0, True
+    points: list[ProvedCriticalPoint] = []
     singular: list[Cluster] = []
     undecided: list[Cluster] = []
-    for i in ends:
-        reason = "free angles at their limits: a state of other strata"
-        singular.append(cluster_of(model, held[number == i], reason))
-    for group in [rest[g] for g in clusters(rest, options)]:
-        reason, is_singular = reason_of(system, group)
-        (singular if is_singular else undecided).append(cluster_of(model, group, reason))
-    for group in [left.open[g] for g in by_stratum(left.open)]:
-        undecided.append(cluster_of(model, group, "time was up"))
-    if left.flat and not flat.radius:
-        undecided.append(_near_flat(model, near))
+    known: Roots | None = None
+    for stratum in (within, *(contact_strata(model) if full else ())):
+        touches, most = stratum.touches, boxes - (treated - flat.boxes)
+        names = "".join(f"; {model.gap_name(model.structure.gaps[t.gap])}" for t in touches)
+        beside = 0.0 if touches else near
+        left = prune(stratum.posed, stratum.start, flat=beside, most=most, until=until)
+        treated += left.boxes
+        finished &= not len(left.open)
+        late = "time was up, or the number of boxes" + names
+        undecided += [cluster_of(left.open[g], late) for g in by_stratum(left.open)]
+        if left.flat and not flat.radius:
+            end = np.full((model.size, 1), near)
+            box = Boxes(-end, end, np.zeros(end.shape, np.int8))
+            undecided.append(cluster_of(box, "near the flat state"))
+        # critical points that are isolated leave few boxes
+        if touches and len(left.candidates) > ISOLATED:
+            some = (left.candidates[g] for g in by_stratum(left.candidates))
+            undecided += [cluster_of(one, "a curve" + names) for one in some]
+            continue
+        system = BoxKkt(model, tuple(t.gap for t in touches))
+        roots, rest, more = certified(system, stratum.posed, left.candidates, beside)
+        treated += more
+        # a root with a free angle at its limit is none of the open stratum: the state belongs to others
+        inside = (model.fold_limits.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
+        inside = inside.all(axis=1)
+        again = [
+            known is not None and _again(model, roots, i, stratum, known) for i in range(len(roots))
+        ]
+        for i in np.flatnonzero(~inside & np.logical_not(again)):
+            x, r, pins = (v[i][..., None] for v in (roots.x, roots.radius, roots.pins))
+            reason = "free angles at their limits: a state of other strata" + names
+            singular.append(cluster_of(Boxes(x - r, x + r, pins), reason))
+        for group in (rest[g] for g in clusters(rest)):
+            reason, is_singular = reason_of(system, group)
+            (singular if is_singular else undecided).append(cluster_of(group, reason + names))
+        roots = roots[np.flatnonzero(inside & np.logical_not(again))]
+        known = roots if known is None else known
+        found = list(_points(model, roots, stratum))
+        points += [p for p in found if p is not None]
+        crossing += found.count(None)
     return Proof(
-        points,
+        tuple(sorted(points, key=lambda p: p.energy)),
         tuple(singular),
         tuple(undecided),
-        left.boxes + flat.boxes + more,
+        treated,
         time.process_time() - started,
-        not len(left.open),
+        finished,
         flat.text,
         flat.radius,
         flat.minimum,
-        left=most_left(model, left.open),
+        crossing,
     )
 
 
@@ -124,26 +150,29 @@ def pose(model: Model) -> tuple[Piece, Flat]:
     Parameters
     ----------
     model
-        Of a scene with contact "fold-limits".
-
-    Returns
-    -------
-    piece : Piece
-    flat : Flat
+        Of a scene with contact "fold-limits" or "full".
 
     Raises
     ------
     OptionError
-        If the scene has other contact or dead loads, or is no flat sheet.
+        As `prove`.
     """
     scene = model.scene
     scene.check_no_forces("a proof")
-    if scene.contact != "fold-limits":
-        raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
+    if not model.has_limits:
+        raise OptionError(
+            f"contact = {scene.contact!r}: proofs are for fold limits, or full contact"
+        )
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
+    if not np.array_equal(model.parameters.sectors, Model(scene).parameters.sectors):
+        raise OptionError(
+            "the problem has other sectors than its scene: pose the scene that has them"
+        )
+    if why := why_not(model):
+        raise OptionError(why)
     piece = piece_of(model)
     if scene.group.is_trivial and isinstance(piece, VertexPiece):
         return piece, _within_stops(flat_lemma(piece), model)
@@ -159,56 +188,34 @@ def _within_stops(flat: Flat, model: Model) -> Flat:
 
 
 def certified(
-    system: BoxKkt,
-    posed: BoxProblem,
-    boxes: Boxes,
-    flat: float,
-    options: ProofOptions,
-) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
+    system: BoxKkt, posed: BoxProblem, boxes: Boxes, flat: float
+) -> tuple[Roots, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
 
     Returns
     -------
     roots : Roots
         Different ones, each held by some box.
-    held : Boxes
-    number : numpy.ndarray
-        Of the root of each of these.
     rest : Boxes
         Those that no root holds.
     more : int
         Boxes treated.
     """
-    found, more = none_certified(system), 0
+    found, more = _roots_of(system, boxes[:0]), 0
     fresh = boxes
-    held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
-    for small in (0.0, *options.smaller):
+    for small in (0.0, *SMALLER):
         if small:
-            which = _regular(system, boxes, flat, options.smallest)
+            which = _regular(system, boxes, flat)
             if not which.any():
                 continue  # the same boxes would give the same roots
-            again = prune(
-                posed,
-                boxes[which],
-                flat=flat,
-                small=small,
-                options=options,
-                most=options.smaller_boxes,
-            )
+            again = prune(posed, boxes[which], flat=flat, small=small, most=MOST_SMALLER)
             fresh = joined([again.candidates, again.open])
             boxes, more = joined([boxes[~which], fresh]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, fresh)]), len(found))
         number = holds(system, roots, boxes)
-        used = np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), dtype=int)
-        place = np.full(len(roots), -1)
-        place[used] = np.arange(len(used))
-        found = roots[used]
-        held.append(boxes[number >= 0])
-        numbers.append(place[number[number >= 0]])
+        found = roots[np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), int)]
         boxes = boxes[number < 0]
-        if not len(boxes):
-            break
-    return found, joined(held), np.concatenate(numbers), boxes, more
+    return found, boxes, more
 
 
 def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
@@ -223,65 +230,104 @@ def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
     return certify(system, x[some], lam[some], pins[some])[0]
 
 
-def _regular(system: BoxKkt, boxes: Boxes, flat: float, size: float) -> np.ndarray:
+def _regular(system: BoxKkt, boxes: Boxes, flat: float) -> np.ndarray:
     """Return at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
     x = 0.5 * (boxes.lower + boxes.upper).T
     near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
-    return near | (system.least_slope(x, pins) > 3 * size)
+    return near | (system.least_slope(x, pins) > 3 * SMALLEST)
 
 
-def _point(model: Model, roots: Roots, i: int) -> ProvedCriticalPoint:
-    """State a root in the scene's units."""
-    index = None if roots.index[i] < 0 else int(roots.index[i])
-    signs = roots.signs[i]
-    x, pins = roots.x[i], roots.pins[i]
-    decided: bool | None = None
-    if bool((signs > 0).any()) or (index is not None and index > 0):
-        decided = False
-    # strict complementarity and a positive definite reduced Hessian: second-order sufficiency (theorem 12.6)
-    elif index == 0 and (signs[pins != 0] < 0).all():
-        decided = True
+def _points(
+    model: Model, roots: Roots, stratum: ContactStratum
+) -> Iterator[ProvedCriticalPoint | None]:
+    """Yield roots in the scene's units, decided; None for those that cross, or have layers without an order."""
+    if model.scene.contact != "full":
+        for i in range(len(roots)):
+            yield _point(model, roots, i, stratum, ())
+        return
+    # at a stop facets do not touch: its crease is as a free one
+    pins = model.fold_limits.folded_flat(roots.pins)
+    signs = Signs(model, roots.x, roots.radius, pins) if len(roots) else None
+    for i in range(len(roots)):
+        assert signs is not None
+        contacts = signs.contacts(i, stratum.touches)
+        point = _point(model, roots, i, stratum, contacts.sides)
+        if contacts.verdict == APART:
+            yield point
+        elif contacts.verdict == CROSSED or model.refuses(roots.x[i]):
+            yield None
+        elif point.is_minimum and not stratum.touches:
+            yield replace(point, judged=True)
+        elif (
+            [t.kind for t in stratum.touches] == ["meet"] and signs.turn[i] and 1 in roots.signs[i]
+        ):
+            # a crease leaves its limit while the rays stay on each other: two triangles with a ray in common
+            yield replace(point, is_minimum=False)
+        else:
+            yield replace(point, is_minimum=None, judged=True)
+
+
+def _point(
+    model: Model, roots: Roots, i: int, stratum: ContactStratum, sides: tuple[int, ...]
+) -> ProvedCriticalPoint:
+    """State a root in the scene's units, and decide it by the signs of all multipliers and its index.
+
+    Strict complementarity and a positive definite reduced Hessian: second-order sufficiency (Nocedal & Wright, theorem
+    12.6).
+    """
+    touches, pins, signs = stratum.touches, roots.pins[i], roots.signs[i]
+    equations = piece_of(model).pivots
     # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
-    half = 0.5 if piece_of(model).pivots == 3 else 1.0
+    half = 0.5 if equations == 3 else 1.0
+    lam = model.scale * roots.lam[i]
+    # side times multiplier: below 0 the energy falls as the contact opens
+    forces = lam[equations:] * (sides or 1)
+    # known to the share of the uniqueness box that the root may lie in
+    doubt = model.scale * roots.spread[i] * roots.radius[i] / roots.unique[i]
+    # as many contacts as degrees of freedom leave nothing to bend
+    all_held = bool(touches) and len(touches) + np.count_nonzero(pins) == model.dof
+    index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
+    decided: bool | None = None
+    if (signs > 0).any() or (forces < -doubt).any() or index:
+        decided = False
+    elif index == 0 and (signs[pins != 0] < 0).all() and (forces > doubt).all():
+        decided = True
     return ProvedCriticalPoint(
-        tuple(x.tolist()),
+        tuple(roots.x[i].tolist()),
         tuple(pins.tolist()),
-        tuple((half * model.scale * roots.lam[i]).tolist()),
+        tuple((half * lam[:equations]).tolist()),
         float(roots.radius[i]),
         float(roots.unique[i]),
-        float(half * model.scale * roots.spread[i]),
         index,
         tuple(signs.tolist()),
-        model.energy(x),
+        model.energy(roots.x[i]),
         decided,
+        tuple(t.gap for t in touches),
+        tuple(forces.tolist()),
     )
 
 
-def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
+def _again(model: Model, roots: Roots, i: int, stratum: ContactStratum, known: Roots) -> bool:
+    """Return whether a root is one with more creases fully folded that keep its gaps closed: it has been counted."""
+    near = np.abs(known.x - roots.x[i]).max(axis=1) + known.radius < roots.unique[i]
+    # that stratum lies in the closure of this one: more creases fully folded, to the same sides
+    same = roots.pins[i] == known.pins
+    finer = (same | (roots.pins[i] == 0)).all(axis=1) & ~same.all(axis=1)
+    return any(
+        all(kept_closed(model, t, pins) for t in stratum.touches)
+        for pins in known.pins[near & finer]
+    )
+
+
+def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
     for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
-        cells = np.floor(middle.T / (20 * options.smallest))
-        if np.ptp(cells, axis=0).max() <= 2:  # all are next to each other
-            yield group
-            continue
-        cells, cell = np.unique(cells, axis=0, return_inverse=True)
+        cells, cell = np.unique(np.floor(middle.T / (20 * SMALLEST)), axis=0, return_inverse=True)
         label = groups(len(cells), pairs_within(cells, 2))
         for k in range(label.max() + 1):
             yield group[label[cell.ravel()] == k]
-
-
-def most_left(model: Model, boxes: Boxes) -> str:
-    """Return which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
-    if not len(boxes):
-        return ""
-    at_limit, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
-    creases = np.flatnonzero(at_limit[int(count.argmax())][model.variable_of_crease]) + 1
-    numbers = ", ".join(map(str, creases.tolist()))
-    return (
-        f"most are left with crease{'s' * (len(creases) > 1)} {numbers} at +-pi" if numbers else ""
-    )
 
 
 def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
@@ -306,32 +352,7 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
     return "no root was certified", False
 
 
-def cluster_of(model: Model, boxes: Boxes, reason: str) -> Cluster:
+def cluster_of(boxes: Boxes, reason: str) -> Cluster:
     """Describe boxes of one stratum."""
-    free = boxes.pins[:, 0] == 0
-    sides = np.where(boxes.pins == 0, (boxes.upper - boxes.lower) / (2 * math.pi), 1.0)
-    k, rest = model.parameters.stiffness[:, None], model.parameters.rest[:, None]
-    far = np.maximum(np.abs(boxes.lower - rest), np.abs(boxes.upper - rest))
-    near = np.maximum(np.maximum(boxes.lower - rest, rest - boxes.upper), 0.0)
-    low, high = (0.5 * model.scale * (k * v**2).sum(axis=0) for v in (near, far))
     lower, upper = (tuple(v.tolist()) for v in (boxes.lower.min(axis=1), boxes.upper.max(axis=1)))
-    energies = float(low.min()), float(high.max())
-    return Cluster(
-        lower,
-        upper,
-        tuple(boxes.pins[:, 0].tolist()),
-        reason,
-        len(boxes),
-        float(sides.prod(axis=0).sum()) if free.any() else 1.0,
-        energies if model.parameters.laws is None else energy_bounds(model, lower, upper),
-    )
-
-
-def _near_flat(model: Model, radius: float) -> Cluster:
-    n = model.size
-    box = Boxes(
-        np.full((n, 1), -radius),
-        np.full((n, 1), radius),
-        np.zeros((n, 1), np.int8),
-    )
-    return cluster_of(model, box, "near the flat state")
+    return Cluster(lower, upper, tuple(boxes.pins[:, 0].tolist()), reason)

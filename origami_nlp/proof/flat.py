@@ -13,8 +13,7 @@ and (b_j x b_i) = (b_j x b_i)_z e_z:
 
 The variables are u on a face u_i = 1 and r in [-r0, r0], which stands for the faces u_i = -1 too.  If no (u, r)
 satisfies all, there is no other critical point within r0.  A determinant with errors E of its entries A is off by at
-most per(|A| + E) - per(|A|).  A hinge law has G_i = its torque, and its slope there in place of k_i, with an error of
-its own (`LawTorques.linear_about`).
+most per(|A| + E) - per(|A|).
 
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
 sum_i G_i u_i < 0 at r = 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
@@ -30,16 +29,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.proof.boxes import Boxes, prune
-from origami_nlp.proof.options import ProofOptions
-from origami_nlp.proof.pieces import VanishingRows, VertexPiece
+from origami_nlp.proof.pieces import VertexPiece
 from origami_nlp.proof.rows import SECTORS, TRIGONOMETRIC, UNIT, Affine, padded, variables
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
 MOST = 3_000
 """Boxes for a radius; generic scenes take some ten."""
-FEW = ProofOptions(fewest=1)
-"""So few boxes are not cut further before anything is asked of them."""
 NARROW = 1e-3
 """Boxes of directions narrower than this are left: the radius is too large, or the flat state critical."""
 CLEAR = 1e-9
@@ -86,9 +82,6 @@ class ClosedDirections:
         The largest r [rad].
     """
 
-    linear = slice(0, 2)
-    pivots = 2
-
     def __init__(self, vertex: VertexPiece, radius: float) -> None:
         n = vertex.size
         self.size = n + 1
@@ -117,20 +110,14 @@ class ClosedDirections:
             sign = _sign((i, p, q, j))
             lever = self.before[fours[:, p], fours[:, q]]
             levers[rows, fours[:, i], fours[:, j]] = sign * lever
-        laws = vertex.laws
-        torque, miss = -k * vertex.rest, 0 * k
         g = k * (np.abs(vertex.rest) + radius)
-        if laws is not None:
-            # G_i = torque_i + k_i r u_i +- miss_i
-            torque, k, miss, _ = laws.linear_about(np.zeros(n), radius)
-            g = np.abs(torque) + np.abs(k) * radius
-        self.first = np.einsum("sij,i,aj->sa", levers, torque, self.before)
+        self.first = np.einsum("sij,i,aj->sa", levers, -k * vertex.rest, self.before)
         second = np.einsum("sij,i,aj->sia", levers, k, self.before) * radius
         self.second = 0.5 * (second + second.transpose(0, 2, 1))
         many = np.arange(n)
         size = np.stack([g, *np.abs(self.b.T), np.abs(self.before).sum(axis=0)])  # [4, n]
         planar = radius**2 * many**2 / 2 + self.doubt
-        error = np.stack([miss, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
+        error = np.stack([0 * k, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
         with_error = _permanents(size + error, fours)
         # a coefficient is a sum of at most n^2 products of these entries
         # |det(A + E) - det A| <= per(|A| + E) - per(|A|): every product of the expansion taken with its absolute value
@@ -142,8 +129,10 @@ class ClosedDirections:
         pins = np.concatenate([np.eye(n, dtype=np.int8), np.zeros((1, n), np.int8)])
         return Boxes(-1.0 + 2.0 * pins, np.ones((n + 1, n)), pins)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose all rows over boxes, as rows of closure: x, y, the minors, z."""
+    def rows(
+        self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
+    ) -> tuple[Affine, np.ndarray]:
+        """Enclose all rows over boxes: x, y, the minors, z; all hold everywhere."""
         middle, half = variables(lower, upper)
         u, r, du, dr = middle[:-1], middle[-1], half[:-1], half[-1]
         matrix = np.concatenate([self.b.T, self.first])
@@ -161,7 +150,7 @@ class ClosedDirections:
         along = np.concatenate([0 * centre[:2], dr * value])
         size = np.concatenate([size[:2], size[2:] + 4 * bound]) + 0 * centre
         height, tilt, bent = _form(0.5 * self.square[None], u, du)
-        closure = padded(
+        rows = padded(
             np.concatenate([centre, height]),
             np.concatenate(
                 [
@@ -173,9 +162,7 @@ class ClosedDirections:
             np.concatenate([size, 4 * np.abs(self.square).sum() + 0 * height]),
             4 * self.size**2 + 8,
         )
-        none = np.zeros((0, len(r)))
-        critical = Affine(none, np.zeros((0, self.size, len(r))), none)
-        return VanishingRows(closure, critical, none.astype(bool))
+        return rows, np.ones(rows.centre.shape, dtype=bool)
 
 
 def creases_of(vertex: VertexPiece) -> np.ndarray:
@@ -221,7 +208,7 @@ def flat_lemma(vertex: VertexPiece) -> Flat:
     boxes = 0
     for radius in RADII:
         cone = ClosedDirections(vertex, radius)
-        left = prune(cone, cone.faces(), small=NARROW, most=MOST, options=FEW)
+        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))
@@ -232,7 +219,7 @@ def no_minimum(vertex: VertexPiece) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
     b = creases_of(vertex)
     k = vertex.stiffness
-    slope = -k * vertex.rest if vertex.laws is None else vertex.laws.at(0.0 * k[None])[0][0]
+    slope = -k * vertex.rest
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]  # [n - 2, n]
     _, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)

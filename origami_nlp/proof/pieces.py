@@ -1,6 +1,6 @@
 """What vanishes at every local minimum of a vertex, over boxes of the fold angles of its piece: closure, minors, twins.
 
-Torques are those of single creases, G_i = k_i (phi_i - rest_i) or a hinge law's; c_i are the axes.  On the free creases
+Torques are those of single creases, G_i = k_i (phi_i - rest_i); c_i are the axes.  On the free creases
 of a stratum a minimum is critical in the sense of Fritz John: [G | slopes of closure] has no more than as many
 independent columns as closure has equations, so that every minor with one column more vanishes.
 
@@ -31,14 +31,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import EPS, quaternion
+from origami_nlp.numerics import quaternion
 from origami_nlp.problem import Model
 from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
-from origami_nlp.proof.law_torques import torques_of
 from origami_nlp.proof.rows import (
     CREASE,
     SECTORS,
@@ -48,7 +46,6 @@ from origami_nlp.proof.rows import (
     Chain,
     Folded,
     Quadratic,
-    Torques,
     Triples,
     cross,
     joined_rows,
@@ -57,30 +54,6 @@ from origami_nlp.proof.rows import (
     times_vector,
     variables,
 )
-
-
-@dataclass(frozen=True, eq=False)
-class VanishingRows:
-    """What vanishes at every critical point in a box, over K boxes.
-
-    Attributes
-    ----------
-    closure
-        Shape [rows, K], in n variables.
-    critical
-        Minors, then twins, shape [R, K].
-    asked
-        Which of these hold on the box's stratum, [R, K].
-    """
-
-    closure: Affine
-    critical: Affine
-    asked: np.ndarray
-
-
-def folded_flat(angle: np.ndarray, pins: np.ndarray) -> np.ndarray:
-    """Return the pins [n, K] of angles at +-pi, where facets lie on each other; 0 at other stops."""
-    return np.where(np.abs(angle) >= np.pi * (1 - 2 * EPS), pins, 0)
 
 
 class Piece:
@@ -93,8 +66,8 @@ class Piece:
 
     Attributes
     ----------
-    linear, pivots
-        Rows of closure that are independent to first order where it is regular, and how many of them.
+    pivots
+        How many rows of closure are independent to first order where it is regular.
     by_vectors
         Whether closure is of vectors that rotate, not of quaternions.
     near_flat
@@ -104,18 +77,18 @@ class Piece:
     """
 
     chain: Chain
-    linear: slice
     pivots: int
     by_vectors = False
     near_flat = False
 
     def __init__(self, model: Model, rank: int) -> None:
         p, scene = model.parameters, model.scene
-        self.size = model.size
+        self.size, self.limits = model.size, model.fold_limits
         stiffness = p.stiffness / model.multiplicity
-        self.sectors, self.rest = np.asarray(p.sectors, float), np.asarray(p.rest, float)
+        self.sectors = np.asarray(p.sectors, float)
+        # a load on a crease is a spring that rests elsewhere
+        self.rest = np.asarray(p.rest + p.load / p.stiffness, float)
         self.stiffness = stiffness / stiffness.max()
-        self.laws = torques_of(model, 1.0, stiffness.max())
         self.subsets = np.array(
             list(itertools.combinations(range(self.size), rank + 1)), dtype=int
         ).reshape(-1, rank + 1)
@@ -135,24 +108,22 @@ class Piece:
         """Return whether a zero of the equations at the middle of boxes closes, [K]."""
         return np.ones(folded.near.shape, dtype=bool)
 
-    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+    def minors(self, folded: Folded, torques: Quadratic) -> Quadratic:
         """Enclose the minors of `subsets`."""
         raise NotImplementedError
 
-    def torques(self, middle: np.ndarray, half: np.ndarray) -> Torques:
-        """Return the torques over boxes [n, K]."""
-        if self.laws is not None:
-            centre, lean, error = self.laws.over(middle, half)
-            return Torques(centre, lean, error, error)
-        k, none = self.stiffness[:, None], np.zeros(middle.shape)
-        return Torques(k * (middle - self.rest[:, None]), k * half, none, 8 * k + none)
+    def torques(self, middle: np.ndarray, half: np.ndarray) -> Quadratic:
+        """Enclose the torques of single creases over boxes [n, K], over the largest stiffness."""
+        k, i = self.stiffness[:, None], np.arange(self.size)
+        out = number(k * (middle - self.rest[:, None]), 0.0, self.size)
+        out.slopes[i, i] = k * half
+        out.rest[:] = 16 * UNIT * (out.magnitude() + 8 * k)
+        return out
 
-    def fold(self, lower: np.ndarray, upper: np.ndarray) -> Folded:
-        """Fold at the middle of boxes lower, upper [n, K] [rad]."""
-        return self.chain.fold(*variables(lower, upper))
-
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes.
+    def rows(
+        self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
+    ) -> tuple[Affine, np.ndarray]:
+        """Enclose closure, minors and twins over boxes, and say which of them hold on the box's stratum, [R, K].
 
         Parameters
         ----------
@@ -160,27 +131,25 @@ class Piece:
             Shape [n, K] [rad].
         pins
             -1, 0 or +1, shape [n, K].
-
-        Returns
-        -------
-        VanishingRows
         """
         middle, half = variables(lower, upper)
         folded, torques = self.chain.fold(middle, half), self.torques(middle, half)
-        critical = self.minors(folded, torques).affine()
-        asked = (pins == 0)[self.subsets].all(axis=1)
-        if self.twins:
-            rows = [torques.row(t.terms).affine() for t in self.twins]
-            critical = joined_rows([critical, *rows])
-            more = twins_asked(self.twins, pins, folded_flat(lower, pins))
-            asked = np.concatenate([asked, more])
-        return VanishingRows(self.closure(folded).affine(), critical, asked)
+        rows = [self.closure(folded), self.minors(folded, torques)]
+        for t in self.twins:  # G_a = s G_b, or G_a = 0
+            one, *other = (torques[[v]] for v in t.creases)
+            rows.append(sum((g.times(-t.sign) for g in other), one))
+        asked = [
+            np.ones(rows[0].value.shape, dtype=bool),
+            (pins == 0)[self.subsets].all(axis=1),
+            twins_asked(self.twins, pins, self.limits.folded_flat(pins.T).T),
+        ]
+        return joined_rows([r.affine() for r in rows]), np.concatenate(asked)
 
 
 class VertexPiece(Piece):
     """A vertex without symmetry, or a period of C_n that closes by itself."""
 
-    linear, pivots = slice(1, 4), 3
+    pivots = 3
 
     def __init__(self, model: Model) -> None:
         super().__init__(model, 3)
@@ -197,7 +166,6 @@ class VertexPiece(Piece):
             [[place[(*s[:a], *s[a + 1 :])] for a in range(4)] for s in self.subsets.tolist()],
             dtype=int,
         ).reshape(-1, 4)
-        self.signs = np.tile([1.0, -1.0, 1.0, -1.0], (len(self.subsets), 1))
 
     def _along(self, creases: tuple[int, int, int]) -> tuple[int, int, int]:
         """Rays of three creases on the arc round the longest of the three gaps, by number of creases."""
@@ -236,15 +204,15 @@ class VertexPiece(Piece):
         left = self.chain.turned(loop, x[:, :h], range(h), folded.radii[:h], near)
         return left + self.chain.turned(-one, axes, back, -folded.radii[back], 0 * near)
 
-    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+    def minors(self, folded: Folded, torques: Quadratic) -> Quadratic:
         """Enclose det [G_S | C_S]."""
-        return torques.weighed(self.triples.at(folded), self.subsets, self.without, self.signs)
+        return expansion(torques, self.triples.at(folded), self.subsets, self.without)
 
 
 class Period(Piece):
     """A period of C_n that does not close by itself."""
 
-    linear, pivots = slice(0, 1), 1
+    pivots = 1
 
     def __init__(self, model: Model) -> None:
         super().__init__(model, 1)
@@ -263,9 +231,9 @@ class Period(Piece):
         row = self.chain.turned(q, folded.vectors[:, :n], range(n), folded.radii, near)[:1]
         return row + number(0 * row.value - self.level, 4 * UNIT, n)
 
-    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+    def minors(self, folded: Folded, torques: Quadratic) -> Quadratic:
         """Enclose G_a t_b - G_b t_a."""
-        return torques.weighed(self.slopes(folded), *two_by_two(self.subsets))
+        return expansion(torques, self.slopes(folded), self.subsets, self.subsets[:, ::-1])
 
     def loop(self, folded: Folded) -> np.ndarray:
         """Return the product of folds and sectors at the middle of boxes, [4, K]."""
@@ -313,7 +281,6 @@ class Wedge(Piece):
         weight = [0.5 if r in (0, e - 1) else 1.0 for r in range(e)]
         self.chain = c = Chain(variable, weight, [*self.sectors, 0.0], e, n)
         self.pivots = 2 if self.order == 1 else 1
-        self.linear = slice(1, 3) if self.order == 1 else slice(0, 1)
         if self.order == 1:
             self.pairs = list(itertools.combinations(range(n), 2))
             wanted = [
@@ -355,15 +322,14 @@ class Wedge(Piece):
         last = c.turned(x[:, c.last], x[:, on], on, r[on], known)
         return (first + last.times(-1.0))[[1, 0, 2]]
 
-    def minors(self, folded: Folded, torques: Torques) -> Quadratic:
+    def minors(self, folded: Folded, torques: Quadratic) -> Quadratic:
         """Enclose G_i (n_1, c_j, c_k) + cyclic, or G_a t_b - G_b t_a."""
         t = self.triples.at(folded)
         if self.order > 1:
-            return torques.weighed(t, *two_by_two(self.subsets))
+            return expansion(torques, t, self.subsets, self.subsets[:, ::-1])
         place = {pair: i for i, pair in enumerate(self.pairs)}
         of = [[place[j, k], place[i, k], place[i, j]] for i, j, k in self.subsets.tolist()]
-        which = np.array(of, dtype=int).reshape(-1, 3)
-        return torques.weighed(t, self.subsets, which, np.tile([1.0, -1.0, 1.0], (len(of), 1)))
+        return expansion(torques, t, self.subsets, np.array(of, dtype=int).reshape(-1, 3))
 
 
 def apart(rows: Quadratic) -> Quadratic:
@@ -386,9 +352,25 @@ def about_normal(angle: float) -> tuple[float, float, float, float]:
     return math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle)
 
 
-def two_by_two(subsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return torques, rows and signs of G_a t_b - G_b t_a for pairs (a, b), [M, 2]."""
-    return subsets, subsets[:, ::-1], np.tile([1.0, -1.0], (len(subsets), 1))
+def expansion(column: Quadratic, rows: Quadratic, which: np.ndarray, of: np.ndarray) -> Quadratic:
+    """Return the sums over a of (-1)^a column[which_a] rows[of_a], which and of [M, A]: M determinants.
+
+    Row i of the column is linear in variable i alone.
+    """
+    at, pair = np.arange(len(which)), pairs(column.slopes.shape[1])[2]
+    size, every = column.magnitude(), rows.magnitude()
+    out = number(np.zeros((len(which), column.value.shape[1])), 0.0, len(pair))
+    for a, (i, t) in enumerate(zip(which.T, of.T, strict=True)):
+        g, r = ((-1.0) ** a * v for v in (column.value[i], column.slopes[i, i]))
+        out.value[:] += g * rows.value[t]
+        out.slopes[:] += g[:, None] * rows.slopes[t]
+        out.slopes[at, i] += r * rows.value[t]
+        out.bends[:] += g[:, None] * rows.bends[t]
+        # xi_i times the slopes of the row: each pair (i, j) once
+        out.bends[at[:, None], pair[i]] += r[:, None] * rows.slopes[t]
+        out.rest[:] += size[i] * rows.rest[t] + np.abs(r) * np.abs(rows.bends[t]).sum(axis=1)
+        out.rest[:] += (column.rest[i] + 32 * UNIT * size[i]) * every[t]
+    return out
 
 
 def piece_of(model: Model) -> Piece:

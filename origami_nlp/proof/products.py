@@ -20,7 +20,6 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -196,17 +195,14 @@ class GroupEnergy:
 
     def __init__(self, sheet: FoldingSheet, group: Group) -> None:
         self.group = [(c, sign, sheet.value(powers)) for c, sign, powers in group]
-        sums: dict[Any, list[Fraction]] = {}
+        sums: dict[Any, list[Any]] = {}
         for c, sign, powers in group:
-            k = Fraction(float(sheet.pattern.stiffness[c]))
-            both = sums.setdefault(powers, [Fraction(0), Fraction(0)])
+            k, rest = (arb(float(v[c])) for v in (sheet.pattern.stiffness, sheet.pattern.rest))
+            both = sums.setdefault(powers, [arb(0), arb(0)])
             both[0] += k
-            both[1] += k * sign * Fraction(float(sheet.pattern.rest[c]))
-        self.even = not any(load for _, load in sums.values())
-        self.terms = [
-            (sheet.value(p), *(arb(x.numerator) / arb(x.denominator) for x in both))
-            for p, both in sums.items()
-        ]
+            both[1] += k * sign * rest
+        self.even = all(load == 0 for _, load in sums.values())
+        self.terms = [(sheet.value(p), *both) for p, both in sums.items()]
 
     def slopes(self, side: int, t: Any) -> tuple[Any, Any]:
         """Return U' and U'' at T = t, or on a side of 180 degrees at T = 1/t."""

@@ -10,11 +10,10 @@ import numpy as np
 from flint import arb
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.facets import Facets
-from origami_nlp.proof.law_torques import LawBalls
+from origami_nlp.proof.laws import LawBalls
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
 from origami_nlp.proof.sheets import SheetMinimum, closer, sign_of
-from origami_nlp.proof.slopes import DEPTH, Budget, Crossing, Curve, Look, least
+from origami_nlp.proof.slopes import DEPTH, Budget, Curve, Look, least
 
 QUARTER = math.nextafter(0.5 * math.pi, math.inf)
 """Not below pi/2, which is between two doubles."""
@@ -34,12 +33,10 @@ class CurveState(NamedTuple):
 
 
 class QuadCurve(Curve):
-    """The energy along a curve through the flat state, on a side of it; fold limits, stops and facets as gaps."""
+    """The energy along a curve through the flat state, on a side of it; fold limits and stops as gaps."""
 
-    def __init__(
-        self, modes: Modes, side: int, pattern: Pattern, facets: Facets | None = None
-    ) -> None:
-        self.modes, self.side, self.facets_of = modes, side, facets
+    def __init__(self, modes: Modes, side: int, pattern: Pattern) -> None:
+        self.modes, self.side = modes, side
         laws = pattern.laws or (None,) * pattern.creases
         self.hinges = [
             (arb(k), arb(r), None if law is None else LawBalls(law))
@@ -82,55 +79,26 @@ class QuadCurve(Curve):
         first = box.first
         if middle:
             first = closer(first, middle.first + box.second * (x - x.mid()))
-        return Look(first, box.second, gaps, (middle or box, box))
-
-    def facets(
-        self, at: Look, low: float, high: float, held: Sequence[Any]
-    ) -> dict[Any, tuple[Any, Any]] | None:
-        """Return gaps of facets that may touch; see `slopes.Curve`."""
-        if self.facets_of is None:
-            return {}
-        limits = {n for n in held if isinstance(n, int)}
-        closed = {c: self.sides[c] for c, n in self.modes.node.items() if n in limits}
-        away = arb(0, 0.5 * (high - low))
-        middle, box = at.known
-        return self.facets_of.over(middle.folds, box.folds, away).gaps(
-            self.sides, high - low, closed
-        )
-
-    def gap(self, at: Look, name: Any) -> Any:
-        """Return a gap at theta."""
-        if name in at.gaps:
-            return super().gap(at, name)
-        assert self.facets_of is not None
-        folds = at.known[1].folds
-        return self.facets_of.over(folds, folds, arb(0)).gap(name)
+        return Look(first, box.second, gaps, box.folds)
 
     def state(self, low: float, high: float, gaps: Sequence[Any] = ()) -> SheetMinimum | None:
         """Return the state of a minimum between two numbers, held by some of the gaps; None where it is not known."""
         known = self.over(arb(low).union(arb(high)))
         if known is None:
             return None
-        exactly, stops, touching = dict[int, float](), [], []
+        exactly, stops = dict[int, float](), []
         ends = [self.over(arb(x)) for x in (low, high)]
         for name in gaps:
-            if all(e is not None and self.gap(e, name) > 0 for e in ends):
+            if all(e is not None and e.gaps[name][0] > 0 for e in ends):
                 continue
             if isinstance(name, int):
                 exactly |= {
                     c: self.sides[c] * math.pi for c, n in self.modes.node.items() if n == name
                 }
-            elif len(name) == 2:
+            else:
                 exactly[name[0]] = next(float(at) for *one, at in self.stops if (*one,) == name)
                 stops.append(name)
-            else:
-                touching.append(name.polygons)
-        return SheetMinimum.of(
-            [f[0] for f in known.known[1].folds],
-            exactly,
-            touching=tuple(touching),
-            stops=tuple(stops),
-        )
+        return SheetMinimum.of([f[0] for f in known.known], exactly, stops=tuple(stops))
 
 
 class QuadSearch:
@@ -142,10 +110,9 @@ class QuadSearch:
         As those of `SheetProof`.
     """
 
-    def __init__(self, quads: QuadSheet, contact: bool, budget: Budget) -> None:
+    def __init__(self, quads: QuadSheet, budget: Budget) -> None:
         self.quads, self.budget = quads, budget
         self.pattern = pattern = quads.sheet.pattern
-        self.facets = Facets(pattern) if contact else None
         self.minima: list[SheetMinimum] = []
         self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self.curves = self.sets = self.alone = self.maxima = 0
@@ -188,7 +155,7 @@ class QuadSearch:
         self.curves += 1
         links = _first_folded(links)
         for side in (1, -1):
-            curve = QuadCurve(links, side, self.pattern, self.facets)
+            curve = QuadCurve(links, side, self.pattern)
             found = least(curve, 0.0, QUARTER, self.budget, self.rests)
             self.maxima += found.maxima
             for low, high, why in found.open:
@@ -271,18 +238,8 @@ class QuadSearch:
             room = [g for f, (a, b) in limits for g in (f[0] - a, b - f[0])]
             if any(g < 0 for g in room):
                 continue
-            try:
-                apart = all(g > 0 for g in room) and (
-                    self.facets is None
-                    or self.facets.over(folds, folds, arb(0)).gaps(
-                        {c: side * s for c, s in links.signs.items()}, math.inf, {}
-                    )
-                    == {}
-                )
-            except Crossing:
-                continue
-            if not apart:
-                self._leave(links, side, low, high, "contact at a rigid state")
+            if not all(g > 0 for g in room):
+                self._leave(links, side, low, high, "a limit at a rigid state")
                 continue
             self.alone += 1
             self.minima.append(SheetMinimum.of([f[0] for f in folds], {}))

@@ -23,9 +23,7 @@ class ProvedCriticalPoint:
     radius
         The largest |x_i - true x_i| is no larger [rad].
     unique_radius
-        There is no other critical point of the stratum within this, with multipliers within `unique_moment`.
-    unique_moment
-        In the largest norm.
+        There is no other critical point of the stratum within this.
     index
         Negative eigenvalues of the reduced Hessian on the stratum; None where unclear.
     pinned_signs
@@ -34,13 +32,13 @@ class ProvedCriticalPoint:
     energy
         In the scene's units.
     is_minimum
-        True: index 0 and all signs -1. False: certainly none. None: not decided.
+        True: index 0 and all signs -1. False: certainly none. None: not decided, which is left to the judge of states.
     touches
         Gaps that are closed (positions in `Structure.gaps`); full contact only.
     forces
         Multiplier of each, positive where it pushes, in the scene's units per unit of gap.
     judged
-        Where facets lie on each other: by which test of the package it is admissible, and a minimum.
+        Whether facets lie on each other, so that the package's test of layers says that it is admissible.
     """
 
     x: tuple[float, ...]
@@ -48,14 +46,13 @@ class ProvedCriticalPoint:
     moment: tuple[float, ...]
     radius: float
     unique_radius: float
-    unique_moment: float
     index: int | None
     pinned_signs: tuple[int, ...]
     energy: float
     is_minimum: bool | None
     touches: tuple[int, ...] = ()
     forces: tuple[float, ...] = ()
-    judged: str = ""
+    judged: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,24 +67,12 @@ class Cluster:
         As of a `ProvedCriticalPoint`.
     reason
         Why, in words.
-    boxes
-        How many.
-    share
-        Of the stratum's volume.
-    energies
-        Lowest and highest energy that they may have, in the scene's units.
-    touches
-        Gaps that are closed (positions in `Structure.gaps`); full contact only.
     """
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     stratum: tuple[int, ...]
     reason: str
-    boxes: int
-    share: float
-    energies: tuple[float, float]
-    touches: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -114,8 +99,6 @@ class Proof:
         Within this of the flat state it is the only critical point [rad]; 0.0 where that is not shown.
     flat_is_minimum
         False where the flat state is shown not to be one; None: not decided here.
-    left
-        Where most boxes were left when it ended, in words; "" where none were, or no variable is at +-pi there.
     crossing
         Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
@@ -130,7 +113,6 @@ class Proof:
     flat_radius: float
     flat_is_minimum: bool | None
     crossing: int = 0
-    left: str = ""
 
     @property
     def minima(self) -> tuple[ProvedCriticalPoint, ...]:

@@ -20,7 +20,6 @@ Rounding: `BoxKkt.noise` bounds what it leaves in g, A and g''.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,8 +38,8 @@ SHARES = (1.0, 0.3, 0.1, 0.03)
 """Sides of the uniqueness box in multipliers that are tried, over what these move with x; the widest box is taken."""
 
 
-WITHIN = (0.3, 0.03, 3e-3, 3e-4, 3e-5)
-"""Uniqueness boxes [rad] for which terms of third order and more are bounded; the widest that fits is taken."""
+WIDEST = 0.3
+"""Uniqueness boxes are no wider [rad]: half chains turn by less than pi / 2 in them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +80,6 @@ class Roots:
         return Roots(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
 
-def none_certified(system: BoxKkt) -> Roots:
-    """Return no roots."""
-    n, none = system.n, np.zeros(0)
-    x, pins = np.zeros((0, n)), np.zeros((0, n), dtype=np.int8)
-    whole = none.astype(int)
-    return Roots(
-        x, np.zeros((0, system.m)), pins, none, none, none, whole, np.zeros((0, n), dtype=int)
-    )
-
-
 def newton(
     system: BoxKkt, x: np.ndarray, pins: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -100,8 +89,8 @@ def newton(
     last = np.full(len(x), np.inf)
     alive = np.ones(len(x), dtype=bool)
     for _ in range(STEPS):
-        f, jacobian, _ = system.at(x, lam, pins)
-        step = _solved(jacobian, f)
+        at = system.at(x, lam, pins)
+        step = (_inverse(at.jacobian) @ at.f[:, :, None])[:, :, 0]
         size = np.abs(step[:, :n]).max(axis=1, initial=0.0)
         alive &= (np.abs(step) < 1e100).all(axis=1) & (
             size < 1.0
@@ -114,17 +103,6 @@ def newton(
         if (settled | ~alive).all():
             break
     return x, lam, alive & (last < DUPLICATE_TOL) & system.closes(x)
-
-
-def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """Solve, NaN where singular."""
-    try:
-        return np.linalg.solve(jacobian, f[:, :, None])[:, :, 0]
-    except np.linalg.LinAlgError:
-        good = np.abs(np.linalg.det(jacobian)) > 0
-        out = np.full(f.shape, np.nan)
-        out[good] = np.linalg.solve(jacobian[good], f[good][:, :, None])[:, :, 0]
-        return out
 
 
 def certify(
@@ -147,7 +125,7 @@ def certify(
         Their numbers among the K.
     """
     n, m = system.n, system.m
-    at = system.local(x, lam, pins)
+    at = system.at(x, lam, pins)
     free = pins == 0
     sound = (free.sum(axis=1) >= m) & np.isfinite(at.jacobian).all(axis=(1, 2))
     # Krawczyk's preconditioner: any Y is sound, an approximate inverse succeeds
@@ -159,22 +137,20 @@ def certify(
     rows = np.concatenate([free, np.ones((len(x), m), bool)], axis=1)
     ratio = _lean(at)
     smallest, largest, lean = np.full(len(x), np.inf), np.zeros(len(x)), ratio
-    for within, share in itertools.product(WITHIN, SHARES):
-        if (largest[sound] >= within).all():
-            break  # none that is narrower is wider than what was found
+    for share in SHARES:
         mu = share * ratio
         rho = np.concatenate([np.where(free, 1.0, 0.0), mu[:, None] + np.zeros((1, m))], axis=1)
         # wrong + rest rho t + (reach change rho) t^2 < rho t, row by row; rows of pinned variables are exact
-        a = (reach @ at.change(mu, np.full(len(x), within)) @ rho[:, :, None])[:, :, 0]
+        a = (reach @ at.change(mu) @ rho[:, :, None])[:, :, 0]
         b = rho - (rest @ rho[:, :, None])[:, :, 0]
         low, high = _between(a, b, wrong, rows)
-        high = np.minimum(high, within)
+        high = np.minimum(high, WIDEST)
         better = (low < high) & (high > largest)
         smallest, largest = np.where(better, low, smallest), np.where(better, high, largest)
         lean = np.where(better, mu, lean)
     which = np.flatnonzero(sound & (smallest < largest))
     index = _index(system, at, free, smallest, lean, which)
-    signs = _signs(system, x, lam, pins, smallest, lean)
+    signs = _signs(system, at, pins, smallest, lean)
     roots = Roots(x, lam, pins, smallest, largest, lean * largest, index, signs)
     return roots[which], which
 
@@ -205,27 +181,15 @@ def _between(
 
 def _lean(at: BoxDerivatives) -> np.ndarray:
     """Ratio of the sides of a box in multipliers and in x: twice what the former move where x moves by 1 (`holds`)."""
-    p, move, _ = _levers(at, np.full(len(at.f), WITHIN[-1]))
+    p, move, _ = _levers(at)
     return 2.0 * (p @ move[:, :, None])[:, :, 0].max(axis=1)
 
 
-def _levers(at: BoxDerivatives, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """|P| [R, m, n], P A' = 1 on free variables; what k x - A' lam, and A', change with x, for t <= within, [R, n]."""
+def _levers(at: BoxDerivatives) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """|P| [R, m, n], P A' = 1 on free variables; what k x - A' lam, and A', change by where x moves by 1, [R, n]."""
     p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=CURVED))
-    s = at.beta.sum(axis=1)
-    turned = at.beta * s[:, None]
-    later = 0.5 * within * at.size * s
-    springs = np.where(
-        at.beta > 0, np.diagonal(at.jacobian, axis1=1, axis2=2)[:, : at.beta.shape[1]], 0.0
-    )
-    n = at.beta.shape[1]
-    i = np.arange(n)
-    bent = at.bent.copy()
-    # the diagonal of J holds k - lam . g''; their difference is what matters
-    bent[:, i, i] = np.abs(springs) + 4 * at.noise * (1.0 + at.size[:, None])
-    if at.law is not None:
-        bent[:, i, i] += at.law.within(within) * within[:, None] + at.law.ripple
-    return p, bent.sum(axis=2) + later[:, None] * turned, turned
+    turned = at.beta * at.beta.sum(axis=1)[:, None]
+    return p, at.k + turned * at.size[:, None], turned
 
 
 def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
@@ -233,9 +197,9 @@ def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
 
     The box lies within `unique`; and the multipliers of a critical point in it, r from the root, are within `spread`:
     with P A' = 1 at the root, lam' - lam = P (G' - G - (A' - A) lam' - F), so that |lam' - lam| <= |P| ((k + beta s
-    |lam|) r + |F| + beta s r |lam' - lam|), and where the sum of |P| beta s r over all rows is at most 1/5, the last
-    term adds three quarters at most.  Then A has full rank throughout, too: what is critical in the sense of Fritz
-    John has multipliers.
+    |lam|) r + |F| + beta s r |lam' - lam|), and where the sum of |P| beta s r over all rows is at most 1/5, the
+    last term makes that at most (1 + (m - 1) / 5) / (4 / 5) <= 9/4 times as much, m <= 5.  Then A has full rank
+    throughout, too: what is critical in the sense of Fritz John has multipliers.
 
     Parameters
     ----------
@@ -253,8 +217,8 @@ def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
     out = np.full(len(boxes), -1)
     if not len(roots):
         return out
-    at = system.local(roots.x, roots.lam, roots.pins)
-    p, move, turned = _levers(at, roots.unique)
+    at = system.at(roots.x, roots.lam, roots.pins)
+    p, move, turned = _levers(at)
     noise = np.abs(at.f[:, : system.n]) + at.fuzz[:, : system.n]
     moves, noise = ((p @ v[:, :, None])[:, :, 0].max(axis=1) for v in (move, noise))
     firm = 0.19 / np.maximum((p @ turned[:, :, None])[:, :, 0].sum(axis=1), TINY)
@@ -264,7 +228,7 @@ def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
         distance = np.maximum(np.abs(boxes.lower - x), np.abs(boxes.upper - x))
         r = np.where(boxes.pins == 0, distance, 0.0).max(axis=0)
         inside = (r <= roots.unique[i] * (1 - WIDER)) & (r <= firm[i])
-        inside &= 1.8 * (moves[i] * r + noise[i]) <= roots.spread[i]
+        inside &= 2.3 * (moves[i] * r + noise[i]) <= roots.spread[i]
         out[same & inside] = i
     return out
 
@@ -314,7 +278,7 @@ def _index(
         return out
     r = np.where(np.isfinite(radius), radius, 1.0)
     # entries of the KKT matrix at the root itself, which lies within r of where J was computed
-    off = (r[:, None, None] * at.change(lean, r) + at.doubt())[which]
+    off = (r[:, None, None] * at.change(lean) + at.doubt())[which]
     j = at.jacobian[which].copy()
     j[:, :n, n:] *= -1.0  # symmetric: [[H, A'], [A, 0]]
     # congruence by powers of two brings the springs to order 1
@@ -341,19 +305,12 @@ def _index(
 
 
 def _signs(
-    system: BoxKkt,
-    x: np.ndarray,
-    lam: np.ndarray,
-    pins: np.ndarray,
-    radius: np.ndarray,
-    lean: np.ndarray,
+    system: BoxKkt, at: BoxDerivatives, pins: np.ndarray, radius: np.ndarray, lean: np.ndarray
 ) -> np.ndarray:
     """Signs of the torque that is left at pinned variables, [K, n]."""
-    force, fuzz = system.force(x, lam)
-    size = np.abs(lam).sum(axis=1)[:, None]
-    s = system.beta.sum()
     r = np.where(np.isfinite(radius), radius, 1.0)[:, None]
     # G - A' lam changes by A' d lam and (A' - A) lam from the computed state to the root
-    off = system.beta * (system.m * lean[:, None] * r + s * r * size) + fuzz
-    force = pins * force
+    moved = system.m * lean[:, None] * r + system.beta.sum() * r * at.size[:, None]
+    off = system.beta * moved + at.fuzz[:, : system.n]
+    force = pins * at.force
     return np.where(pins != 0, np.where(force > off, 1, np.where(force < -off, -1, 0)), 0)

@@ -7,10 +7,10 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+from flint import arb
 
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern
-from origami_nlp.proof.facets import why_no_contact_of_quads
+from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.proof.products import FoldingSheet, ProductSearch, as_folding
 from origami_nlp.proof.quad_states import QuadSheet, as_quads
 from origami_nlp.proof.quads import QuadSearch
@@ -45,8 +45,6 @@ class SheetProof:
         By how much laying the sheet into the plane moved a crease, at most [rad]; 0 where it lies there.
     boxes, seconds
         Intervals of curves, and the processor time that they took.
-    contact
-        Whether states in which facets cross are left out, and minima that touching facets hold are listed.
     """
 
     folds_flat: bool
@@ -60,7 +58,6 @@ class SheetProof:
     moved: float
     boxes: int
     seconds: float
-    contact: bool = False
 
     @property
     def over(self) -> str:
@@ -71,21 +68,18 @@ class SheetProof:
                 f"are products of {curves}, along which tangents of half the fold angles are proportional ({self.sets} "
                 f"sets of rows that move, {self.alone} of them of flat and flat-folded states alone)"
             )
-            meant = "vertices fold flat and whose equal sectors are equal exactly"
         else:
             states = (
                 f"are the flat state, {self.alone} rigid states that stand alone, and {curves} through it, along which "
                 f"vertices of equal sectors fold alike ({self.sets} choices of a mode at each vertex, the others "
                 "excluded by intervals)"
             )
-            meant = "equal sectors are equal exactly"
-        facets = ", and facets are apart, touch or cross over intervals of them" * self.contact
         exactly = (
-            f"; of the sheet whose {meant}, as the file's are to {self.deviation:.2g} rad"
+            f"; of the sheet whose relations of sectors are exact, as the file's are to {self.deviation:.2g} rad"
             * bool(self.deviation)
         )
         laid = f"; laid into its plane to {self.moved:.2g} rad" * bool(self.moved)
-        return f"all closed states within fold limits {states}{facets}{exactly}{laid}"
+        return f"all closed states within fold limits {states}{exactly}{laid}"
 
 
 def as_sheet(pattern: Pattern) -> tuple[FoldingSheet | QuadSheet | None, str]:
@@ -123,34 +117,46 @@ def why_no_sheet(pattern: Pattern) -> str:
 
 
 def why_no_contact(pattern: Pattern) -> str:
-    """Return why contact between the facets of a sheet is not proved; "" where it is.
+    """Return why a list of a sheet that is proved within fold limits is not one with contact; "" where it is.
+
+    Facets round a vertex do not cross where it closes turned by no full turn and no crease is beyond +-pi: each is
+    convex and so within the cone of its sector.  The four sectors are a closed curve of length 2 pi on the sphere, so
+    within a hemisphere; seen from its centre that is a quadrangle in the plane, of whose two pairs of opposite sides
+    one crosses at most.  A crossing would be a full turn more, and such states are none of the sheet's.
 
     Parameters
     ----------
     pattern
         A sheet of which `why_no_sheet` says nothing.
 
-    Returns
-    -------
-    str
-        The first reason.
-
     Examples
     --------
     >>> import origami_nlp as o
     >>> from origami_nlp.proof import why_no_contact
     >>> why_no_contact(o.examples.pattern("metasheet", 2, 3))
-    ''
+    'contact of sheets of several vertices is not proved'
     """
     sheet, _ = as_sheet(pattern)
     if sheet is not None and sheet.folds_flat:
         return "contact of sheets that fold flat is not proved"
-    return why_no_contact_of_quads(pattern)
+    if len(pattern.vertices) > 1:
+        return "contact of sheets of several vertices is not proved"
+    if len(pattern.polygons) != pattern.facets:
+        return "a facet is of several pieces"
+    if not all(_is_convex(in_plane(pattern)[list(p)]) for p in pattern.polygons):
+        return "a facet is not convex"
+    return ""
 
 
-def prove_sheet(
-    pattern: Pattern, *, contact: bool = False, boxes: int = 1_000_000, until: float = math.inf
-) -> SheetProof:
+def _is_convex(x: np.ndarray) -> bool:
+    """Return whether a polygon [q, 2] is convex, exactly; corners of 180 degrees may be."""
+    p = [[arb(float(a)) for a in row] for row in x]
+    u = [(b[0] - a[0], b[1] - a[1]) for a, b in zip(p, p[1:] + p[:1], strict=True)]
+    turns = [a[0] * b[1] - a[1] * b[0] for a, b in zip(u, u[1:] + u[:1], strict=True)]
+    return not any(t < 0 for t in turns) or not any(t > 0 for t in turns)
+
+
+def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> SheetProof:
     """Find every minimum of the energy of a sheet of vertices of degree four within fold limits, with a proof.
 
     Parameters
@@ -158,8 +164,6 @@ def prove_sheet(
     pattern
         Flat vertices of degree four, in any order, with cycles; all fold flat, or none does and no opposite creases of
         one are in a line.
-    contact
-        Whether facets must not cross; of sheets that need not fold flat.
     boxes
         At most so many intervals of curves; what is left is undecided.
     until
@@ -173,7 +177,7 @@ def prove_sheet(
     Raises
     ------
     OptionError
-        If the pattern is no such sheet, or its contact cannot be proved: `why_no_sheet` and `why_no_contact` say why.
+        If the pattern is no such sheet: `why_no_sheet` says why.
 
     Examples
     --------
@@ -190,14 +194,12 @@ def prove_sheet(
     sheet, why = as_sheet(pattern)
     if sheet is None:
         raise OptionError(f"pattern = {pattern.title}: no sheet that can be proved: {why}")
-    if contact and (why := why_no_contact(pattern)):
-        raise OptionError(f"pattern = {pattern.title}: its contact cannot be proved: {why}")
     budget = Budget(boxes, lambda: time.monotonic() > until)
     with precision():
         search = (
             ProductSearch(sheet, budget)
             if isinstance(sheet, FoldingSheet)
-            else QuadSearch(sheet, contact, budget)
+            else QuadSearch(sheet, budget)
         )
         search.run()
     return SheetProof(
@@ -212,5 +214,4 @@ def prove_sheet(
         moved=sheet.sheet.moved,
         boxes=budget.looked,
         seconds=time.process_time() - started,
-        contact=contact,
     )

@@ -56,15 +56,12 @@ class SheetMinimum:
         [n] [rad]; those that are 0 or +-pi are so exactly.
     radius
         None of the fold angles differs by more [rad].
-    touching
-        Pairs of facets (polygons of the pattern, from 0) that hold it; none but with contact.
     stops
         Creases (from 0) at stops within +-180 degrees that hold it, each with the side, +1 for the upper one.
     """
 
     fold_angles: np.ndarray
     radius: float
-    touching: tuple[tuple[int, int], ...] = ()
     stops: tuple[tuple[int, int], ...] = ()
 
     @classmethod

@@ -37,29 +37,6 @@ class Curve:
         """Return what is known over a ball; None where there is no state."""
         raise NotImplementedError
 
-    def facets(
-        self, at: Look, low: float, high: float, held: Sequence[Any]
-    ) -> dict[Any, tuple[Any, Any]] | None:
-        """Return gaps of facets that may touch in an interval, where these gaps may be closed; None: it is open.
-
-        Raises
-        ------
-        Crossing
-            If there is no state in which facets do not cross.
-        """
-        return {}
-
-    def gap(self, at: Look, name: Any) -> Any:
-        """Return a gap."""
-        return at.gaps[name][0]
-
-
-class Crossing(Exception):
-    """Facets cross: in all of an interval, or at the state where it ends (`at_end`)."""
-
-    def __init__(self, at_end: bool = False) -> None:
-        self.at_end = at_end
-
 
 class CurvePiece(NamedTuple):
     """An interval: its kind, the sign of U' (of U'' of `BEND`), that of the slopes of gaps, and their names."""
@@ -118,11 +95,9 @@ def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = F
             pieces[-1] = pieces[-1]._replace(high=one.high)
         else:
             pieces.append(one)
-    for k, (a, b, kind, sign, way, gaps) in enumerate(pieces):
+    for a, b, kind, sign, way, gaps in pieces:
         if kind == OPEN:
             found.open.append((a, b, "not decided in the smallest intervals"))
-        elif kind == GONE and gaps and (k == 0 or pieces[k - 1].kind != GONE):
-            found.open.append((a, b, "whether facets cross where a crease is at +-pi"))
         elif kind == BEND and not (rests and a <= 0 <= b):
             ends = [_slope(curve, x) for x in (a, b)]
             if not all(ends):
@@ -166,13 +141,6 @@ def _piece(curve: Curve, a: float, b: float) -> CurvePiece | None:
     slope, bend = sign_of(box.first), sign_of(box.second)
     if not (slope or (bend and not met)):
         return None
-    try:
-        touching = curve.facets(box, a, b, tuple(met))
-    except Crossing as crossing:
-        return CurvePiece(a, b, GONE, gaps=(crossing.at_end,) * crossing.at_end)
-    if touching is None:
-        return None
-    met |= touching
     if not met:
         return CurvePiece(a, b, SLOPE, slope) if slope else CurvePiece(a, b, BEND, bend)
     ways = {sign_of(rate) for _, rate in met.values()}
@@ -190,7 +158,7 @@ def _slope(curve: Curve, x: float) -> int:
 def _room(curve: Curve, gaps: Sequence[Any], x: float) -> int:
     """Return the least sign of gaps at a number, 0 where it is not certain."""
     at = curve.over(arb(x))
-    return -1 if at is None else min(sign_of(curve.gap(at, name)) for name in gaps)
+    return -1 if at is None else min(sign_of(at.gaps[name][0]) for name in gaps)
 
 
 def _halved(sign: Callable[[float], int], low: float, high: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import SUMMED
-from origami_nlp.proof.pieces import Piece, VanishingRows
+from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.rows import (
     UNIT,
     Affine,
@@ -82,8 +82,6 @@ class TouchedPiece:
         self.gaps, self.refused = len(gaps), len(refused)
         self.triples = Triples(piece.chain, wanted)
         self.kite = self._kite(touches)
-        self.pivots = min(piece.pivots + len(touches), self.size)
-        self.linear = slice(piece.linear.start, piece.linear.start + self.pivots)
         many = piece.pivots + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
 
@@ -112,8 +110,10 @@ class TouchedPiece:
             return None
         return Kite(a[0], 0 if kind == "start" else 2) if abs(a[0] - a[1]) <= SUMMED else None
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes.
+    def rows(
+        self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
+    ) -> tuple[Affine, np.ndarray]:
+        """Enclose closure, gaps, refusals and minors over boxes, and say which of them hold there, [R, K].
 
         Parameters
         ----------
@@ -121,10 +121,6 @@ class TouchedPiece:
             Shape [n, K] [rad].
         pins
             -1, 0 or +1, shape [n, K].
-
-        Returns
-        -------
-        VanishingRows
         """
         piece = self.piece
         middle, half = variables(lower, upper)
@@ -151,12 +147,11 @@ class TouchedPiece:
             for column in columns:
                 base = expanded(base, column, self.size)
             critical = [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
-        boxes = lower.shape[1]
-        none = Affine(np.zeros((0, boxes)), np.zeros((0, self.size, boxes)), np.zeros((0, boxes)))
-        asked = np.array([(pins == 0)[list(s)].all(axis=0) for s in self.subsets], dtype=bool)
-        return VanishingRows(
-            joined_rows(closure), joined_rows([none, *critical]), asked.reshape(-1, boxes)
-        )
+        rows = joined_rows(closure + critical)
+        asked = np.ones(rows.centre.shape, dtype=bool)
+        for i, s in enumerate(self.subsets, start=len(asked) - len(self.subsets)):
+            asked[i] = (pins == 0)[list(s)].all(axis=0)
+        return rows, asked
 
 
 def expanded(

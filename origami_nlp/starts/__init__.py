@@ -4,7 +4,6 @@
 | --- | --- |
 | `FlatFoldings` | every fold angle 0 or +-pi |
 | `HingeSets` | lowest of all that hinge about one line |
-| `RigidStates` | isolated states of models without degrees of freedom |
 | `NearFlat` | where second order puts a minimum beside the flat state |
 | `NearFolded` | where second order puts a minimum beside a flat folding |
 | `Moments` | where creases balance a random moment, drawn |

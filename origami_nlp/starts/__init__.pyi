@@ -10,6 +10,5 @@ from .options import (
 )
 from .singular import (
     FlatFoldings as FlatFoldings,
-    RigidStates as RigidStates,
     flat_foldings as flat_foldings,
 )

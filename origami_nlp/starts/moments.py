@@ -15,6 +15,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, DECREASE, NONZERO, OUTSIDE
+from origami_nlp.pattern_problem import CanonicalLabelling
 from origami_nlp.problem import Model, MomentMap
 from origami_nlp.search import StartKind, StartState
 
@@ -40,14 +41,17 @@ class Moments(StartKind):
     ----------
     model
         Without symmetry, its only contacts fold limits (`is_chain`).
+    labels
+        Under which it is posed; None: under those of the states.
     """
 
     name = "moments"
     sentence = "where creases balance a random moment"
     cost = 40
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, labels: CanonicalLabelling | None = None) -> None:
         self.map, self._limits = MomentMap(model), model.fold_limits
+        self._drawn = np.asarray if labels is None else labels.drawn
 
     def moments(self, rng: np.random.Generator, many: int) -> np.ndarray:
         """Draw moments over `Model.scale`, shape [many, 3]."""
@@ -61,7 +65,8 @@ class Moments(StartKind):
         m, _ = find_zeros(self.map, self.moments(rng, count))
         x = self.map.shoot(m, slope=False).x
         sides = self._limits.near(x, OUTSIDE)
-        return [StartState(*pair, drawn=True) for pair in zip(x, sides, strict=True)]
+        pairs = zip(self._drawn(x), self._drawn(sides), strict=True)
+        return [StartState(*pair, drawn=True) for pair in pairs]
 
 
 def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

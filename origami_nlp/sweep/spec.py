@@ -157,11 +157,11 @@ class Sweep:
 
     def minima(self, made: Scene) -> MinimaResult:
         """Search for the minima of one of its scenes."""
-        from origami_nlp.minima import find_minima
+        from origami_nlp.pattern_states import find_states
 
         s = self.search
         more = {key: s[key] for key in ("effort", "max_starts", "full", "seed")}
-        return find_minima(made, starts=s["starts"] or None, escape=False, prove=False, **more)
+        return find_states(made, starts=s["starts"] or None, escape=False, prove=False, **more)
 
     @cached_property
     def generic(self) -> Scene | None:

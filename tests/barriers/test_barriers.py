@@ -1,4 +1,4 @@
-"""Barriers: merge trees against brute force, exact passes against closed forms and a flood fill."""
+"""Barriers: merge trees against brute force, exact passes against critical points."""
 
 import itertools
 import math
@@ -7,16 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from origami_nlp import find_minima
 from origami_nlp.barriers import Known, find_barriers
 from origami_nlp.barriers.bounds import side_of_flat
-from origami_nlp.closed_forms import degree6
+from origami_nlp.critical import find_critical_points
 from origami_nlp.kkt import State, project
-from origami_nlp.minima import find_minima
-from origami_nlp.numerics import CLOSURE_TOL, merge_tree
+from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.problem import Model
 from tests.computed_once import once, panel_result, thinned
-from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
 
 
@@ -97,85 +96,6 @@ def test_the_flat_state_is_the_least_barrier_between_its_sides(saddle_barriers):
         assert p.known is Known.EXACT and p.energy == pytest.approx(flat, rel=1e-14) == p.least
 
 
-GRAPH_OF_0_12_RAD_JUMPED_HERE = Scene(
-    Vertex(
-        (
-            2.3266372182936585,
-            0.6799783926528845,
-            0.3924039376164107,
-            0.7541025058222274,
-            2.1300632527944057,
-        )
-    ),
-    (
-        4.061022174512342,
-        1.3692638455543704,
-        4.734121901151,
-        2.273261588262063,
-        0.28469017959097975,
-    ),
-    (
-        0.042875779783830836,
-        1.224443624524688,
-        0.8108068498644316,
-        0.6613361595155554,
-        2.790884422835271,
-    ),
-    "none",
-    "fold-limits",
-)
-"""Two degrees of freedom, whose two halves of closed states meet in the flat state."""
-
-
-def halved(model, path):
-    """Midpoints of a path, closed; none goes aside by more than its step."""
-    x = model.reduce(path)
-    middle, residual = project(model, 0.5 * (x[:-1] + x[1:]))
-    assert residual.max() <= CLOSURE_TOL
-    longest = np.abs(np.diff(x, axis=0)).max(axis=1)
-    assert (np.abs(middle - 0.5 * (x[:-1] + x[1:])).max(axis=1) <= longest + 1e-12).all()
-    out = np.empty((2 * len(x) - 1, x.shape[1]))
-    out[::2], out[1::2] = x, middle
-    return model.expand(out)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_no_bound_is_below_its_own_path():
-    scene = GRAPH_OF_0_12_RAD_JUMPED_HERE
-    result = find_minima(scene, prove=False, escape=False)
-    found, model = find_barriers(scene, result), Model(scene)
-    joined = [p for p in found.passes if len(p.path)]
-    assert len(joined) >= 5
-    for p in joined:
-        path = p.path
-        for _ in range(4):
-            path = halved(model, path)
-        top = scene.energy(path).max()
-        # a millionth more at most: steps beside the highest states are halved until that is so
-        assert top <= p.energy + 1e-6 * (p.energy - p.path_energy[[0, -1]].min())
-        assert p.energy > scene.energy(p.path[[0, -1]]).max()
-    # 4.19153 J: over the flat state, from minima at 4.17354 and 3.2979 J; the graph said 4.17354
-    low = [m.energy for m in result.minima]
-    (one,) = [p for p in joined if low[p.to_state - 1] == pytest.approx(4.17354, abs=1e-5)][:1]
-    assert one.energy == pytest.approx(scene.energy(np.zeros(5)), rel=1e-12)
-
-
-@pytest.mark.slow
-def test_saddle_is_stationary_by_the_closed_forms(saddle_scene, saddle_barriers):
-    passes = {(p.from_state, p.to_state): p for p in saddle_barriers.passes}
-    p = passes[2, 3]
-    assert p.pass_kind == "saddle" and p.residual < 1e-12 and not p.contacts
-    a = saddle_scene.vertex.sector_angles
-    point = degree6(a[0], a[1], p.fold_angles[1], p.fold_angles[2])
-    assert np.allclose(point.value, [p.fold_angles[0], p.fold_angles[3]], atol=1e-10)
-    k = np.array(saddle_scene.stiffness)[:4] * [1, 2, 2, 1]
-    pull = k * (np.array(p.fold_angles)[:4] - np.array(saddle_scene.rest_angles)[:4])
-    jac = np.vstack([point.first[0], np.eye(2), point.first[1]])
-    assert np.abs(jac.T @ pull).max() < 1e-9 * np.abs(pull).max() * np.abs(jac).max()
-    hessian = jac.T @ np.diag(k) @ jac + pull[0] * point.second[0] + pull[3] * point.second[1]
-    assert (np.linalg.eigvalsh(hessian) < 0).sum() == 1
-
-
 @pytest.mark.slow
 def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
     (p, other) = [p for p in contact_barriers.passes if p.pass_kind == "contact saddle"]
@@ -217,42 +137,15 @@ def test_paths_can_be_replayed(which, request):
     assert len(found.merges) == len(found.result.minima) - 1
 
 
-@pytest.mark.slow
-def test_contact_saddle_agrees_with_the_flood_fill(contact_barriers):
-    flooded(contact_barriers, (129, 257, 513), 0.35)
-
-
-@pytest.mark.slow
-def test_flood_fill_agrees_from_above(saddle_barriers):
-    flooded(saddle_barriers, (65, 129, 257), 0.6)
-
-
-def flooded(found, sizes, share, grids=None):
-    """Compare each merge with flood fills: never lower, and at the last size within `share` of the first excess."""
-    over = np.array([excesses(found, g) for g in grids or grids_of(found.scene, sizes)])
-    tiny = 1e-10 * max(p.energy for p in found.passes)
-    assert over.min() >= -tiny
-    assert (over[-1] <= share * over[0] + tiny).all()
-    return over[-1]
-
-
-def grids_of(scene, sizes):
-    """Grids of a scene's chart; scenes that differ in springs only share them."""
-    return [ChartGrid(scene, size) for size in sizes]
-
-
-def excesses(found, grid):
-    """How much higher than each merge a flood fill finds the way between its two sides."""
-    out = []
-    for join in found.merges:
-        ends = [
-            np.array(found.result.minima[side[0] - 1].fold_angles)
-            for side in (join.first, join.second)
-        ]
-        flood = grid.flood(found.scene, *ends)
-        assert flood is not None and flood.height >= flood.level
-        out.append(flood.height - join.energy)
-    return out
+@pytest.mark.slow  # critical points of two scenes, ten seconds each
+@pytest.mark.parametrize("which", ["saddle_barriers", "contact_barriers"])
+def test_merges_are_the_saddles_among_the_critical_points(which, request):
+    """A disc has a saddle for each minimum but one: two sides meet at each of them, and nowhere else."""
+    found = request.getfixturevalue(which)
+    points = find_critical_points(found.scene, samples=128)
+    assert points.morse_sum == 1 and not points.doubts
+    saddles = [p.energy for p in points.points if p.contribution < 0]
+    assert sorted(saddles) == pytest.approx(sorted(m.energy for m in found.merges), rel=1e-12)
 
 
 def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
@@ -263,23 +156,3 @@ def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
     x = x[(residual <= 1e-12) & (np.abs(x) <= np.pi).all(axis=1)]
     assert len(x) > 20
     assert all(State(model, state, 0.6).pieces for state in x)
-
-
-@pytest.mark.slow  # paths of contacts
-def test_paths_to_fold_along_are_those_over_the_passes(contact_barriers):
-    """Each goes from its state over its pass to its state, and lies where the chart has its states."""
-    content = contact_barriers.view_content()
-    joined = [p for p in contact_barriers.passes if len(p.path)]
-    tracks = content.tracks[-len(joined) :]
-    assert len(joined) == len(contact_barriers.passes) > 0
-    for track, p in zip(tracks, sorted(joined, key=lambda p: p.energy), strict=True):
-        assert (track.start, track.end) == (p.from_state - 1, p.to_state - 1)
-        angles = np.array([state.fold_angles for state in track.states])
-        assert np.array_equal(angles, p.path) and p.pass_kind in track.title
-        ends = [content.stations[k].folded.fold_angles for k in (p.from_state - 1, p.to_state - 1)]
-        assert np.abs(angles[[0, -1]] - ends).max() <= 1e-9
-        assert max(s.energy for s in track.states) == pytest.approx(p.energy)
-        (points,) = [at for k, at in content.panels[0].tracks if content.tracks[k] is track]
-        assert np.abs(points - angles[:, 1:3]).max() <= 1e-9
-    said = " ".join(piece for piece in content.pieces if isinstance(piece, str))
-    assert contact_barriers.passes[0].why in said

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.barriers.bounds import NEVER, PROVED
+from origami_nlp.barriers.bounds import PROVED
 from origami_nlp.problem import Model
 from tests.independent.links import corners, crosses
 
@@ -77,14 +77,3 @@ def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
     assert any(p.why == PROVED and p.pass_kind == "flat state" for p in exact)
     for m in found.result.minima:  # a state of no higher energy need not be listed
         assert not m.escape or m.escape.method == "upper bound (descents)"
-
-
-@pytest.mark.slow  # six seconds for a path that there is not
-def test_with_less_paper_no_path_leads_to_the_other_side():
-    vertex = o.Vertex(tuple(np.full(6, math.radians(50))), flat=False)
-    scene = o.Scene(vertex, (1.0,) * 6, (0.4, 0.5, 0.6, 0.4, 0.5, 0.6), symmetry="none")
-    result = o.find_minima(scene, prove=False, escape=False, max_starts=12)
-    found = o.find_barriers(scene, result)
-    sums = [sum(m.fold_angles) for m in result.minima]
-    across = [p for p in found.passes if sums[p.from_state - 1] * sums[p.to_state - 1] < 0]
-    assert across and all(p.why == NEVER and math.isinf(p.energy) for p in across)

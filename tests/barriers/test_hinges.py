@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.barriers.bounds import STOPPED
-from origami_nlp.pattern import HingeLaw, Relabelling, double_well, linear, sum_of, well
+from origami_nlp.pattern import double_well, linear, sum_of, well
 from tests.computed_once import thinned
 from tests.independent import scan_four
 from tests.independent.admissible import admissible
@@ -128,24 +128,3 @@ def test_a_stop_before_flat_parts_the_two_sides_of_a_vertex():
     side = [np.sign(m.phi.sum()) for m in result.minima]  # of the flat state
     across = [p for p in found.passes if side[p.from_state - 1] * side[p.to_state - 1] < 0]
     assert across and all(p.energy == math.inf and p.why == STOPPED for p in across)
-
-
-@pytest.mark.slow  # forty noisy searches
-def test_what_survives_errors_is_the_same_with_linear_laws(monkeypatch):
-    wide = lambda k, r: HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + r)),))  # noqa: E731
-    plain = quadrilateral()
-    laws = replace(plain, laws=tuple(map(wide, plain.stiffness, plain.rest_angles)))
-    # draws go by labels, which laws have of their own: both get one
-    labels = lambda scene: Relabelling(0, False, False, scene.degree)  # noqa: E731
-    monkeypatch.setattr("origami_nlp.minima.find.canonical_labels", labels)
-    one, two = (
-        o.find_minima(s, noise=8.0, prove=False, escape=False).minima for s in (plain, laws)
-    )
-    assert [m.survival for m in one] == [m.survival for m in two]
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
-    laws = sheet.with_laws([wide(1.0, r) for r in sheet.rest])
-    one, two = (
-        o.find_minima(p, noise=6.0, prove=False, escape=False, starts=4).minima
-        for p in (sheet, laws)
-    )
-    assert [m.survival for m in one] == [m.survival for m in two]

@@ -13,7 +13,7 @@ from origami_nlp.errors import Interrupted
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
-from tests.command_line import run
+from tests.computed_once import states
 from tests.independent.search_sheets import sheet_of
 
 
@@ -43,8 +43,7 @@ def checked(found) -> None:
 def test_the_barrier_of_a_yoshimura(tmp_path):
     """Above 0.372454 J: of the lowest state with its vertex flat, which every path passes."""
     out = tmp_path / "barriers.json"
-    done = run("barriers", "yoshimura:2x2", "-o", out)
-    assert done.code == 0 and "at most" in done.out
+    o.find_barriers("yoshimura:2x2", states("yoshimura:2x2")).save(out)
     found = o.read_result(out)
     (p,) = found.passes
     flat = float(found.result.pattern.energy(np.zeros(found.result.pattern.creases)))
@@ -99,7 +98,7 @@ def test_ctrl_c_keeps_the_paths_that_were_found(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    result = o.find_minima("yoshimura:2x2", escape=False)
+    result = states("yoshimura:2x2")
     monkeypatch.setattr("origami_nlp.barriers.find.escape_paths_of_each", interrupt)
     with pytest.raises(Interrupted) as stop:
         o.find_barriers("yoshimura:2x2", result)
@@ -132,11 +131,3 @@ def test_where_facets_may_cross_paths_close_and_climb_no_higher():
         assert math.isfinite(p.energy) and np.abs(p.path).max() <= math.pi + 1e-12
         assert np.abs(sheet_of(pattern).closure(p.path)[0]).max() < 1e-9
         assert pattern.energy(p.path).max() <= p.energy * (1 + 1e-12)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["yoshimura:3x3", "waterbomb:2x2", "miura:3x3"])
-def test_paths_of_whole_sheets_are_checked_state_by_state(name):
-    found = o.find_barriers(name)
-    checked(found)
-    assert any(p.energy < math.inf for p in found.passes)

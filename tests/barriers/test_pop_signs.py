@@ -8,7 +8,6 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-import origami_nlp as o
 from origami_nlp.pattern_problem import PopSigns
 from tests.independent.links import closed, corners, crosses
 from tests.patterns import wheel
@@ -90,14 +89,3 @@ def test_a_path_through_crossing_states_raises_an_alarm():
     aside = through + np.array([0.5, -0.5, 0, 0, 0, 0])
     assert [vertex for vertex, _ in signs.crossed(aside)] == [signs.vertices[0]]
     assert not signs.alarms(through)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_load_paths_are_looked_at(monkeypatch):
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(0.01, 1.2)
-    (leg,) = o.load_path(sheet, 2, to=0.002).legs
-    states = [np.array(p.fold_angles) for p in leg.points]
-    looked = []
-    monkeypatch.setattr(PopSigns, "alarms", lambda _, path: looked.append(path) or ["crosses"])
-    assert o.load_path(sheet, 2, to=0.002).alarms == ("leg 1: crosses",)
-    assert np.array_equal(looked[0], states)

@@ -1,65 +1,15 @@
 """Paths between stable states of patterns that no descent joins: straight, as strings, over saddles."""
 
-import functools
 import math
-import time
 
 import numpy as np
 import pytest
 
-import origami_nlp as o
-from origami_nlp.barriers import Known
 from origami_nlp.barriers.walks import Walks
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.search import DescentTerrain
-from tests.barriers.test_patterns import checked
 from tests.independent.search_sheets import sheet_of
-
-
-@functools.cache
-def of_a_waterbomb():
-    """Four states, of which no two are joined by descents."""
-    stiffness, rest = [3.7, 0.47, 1.91, 0.99, 8.33, 0.17], [-0.3, -2.6, -1.9, 0.1, 0.2, -1.0]
-    pattern = as_pattern("waterbomb:1x1").with_springs(stiffness, rest)
-    return o.find_barriers(pattern, o.find_minima(pattern, escape=False))
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_all_states_are_joined():
-    found = of_a_waterbomb()
-    checked(found)
-    assert len(found.result.minima) == 4 and not found.left_out
-    assert all(math.isfinite(p.energy) for p in found.passes)
-    for p in found.passes:
-        ends = [found.result.minima[k - 1].energy for k in (p.from_state, p.to_state)]
-        assert p.energy >= max(ends)
-    high = [p for p in found.passes if p.known is Known.BOUND and p.pass_kind == "saddle"]
-    assert len(high) == 4 and max(p.residual for p in high) < 1e-9
-    assert "an upper bound" in str(found)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_paths_are_looked_at_closely_where_they_are_highest():
-    found = of_a_waterbomb()
-    problem = PatternProblem(found.result.pattern)
-    minima = np.array([m.phi for m in found.result.minima])
-    terrain = DescentTerrain(problem, minima)
-    path, _ = terrain.walk_to(minima[3], np.zeros(problem.size))
-    fine = terrain.with_tops(path)
-    top = int(problem.energies(fine).argmax())
-    assert 0 < top < len(fine) - 1
-    assert problem.energies(fine).max() >= problem.energies(path).max()
-    assert np.abs(np.diff(fine[top - 1 : top + 2], axis=0)).max() < 2e-3
-    assert {x.tobytes() for x in path} <= {x.tobytes() for x in fine}
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_the_limit_of_time_is_kept():
-    seconds, result = 0.3, of_a_waterbomb().result
-    begin = time.monotonic()
-    o.find_barriers(result.pattern, result, seconds=seconds)
-    assert time.monotonic() - begin < seconds + 1.0
 
 
 def test_sheets_folded_onto_themselves_are_unfolded_in_stages():

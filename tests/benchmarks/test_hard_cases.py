@@ -2,15 +2,13 @@
 
 import math
 
-import mpmath as mp
 import numpy as np
 import pytest
 
-from benchmarks.hard import CASES, Outcome, exact_state, hard_table, regular_at_pi, run_case
-from origami_nlp import Scene, Vertex, examples, find_minima
+from benchmarks.hard import CASES, Outcome, hard_table, regular_at_pi, run_case
+from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.kkt import polish
 from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
 from origami_nlp.search import solve_with
 from tests.computed_once import thinned
 
@@ -36,20 +34,6 @@ def test_failures_are_seen_and_exceptions_do_not_end_the_run():
     outcomes = run_case(stream)
     assert [o.passed for o in outcomes] == [True, False, False, False, False]
     assert sum(row[1] == "fails" for row in hard_table({"made up": outcomes}).rows) == 4
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_50_digits_agree_between_wedge_and_whole_vertex():
-    wedge = examples.degree8("pi/6", 100.0)
-    minimum = find_minima(wedge, max_starts=32, prove=False, escape=False).minima[0]
-    model, whole = Model(wedge), Model(examples.degree8("pi/6", 100.0, symmetry="none"))
-    phi = np.array(minimum.fold_angles)
-    short, long = exact_state(model, model.reduce(phi)), exact_state(whole, phi)
-    assert short is not None and long is not None
-    with mp.workdps(60):
-        for crease, v in enumerate(model.variable_of_crease):
-            assert abs(mp.mpf(short.digits[v]) - mp.mpf(long.digits[crease])) <= mp.mpf("1e-45")
-    assert short.energy_error(long.energy) <= 1e-14
 
 
 @pytest.mark.parametrize("distance", [1e-6, 1e-9, 1e-12])

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp import find_minima
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.bifurcation.boundary import BifurcationSet
 from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.smooth import smooth
-from origami_nlp.minima import find_minima
 
 CELLS = 400
 """Along each range: what is narrower than some cells is no region of its own."""

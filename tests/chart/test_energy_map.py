@@ -149,7 +149,7 @@ def test_elevation_is_read_back(n, share, elevation, phi2, branch):
 
 def test_minima_lie_in_the_wells():
     """No cell of the landscape around a regular minimum is lower than it."""
-    for scene in (o.examples.degree6("5*pi/12", 1),):
+    for scene in (o.examples.degree8("pi/12", 0.01),):
         result, chart = panel_result(scene), landscape(scene, 61)
         for m in result.minima:
             place = chart.place(m.fold_angles)

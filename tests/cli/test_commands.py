@@ -2,42 +2,13 @@
 
 import json
 import os
-import re
-import subprocess
-import sys
 
 import pytest
-from typer.main import get_command
 
 import origami_nlp
-from origami_nlp.cli import app
 from origami_nlp.cli.output import Output
 from tests.command_line import run
 from tests.fold_files import disc
-
-
-def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
-    for arguments, code in ((["example", "degree6"], 0), (["minima", "nowhere.toml"], 2)):
-        line = [sys.executable, "-m", "origami_nlp", *arguments]
-        done = subprocess.run(line, capture_output=True, text=True, check=False)
-        assert done.returncode == code
-        assert done.stderr.count("\n") == (code != 0) and bool(done.stdout) == (code == 0)
-
-
-def test_the_help_lists_what_people_want_under_headings():
-    _, text, _ = run("--help")
-    top = get_command(app)
-    listing, first_steps = text.split("Options:")[1].split("First steps:")
-    named = re.findall(r"(?<![.-])\b[a-z]+(?= (?:my|two|miura|switch)[. ;])", first_steps)
-    assert len(named) > 5 and set(named) - {"o"} <= set(top.commands)
-    shown = [line for line in listing.splitlines() if line.strip()]
-    headings = [line for line in shown if not line.startswith(" ")]
-    assert len(headings) == 3 and all(line.endswith(":") for line in headings)
-    listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]
-    assert listed == top.list_commands(None) and set(listed) == set(top.commands)
-    assert listed[:7] == "minima inspect load follow design example hinge".split()
-    code, out, err = run("nothing")
-    assert code == 2 and not out and "no such command 'nothing'" in err
 
 
 @pytest.mark.parametrize(
@@ -61,34 +32,21 @@ def test_a_wrong_call_is_one_line(line, said):
 
 def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_writes(tmp_path):
     """All that a FOLD file leaves open can be written down once; the states are the same."""
-    file, whole = tmp_path / "a.fold", tmp_path / "b.fold"
+    file = tmp_path / "a.fold"
     data = disc([60, 100, 120, 80], "MVVV")
     file.write_text(json.dumps(data))
     springs = ("--stiffness", 0.3, "--rest-angle", 40)
-    for more, name in (((), "b.fold"), (("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
+    quick = ("--prove", 0, "--effort", "quick", "--max-starts", 8)
+    for more, name in ((("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
         made = tmp_path / name
         done = run("inspect", file, *springs, *more, "-o", made)
         assert done.code == 0, done.err
         found = [
-            json.loads(
-                run(
-                    "minima",
-                    *given,
-                    "--prove",
-                    0,
-                    "--effort",
-                    "quick",
-                    "--max-starts",
-                    8,
-                    "-o",
-                    "-",
-                ).out
-            )["minima"]
+            json.loads(run("minima", *given, *quick, "-o", "-").out)["minima"]
             for given in ((file, *springs, *more), (made,))
         ]
         energies = [[m["energy"] for m in one] for one in found]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
-    assert run("contacts", whole).code == 0
 
 
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
@@ -139,16 +97,3 @@ def test_a_pattern_is_taken_by_name_as_it_is_from_a_file(tmp_path):
     assert one.code == two.code == 0 and one.out == two.out
     wrong = run("inspect", "kresling")
     assert wrong.code == 2 and "no example: those are miura" in wrong.err
-
-
-@pytest.mark.slow  # two searches of a periodic cell
-def test_a_cell_by_name_is_the_cell_of_its_file(tmp_path):
-    file, one, two = (tmp_path / name for name in ("cell.fold", "one.json", "two.json"))
-    assert run("example", "miura:1x1", "--cell", "-o", file).code == 0
-    few = ("--starts", 0, "--prove", 0)
-    done = run("minima", "miura:1x1", "--cell", *few, "-o", one)
-    assert done.code == 0 and "--vertex" not in done.err
-    assert run("minima", file, *few, "-o", two).code == 0
-    named, stated = (json.loads(path.read_text())["minima"] for path in (one, two))
-    energies = [m["energy"] for m in named]
-    assert energies and [m["energy"] for m in stated] == pytest.approx(energies)

@@ -5,7 +5,6 @@ import subprocess
 import sys
 
 import pytest
-from origami_nlp.symbolic.catalogue import claims
 
 
 @pytest.fixture(scope="module")
@@ -25,32 +24,6 @@ def bash(program, script):
     done = subprocess.run(line, env=program, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and not done.stderr, done.stderr
     return done.stdout.splitlines()
-
-
-ASKED = {
-    "mini": {"minima"},
-    "minima s.toml --effort ": {"quick", "normal", "thorough"},
-    "paper verify --only s2.v": {c.id for c in claims() if c.id.startswith("s2.v")},
-    "minima s.toml -o ": set(),  # a file
-}
-
-
-@pytest.mark.slow
-def test_bash_completes_by_the_function_that_it_is_given(program):
-    script = ['eval "$(origami-nlp --show-completion)"', "complete -p origami-nlp"]
-    for line in ASKED:
-        words = f"origami-nlp {line}".split(" ")
-        quoted = " ".join(f"'{word}'" for word in words)
-        script += [
-            f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}",
-            "_origami_nlp_completion origami-nlp; echo = ${COMPREPLY[@]}",
-        ]
-    reported, *answers = bash(program, "\n".join(script))
-    assert (
-        reported == "complete -o default -F _origami_nlp_completion origami-nlp"
-    )  # default: files
-    found = [set(answer.split()[1:]) for answer in answers]
-    assert found == list(ASKED.values())
 
 
 EACH = """

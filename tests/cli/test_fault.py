@@ -2,8 +2,6 @@
 
 import errno
 import os
-import subprocess
-import sys
 
 import pytest
 
@@ -59,14 +57,3 @@ def test_what_is_no_fault_of_ours_ends_as_before(error, code, words, tmp_path, m
     found = run("inspect", scene)
     assert found.code == code and words in found.err and "internal" not in found.err
     assert [one.name for one in tmp_path.iterdir()] == [scene.name]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="pipes of Unix")
-@pytest.mark.parametrize("words", ["example miura"])
-def test_a_reader_that_has_gone_ends_a_command_without_a_word(words):
-    reading, writing = os.pipe()
-    os.close(reading)
-    command = [sys.executable, "-m", "origami_nlp", *words.split()]
-    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, check=False)
-    os.close(writing)
-    assert done.returncode in (1, 141) and not done.stderr

@@ -71,12 +71,3 @@ def test_springs_for_two_given_states(folder):
             for m in minima
         ]
         assert min(off) < 1.0
-
-
-@pytest.mark.slow  # the README draws the same
-def test_figures_for_a_paper(folder):
-    (folder / "my.toml").write_text(asked("example", "degree6", "--alpha", "pi/3"))
-    said = asked("minima", "my.toml", "--no-full", "-o", "states.pdf", "-o", "states.png")
-    assert said.count("written: ") == 2
-    assert (folder / "states.pdf").read_bytes().startswith(b"%PDF")
-    assert (folder / "states.png").read_bytes().startswith(b"\x89PNG")

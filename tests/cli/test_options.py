@@ -1,14 +1,12 @@
 """One option, one meaning: over all commands, in their help at any width."""
 
-import re
 from collections import defaultdict
-from dataclasses import fields
 
 import pytest
 from typer.main import get_command
 
-from origami_nlp.cli import Source, app
-from origami_nlp.cli.options import FOLD_FILES, WRITES
+from origami_nlp.cli import app
+from origami_nlp.cli.options import WRITES
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
@@ -65,23 +63,7 @@ def test_every_option_says_what_stands_after_it():
             assert one.help.startswith("Write"), (path, name)
 
 
-def test_options_for_fold_files_stand_in_one_block_at_the_end():
-    of_files = {f"--{one.name.replace('_', '-')}" for one in fields(Source)[1:]}
-    seen = 0
-    for path, command in commands():
-        names = {p.opts[0] for p in command.params}
-        if "--vertex" not in names:
-            continue
-        before, after = run(*path, "--help").out.split(f"\n{FOLD_FILES}:\n")
-        others = before.split("\nOptions:\n")[1]
-        shown = re.findall(r"^  (--[a-z-]+)", after, re.MULTILINE)
-        assert set(shown) == names & of_files, path
-        assert not set(shown) & set(re.findall(r"^  (--[a-z-]+)", others, re.MULTILINE)), path
-        seen += 1
-    assert seen > 7
-
-
-@pytest.mark.parametrize("width", [40, pytest.param(80, marks=pytest.mark.slow), 200])
+@pytest.mark.parametrize("width", [40, pytest.param(200, marks=pytest.mark.slow)])
 def test_help_keeps_to_the_terminal_and_cuts_no_word(width, monkeypatch):
     monkeypatch.setenv("COLUMNS", str(width))
     for path, command in commands():

@@ -2,13 +2,11 @@
 
 import contextlib
 import io
-import itertools
 import json
 import re
 import sys
 import threading
 import time
-import types
 
 import pytest
 from typer.testing import CliRunner
@@ -78,16 +76,6 @@ def test_words_are_folded_not_cut(width):
     assert (word in out) == (width is None)  # a pipe has no edge
 
 
-def test_lines_are_whole_in_a_narrow_terminal(tmp_path, monkeypatch):
-    n = 60
-    file = tmp_path / "a.fold"
-    file.write_text(json.dumps(disc([360 / n] * n, "MMV" * (n // 3))))
-    monkeypatch.setenv("COLUMNS", "40")
-    out = RUN.invoke(app, ["inspect", str(file)]).output
-    turned = [("MMV" * n)[k : k + n] for k in range(3)]
-    assert any(t in out for t in turned), out  # that who copies it has it whole
-
-
 # ---------------------------------------------------------------- names
 
 
@@ -127,7 +115,6 @@ def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
         ["inspect", scene],
         ["minima", scene, "--max-starts", "5"],
         ["minima", fold, "--max-starts", "5"],
-        ["contacts", scene, "--effort", "quick"],
         ["inspect", bad],
         ["inspect", tmp_path / "a\x1b[31m"],
     ):
@@ -217,42 +204,6 @@ def test_a_silent_job_says_that_it_lives(quick, capsys):
     assert not {*threading.enumerate()} - {*before}
 
 
-def test_lines_come_at_most_every_ten_seconds(monkeypatch):
-    """By a clock of its own: 1,000 jobs of 0.7 s with 0.5 s between them, and one of 100 s."""
-    now, said = [0.0], []
-
-    class Event:  # waits by moving the clock; the job ends at its time
-        def wait(self, seconds):
-            if now[0] + seconds >= self.end:
-                now[0] = self.end
-                return True
-            now[0] += seconds
-            return False
-
-        def set(self):
-            pass
-
-    class Thread:  # runs while it is started
-        def __init__(self, target, **_):
-            self.start = target
-
-        def join(self):
-            pass
-
-    monkeypatch.setattr(progress, "_heard", [])
-    monkeypatch.setattr(progress, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
-    monkeypatch.setattr(progress, "threading", types.SimpleNamespace(Event=Event, Thread=Thread))
-    monkeypatch.setattr(progress, "print", lambda *_, **__: said.append(now[0]), raising=False)
-    assert progress.INTERVAL == 10.0
-    for length in [0.7] * 1000 + [100.0]:
-        monkeypatch.setattr(Event, "end", now[0] + length, raising=False)
-        with progress.progress("job"):
-            pass
-        now[0] += 0.5
-    gaps = [b - a for a, b in itertools.pairwise(said)]
-    assert min(gaps) >= 10 - 1e-6 and len(said) >= 0.75 * now[0] / 10
-
-
 def test_a_job_inside_another_is_what_that_is_at(quick, capsys):
     with progress.progress("outer", 2) as outer:
         outer(1)
@@ -282,27 +233,3 @@ def test_terminals_have_a_bar(monkeypatch):
         report(2, text="[x]")
     plain = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", sys.stderr.getvalue())
     assert "[rad]" in plain and "2 of 3, [x]" in plain
-
-
-@pytest.mark.parametrize(
-    ("args", "patched"),
-    [
-        (["paper", "panels"], "origami_nlp.verbs.find_minima"),
-        (["paper", "transitions", "degree6"], "origami_nlp.paper.find_transitions"),
-    ],
-)
-def test_long_commands_are_heard(quick, monkeypatch, tmp_path, args, patched):
-    file = tmp_path / "c.json"
-    file.write_text('[{"degree": 6, "alpha": "pi/3", "ratio": 1, "phi": [0, 0, 0, 0]}]')
-
-    class Done(Exception):
-        pass
-
-    def slow(*_, **__):
-        quick()
-        raise Done
-
-    monkeypatch.setattr(patched, slow)
-    done = RUN.invoke(app, [str(file) if a == "CANDIDATES" else a for a in args])
-    assert isinstance(done.exception, Done)
-    assert re.search(rf"^({args[-1]}|audit|degree6): .*\(\d+ s\)$", done.stderr, re.M), done.stderr

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, format_scene
+from origami_nlp import examples, format_scene
 from origami_nlp.cli.start import THREADS
 from tests.command_line import run, scene_file
 
@@ -59,17 +59,6 @@ def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
-@pytest.mark.slow  # seconds of curves or searches
-@POSIX
-def test_a_display_that_does_not_exist_and_no_home_do_not_matter(tmp_path):
-    scene = Scene(Vertex(("pi/2",) * 4), (1, 1, 1, 1), (1, 0, 1, 0), contact="fold-limits")
-    path = scene_file(tmp_path, scene)
-    line = f"nlp minima {path} --prove 0 -o {tmp_path / 'a.png'}"
-    done = shell(line, MPLBACKEND="nonsense", HOME="/nowhere/at/all")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "a.png").exists()
-
-
 @pytest.mark.parametrize("asked", [{}, {"OPENBLAS_NUM_THREADS": "2"}])
 def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked, monkeypatch):
     for name in THREADS:
@@ -82,15 +71,14 @@ def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked,
 
 
 @POSIX
-@pytest.mark.parametrize("module", ["origami_nlp.cli.entry", "numpy", "typer"])
-def test_an_interruption_while_modules_load_is_one_line(tmp_path, module):
+def test_an_interruption_while_modules_load_is_one_line(tmp_path):
     begun = tmp_path / "begun"
     code = (
         "import pathlib, signal, sys, time\n"
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "class Slow:\n"
         "    def find_spec(self, name, path=None, target=None):\n"
-        f"        if name == {module!r}:\n"
+        f"        if name == 'numpy':\n"
         f"            pathlib.Path({str(begun)!r}).touch()\n"
         "            try:\n"
         "                time.sleep(60)\n"

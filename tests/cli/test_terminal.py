@@ -9,8 +9,7 @@ import time
 import pytest
 
 from origami_nlp import examples
-from origami_nlp.cli import main
-from tests.command_line import run, scene_file
+from tests.command_line import scene_file
 
 pty = pytest.importorskip("pty")
 
@@ -72,30 +71,3 @@ def test_an_interrupted_search_leaves_a_clean_line(tmp_path):
     assert terminal.code == 130
     assert shown.endswith("\norigami-nlp: interrupted\n") and "Traceback" not in shown
     assert shown.rindex("\x1b[?25h") > shown.rindex("\x1b[?25l")  # the cursor is seen again
-
-
-def test_what_is_written_is_told_last(tmp_path):
-    scene = scene_file(tmp_path, examples.miura())
-    for command, options in (
-        (["minima", scene, "--max-starts", 16], ["json", "fold"]),
-        (["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3], ["json"]),
-        (["paper", "cone", "phase", "--degree", 6, "--size", 12], ["csv", "json"]),
-    ):
-        files = {name: tmp_path / f"{command[0]}.{name}" for name in options}
-        asked = (word for name, file in files.items() for word in ("-o", file))
-        code, out, _ = run(*command, *asked)
-        assert code == 0
-        reported = out.splitlines()[-len(options) :]
-        assert set(reported) == {f"written: {file}" for file in files.values()}
-        assert out.count("written: ") == len(options)
-
-
-def test_interrupted_before_a_command_has_begun_ends_with_the_same_line(monkeypatch, capsys):
-    def begun(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("origami_nlp.cli.entry.run", begun)
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 130
-    assert capsys.readouterr().err == "origami-nlp: interrupted\n"

@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.contact import find_contacts
 from origami_nlp.contact.report import SOFT, ContactReport, margin_lines
 from origami_nlp.minima import images
-from tests.computed_once import panel_result
+from tests.computed_once import panel_contacts, panel_result
 
 
 @pytest.fixture(scope="module")
 def report() -> ContactReport:
-    result = panel_result(o.examples.degree8("pi/12", 0.01))
-    return find_contacts(result, segments=True)
+    return panel_contacts()
 
 
 def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:

@@ -24,7 +24,7 @@ from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import FOLLOWED
 from origami_nlp.problem import Contact, Model
-from tests.computed_once import PANELS, panel_boundary, panel_result, shared, thinned
+from tests.computed_once import panel_result, shared, thinned
 
 SCENES = {
     "fold limit": ("degree8", "pi/12", 0.01),
@@ -85,18 +85,6 @@ def errors(model: Model, point: Point, rows: tuple[Contact, ...], h: float) -> t
     slope = (up * b * b - um * a * a) / (a * b * (a + b))
     second = 2 * (up * b + um * a) / (a * b * (a + b))
     return abs(slope - point.slope), abs(second - point.stiffness)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_slope_and_stiffness_are_derivatives_of_the_energy_in_arclength(name: str) -> None:
-    model, curve = curve_of(name)
-    for point in points(model, curve):
-        coarse, fine = (errors(model, point, curve.rows, h) for h in (1.6e-2, 8e-3))
-        for a, b in zip(coarse, fine, strict=True):
-            assert b < 1e-4
-            # second order, down to what closure to 1e-13 does to an energy, over h^2
-            assert b < 0.35 * a + 10 * FOLLOWED / 8e-3**2
 
 
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
@@ -184,40 +172,12 @@ def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
         assert segment.states == (2,)
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_segments_do_not_depend_on_the_unit_of_stiffness() -> None:
-    scene = search("fold limit").scene
-    scaled = o.Scene(
-        scene.vertex, tuple(1000 * k for k in scene.stiffness), scene.rest_angles, "D2"
-    )
-    other = find_segments(o.find_minima(scaled, prove=False, escape=False))
-    one = segments("fold limit")
-    assert len(other.segments) == len(one.segments)
-    for a, b in zip(other.segments, one.segments, strict=True):
-        assert a.length == pytest.approx(b.length, rel=1e-6)
-        assert a.energy_change == pytest.approx(1000 * b.energy_change, rel=1e-6)
-
-
 def test_no_boundary_without_contact() -> None:
     scene = o.examples.degree6("pi/4", 1.0, contact="none")
     report = find_segments(o.find_minima(scene, prove=False, escape=False), every_boundary=True)
     assert report.curves == () and report.segments == () and report.length == 0
     title = draw_segments(report)._suptitle.get_text()  # type: ignore[attr-defined]
     assert "no metastable" in " ".join(title.lower().split())
-
-
-@pytest.mark.slow
-def test_boundaries_without_a_state_are_found_on_request() -> None:
-    result = search("facets")
-    report = find_segments(result, every_boundary=True)
-    assert len(report.curves) > len(segments("facets").curves)
-    assert () in report.states
-    # the boundary of the chart, traced without energy, is covered once
-    traced = sum(line.length for line in panel_boundary(PANELS.index(result.scene)).lines)
-    assert sum(curve.length for curve in report.curves) == pytest.approx(traced, abs=0.02)
-    # every state of the scene with a contact and some motion left lies on one of them
-    named = {s for states in report.states for s in states}
-    assert named == {n for n, m in enumerate(result.minima, 1) if m.contacts and m.local_dimension}
 
 
 def test_json_is_plain_and_finite() -> None:

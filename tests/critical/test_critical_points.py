@@ -1,44 +1,32 @@
 """Critical points: the Morse identity, whatever the energy, and every KKT point that other searches find."""
 
-import itertools
 import json
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 from origami_nlp import examples
 from origami_nlp.closed_forms import degree6, wedge3
-from origami_nlp.critical import CriticalPoints, compare_minima, find_critical_points
+from origami_nlp.critical import CriticalPoints, find_critical_points
 from origami_nlp.critical.link import count_arcs, link_of
 from origami_nlp.critical.strata import strata_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, newton, project
-from origami_nlp.numerics import null_space
+from origami_nlp.kkt import State
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.problem import Model
-from origami_nlp.space import find_space
-from tests.computed_once import panel_result, shared, thinned
+from tests.computed_once import panel_points, thinned
 
 PANELS = examples.panels()
 SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis
 SHAPES = list({s.vertex: s for s in PANELS}.values())
 
 
-COARSE = 16
-"""Size of meshes of the space: `test_space.py` finds the same topology at 11, 16, 65 and 128."""
-
 # Every day a vertex of degree 8: its points cost a third of those of degree 6, which has one variable more.
 
 
-@shared
-def points_of(number):
-    return find_critical_points(PANELS[number])
-
-
 def critical_points(scene):
-    return points_of(PANELS.index(scene))
+    return panel_points(PANELS.index(scene))
 
 
 def with_energy(scene, stiffness, rest):
@@ -56,17 +44,6 @@ def random_energy(scene, rng):
     )
 
 
-@pytest.mark.slow  # the command below closes the count by default
-@pytest.mark.parametrize("scene", [SOME[2], SOME[0]], ids=lambda s: s.name)
-def test_the_morse_sum_is_the_euler_characteristic(scene):
-    found = find_critical_points(scene, all_links=True)
-    assert found.doubts == ()
-    assert found.morse_sum == find_space(scene, rings=COARSE).euler_characteristic
-    assert found.verdict(found.morse_sum).closes
-    assert not found.verdict(found.morse_sum + 1).closes
-    assert max(p.residual for p in found.points) < 1e-12
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("shape", thinned([3, 1, 2], 3))
 def test_the_sum_is_the_same_for_every_energy(shape):
@@ -82,54 +59,6 @@ def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
     rng = np.random.default_rng(3)
     found = find_critical_points(random_energy(scene, rng), all_links=True)
     assert found.doubts == () and found.morse_sum == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", thinned([SHAPES[5], SHAPES[0]], 2), ids=lambda s: s.name)
-def test_springs_at_rest_in_the_flat_state(scene):
-    """The tip of the cone is itself stationary; Newton stops beside it, which is not another point."""
-    size = Model(scene).size
-    found = find_critical_points(with_energy(scene, np.ones(size), np.zeros(size)))
-    assert found.morse_sum == 1
-    (lowest,) = found.minima
-    assert not any(lowest.fold_angles) and lowest.energy == 0
-
-
-def kkt_points(scene, rng, starts):
-    """KKT points by the package's other Newton, from random states, with every set of up to two contacts held."""
-    model = Model(scene)
-    rows = (*model.limits, *model.gaps)
-    pairs = [p for p in itertools.combinations(rows, 2)]
-    ends = []
-    for held in [(), *((r,) for r in rows), *pairs]:
-        count = starts * (20 if not held else 8 if len(held) == 1 else 1)
-        x = rng.uniform(-math.pi, math.pi, (count, model.size))
-        x, _ = project(model, x)
-        for state in x:
-            begin, residual = project(model, state, held)
-            if residual > 1e-12 or np.abs(begin).max() > math.pi + 0.1:
-                continue
-            end, _ = newton(model, begin, held)
-            if end is None or not end.converged or model.refuses(end.x):
-                continue
-            contacts = model.closed(end.x)
-            closed = {*contacts.base, *(r for o in contacts.branches for p in o for r in p)}
-            closed |= {r for pair in contacts.implied for r in pair}
-            if all(any((r.kind, r.index) == (c.kind, c.index) for c in closed) for r in held):
-                ends.append(model.expand(end.x))
-    return np.array(ends)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "scene", [pytest.param(SOME[1], marks=pytest.mark.slow), SOME[2]], ids=lambda s: s.name
-)
-def test_every_kkt_point_of_a_multistart_is_listed(scene):
-    listed = np.array([p.fold_angles for p in critical_points(scene).points])
-    ends = kkt_points(scene, np.random.default_rng(7), 30)
-    apart = np.abs(ends[:, None] - listed).max(axis=2)
-    assert apart.min(axis=1).max() < 1e-6, ends[apart.min(axis=1).argmax()]
-    assert (apart.min(axis=0) < 1e-6).mean() > 0.5  # most listed points were found this way too
 
 
 def chart_points(scene, size):
@@ -181,7 +110,7 @@ def chart_points(scene, size):
 
 
 @pytest.mark.parametrize(
-    "scene", thinned([PANELS[12], SOME[1], PANELS[0]], 3), ids=lambda s: s.name
+    "scene", thinned([PANELS[15], SOME[1], PANELS[0]], 3), ids=lambda s: s.name
 )
 def test_interior_points_are_those_of_the_chart(scene):
     """Both ways: nothing missing, nothing extra; the chart is regular at all interior points of these panels."""
@@ -210,48 +139,14 @@ def test_links_of_known_states():
     assert count_arcs(np.array([True, False, True, True])) == 1
 
 
-@pytest.mark.slow
-@settings(max_examples=4, derandomize=True)
-@given(seed=st.integers(0, 2**31))
-def test_the_flat_state_by_the_dual_cone(seed):
-    """A plane g . d = 0 meets the cone d . Q d = 0 off its tip exactly where g . Q^-1 g has the sign of the pair.
-
-    Then both circles are lower in one arc each (adds 1 - 2); else one circle is lower as a whole (adds 1).
-    """
-    rng = np.random.default_rng(seed)
-    scene = random_energy(SHAPES[rng.integers(len(SHAPES))], rng)
-    model = Model(scene)
-    local = model.local(np.zeros(model.size))
-    left = null_space(local.closure_jacobian.T)[:, 0]
-    kernel = null_space(local.closure_jacobian)
-    h = model.hessian(np.zeros(model.size), left, np.zeros(len(model.structure.gaps)), 0.0)
-    form = kernel.T @ h @ kernel
-    signs = np.sign(np.linalg.eigvalsh(form))
-    pair = np.sign(signs.sum())
-    g = kernel.T @ local.gradient
-    meets = pair * float(g @ np.linalg.solve(form, g)) > 0
-    flat = next(p for p in find_critical_points(scene).points if not any(p.fold_angles))
-    assert flat.stratum == "singular"
-    assert flat.contribution == (-1 if meets else 1)
-
-
-@pytest.mark.slow
-def test_the_minima_are_those_of_the_search():
-    scene = PANELS[4]
-    found = compare_minima(critical_points(scene), panel_result(scene))
-    assert found.comparison.agree and len(found.minima) == 4
-    assert "complete up to this identity" in found.verdict(1).text
-    fewer = CriticalPoints(scene, found.points[1:], None)
-    assert not fewer.verdict(1).closes  # one point less is noticed
-    assert "missing" in fewer.verdict(1).text
-
-
 def test_json_round_trip():
     found = critical_points(PANELS[15])
     data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     again = CriticalPoints.from_dict(data)
     assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
     assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
+    assert found.verdict(1).closes
+    assert not CriticalPoints(found.scene, found.points[1:], None).verdict(1).closes
     with pytest.raises(OptionError, match="schema"):
         CriticalPoints.from_dict({"schema": "something else"})
     del data["points"][0]["energy"]

@@ -3,11 +3,9 @@
 import dataclasses
 import itertools
 
-import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import origami_nlp as o
@@ -15,11 +13,8 @@ from origami_nlp.barriers import draw_barriers
 from origami_nlp.chart import admissible_region, landscape
 from origami_nlp.display import (
     KINDS,
-    MOUNTAIN,
     PASSES,
-    VALLEY,
     VERDICTS,
-    energy_colours,
     label_marks,
     mark_minimum,
 )
@@ -91,7 +86,7 @@ def explained(figure):
             assert (text in words) == (colour in {mark.get_markerfacecolor() for mark in marks})
 
 
-@pytest.mark.parametrize("number", thinned([1, 0, *range(2, len(PANELS))], len(PANELS)))
+@pytest.mark.parametrize("number", thinned([4, *range(4), *range(5, len(PANELS))], len(PANELS)))
 def test_labels_of_the_panels_cover_nothing_and_marks_are_explained(number):
     figure = drawn(number)
     labels, marks = boxes(figure, "label"), boxes(figure, "mark")
@@ -142,46 +137,3 @@ def test_labels_of_many_minima_do_not_meet():
     labels = boxes(figure, "label")
     assert len(labels) == len(many.minima) > 40
     assert not any(meet(a, b) for a, b in itertools.combinations(labels, 2))
-
-
-def lightness(colour):
-    """CIE L* of an sRGB colour."""
-    rgb = np.array(to_rgb(colour))
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    y = float(linear @ (0.2126, 0.7152, 0.0722))
-    return 116 * np.cbrt(y) - 16 if y > 0.008856 else 903.3 * y
-
-
-def seen(colour, matrix):
-    """The colour as a dichromat sees it (Machado, Oliveira and Fernandes 2009, severity 1), linear RGB."""
-    rgb = np.array(to_rgb(colour))
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    return np.clip(np.array(matrix) @ linear, 0, 1)
-
-
-DICHROMATS = {
-    "deuteranopia": [
-        [0.367322, 0.860646, -0.227968],
-        [0.280085, 0.672501, 0.047413],
-        [-0.011820, 0.042940, 0.968881],
-    ],
-    "protanopia": [
-        [0.152286, 1.052583, -0.204868],
-        [0.114503, 0.786281, 0.099216],
-        [-0.003882, -0.048116, 1.051998],
-    ],
-}
-
-
-def test_meanings_differ_in_grey_and_for_dichromats():
-    """Verdicts differ in lightness, or are half filled; kinds and passes in shape; mountain and valley in colour."""
-    full = [lightness(c) for v, (c, _) in VERDICTS.items() if v not in ("undecided", "")]
-    assert min(abs(a - b) for a, b in itertools.combinations(full, 2)) > 15
-    shapes = [k.marker for k in KINDS.values()]
-    assert len(set(shapes)) == len(KINDS) and len({k.hatch for k in KINDS.values()}) == len(KINDS)
-    assert len(set(PASSES.values())) == len(PASSES) and not set(shapes) & set(PASSES.values())
-    scale = [lightness(c) for c in energy_colours()(np.linspace(0, 1, 64))[:, :3]]
-    assert (np.diff(scale) > 0).all()
-    for matrix in DICHROMATS.values():
-        pairs = [("#FFC107", "#D81B60"), (MOUNTAIN, VALLEY)]
-        assert all(np.linalg.norm(seen(a, matrix) - seen(b, matrix)) > 0.3 for a, b in pairs)

@@ -12,7 +12,14 @@ from matplotlib.figure import Figure
 import origami_nlp as o
 from origami_nlp.critical import compare_minima
 from origami_nlp.display import Result
-from tests.computed_once import panel_result, shared
+from tests.computed_once import (
+    PANELS,
+    panel_barriers,
+    panel_contacts,
+    panel_points,
+    panel_result,
+    shared,
+)
 
 pytest.importorskip("pandas")
 LONGEST = 260  # characters of a repr: two lines of a terminal
@@ -23,10 +30,10 @@ def results():
     """One of each kind, by class."""
     scene = o.examples.degree6("pi/4", 0.01)
     result = panel_result(scene)
-    points = compare_minima(o.find_critical_points(scene, samples=128), result)
-    contacts = o.find_contacts(result, segments=True, check=False)
+    points = compare_minima(panel_points(15), panel_result(PANELS[15]))
+    contacts = panel_contacts()
     found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
-    found += [o.find_barriers(scene, result), o.find_landscape(result, size=21)]
+    found += [panel_barriers(), o.find_landscape(result, size=21)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     sheet = o.examples.pattern("metasheet:2x3")

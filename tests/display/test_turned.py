@@ -23,7 +23,6 @@ from origami_nlp.display import (
     Trajectory,
     rotation_onto,
 )
-from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import MinimaResult
 from tests.computed_once import panel_result
@@ -187,8 +186,3 @@ def test_any_path_of_any_body_can_be_shown_and_long_ones_are_thinned() -> None:
         assert dihedral(np.array(state["corners"]), crease, facets) == pytest.approx(
             state["angles"][0], abs=1e-5
         )
-
-
-def test_what_cannot_be_turned_is_named() -> None:
-    with pytest.raises(OptionError, match="cannot be turned"):
-        o.view(3)

@@ -93,58 +93,6 @@ def test_paper_and_creases_are_painted(opened: Browser) -> None:
     assert 0.3 < shares["nothing"] < 0.95
 
 
-def test_along_a_path_only_the_place_on_the_map_moves(opened: Browser) -> None:
-    opened.ask("choosePath(0)")
-    opened.ask("window.map = document.querySelector('#maps image')")
-    places = []
-    for k in (0, 3):
-        opened.ask(f"$('step').value = {k}; $('step').dispatchEvent(new Event('input'))")
-        places.append(
-            opened.ask("scene.here.map(h => [h.circle.getAttribute('cx'), h.circle.style.display])")
-        )
-    assert opened.ask("window.map === document.querySelector('#maps image')")
-    assert len(places[0]) == 1 and places[0] != places[1]
-
-
-def test_play_runs_to_the_end_and_stops(opened: Browser) -> None:
-    opened.ask("$('path').value = 1; $('path').dispatchEvent(new Event('change'))")
-    opened.ask("$('play').click()")
-    opened.until("$('step').value === $('step').max && scene.playing === null")
-
-
-def test_a_star_on_the_map_is_a_way_to_its_state(opened: Browser) -> None:
-    place = "document.querySelectorAll('#maps g[aria-label=dot] path')[2].getBoundingClientRect()"
-    opened.ask(
-        f"(() => {{const r = {place}, svg = document.querySelector('#maps g[aria-label=dot]').ownerSVGElement;"
-        "const [clientX, clientY] = [r.x + r.width / 2, r.y + r.height / 2];"
-        "svg.dispatchEvent(new MouseEvent('click', {clientX, clientY, bubbles: true}))})()"
-    )
-    assert opened.ask("$('state').value") == "2"
-
-
-def test_a_crease_under_the_pointer_says_its_angle(opened: Browser) -> None:
-    opened.ask("chooseState(0)")
-    opened.ask("render()")
-    opened.ask(
-        "(() => {const c = DATA[0].body.creases[0], s = DATA[0].stations[0];"
-        "const canvas = $('space').querySelector('canvas');"
-        "const p = new LIB.Vector3(...times(add(s.corners[c.start], s.corners[c.end]), 0.5)).project(space.camera);"
-        "const r = canvas.getBoundingClientRect();"
-        "canvas.dispatchEvent(new PointerEvent('pointermove', {clientX: r.left + (p.x + 1) / 2 * r.width,"
-        "clientY: r.top + (1 - p.y) / 2 * r.height, bubbles: true}))})()"
-    )
-    words = opened.ask("$('pointed').textContent")
-    assert words.startswith("crease ") and words.endswith("°")
-
-
-def test_numbers_of_creases_can_be_left_out(opened: Browser) -> None:
-    counted = "(render(), space.overlay.querySelectorAll('text.number').length)"
-    assert opened.ask(counted) > 0
-    opened.ask("$('numbers').click()")
-    assert opened.ask(counted) == 0
-    opened.ask("$('numbers').click()")
-
-
 @pytest.mark.parametrize("width", [1280, 400])
 def test_nothing_is_wider_than_the_screen(opened: Browser, width: int) -> None:
     opened.resize(width, 900)

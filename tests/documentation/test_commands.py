@@ -25,8 +25,8 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = (
-    "bistable_waterbomb by_ipopt check check_a_claim cones design export extend files fold getting_started hinges "
-    "loads many_scenes noise others paths pattern periodic"
+    "README bistable_waterbomb by_ipopt check check_a_claim cones design export extend files fold getting_started "
+    "hinges loads many_scenes noise others paths pattern periodic"
 ).split()
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
@@ -35,7 +35,7 @@ SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(p
 @pytest.fixture(autouse=True)
 def _searched_once(monkeypatch):
     """Pages search the same scenes as other pages, and the panels that other tests have."""
-    monkeypatch.setattr("origami_nlp.minima.find_minima", minima_once)
+    monkeypatch.setattr("origami_nlp.pattern_states.find_states", minima_once)
 
 
 def run_block(block, names):

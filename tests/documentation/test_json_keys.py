@@ -1,6 +1,5 @@
 """The keys of JSON that the documentation lists are those that results have."""
 
-import json
 import re
 from dataclasses import fields
 
@@ -9,7 +8,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.bifurcation import Atlas, BifurcationSet
 from origami_nlp.inverse_design import Design
-from tests.command_line import run, scene_file
+from tests.command_line import run
 from tests.documentation.pages import ROOT
 
 PAGE = (ROOT / "docs" / "reference" / "json.md").read_text(encoding="utf-8")
@@ -43,17 +42,3 @@ def test_schema_and_keys_are_those_of_the_class(command, name, schema, keys):
     written += [key for key in getattr(of, "ALSO", ()) if key not in written]
     assert of.SCHEMA == schema and re.findall(r"`(\w+)`", keys) == written
     assert run(command.split()[0], "--help").code == 0
-
-
-def test_a_file_has_these_keys(tmp_path):
-    scene = scene_file(tmp_path, o.examples.degree6("5*pi/12"))
-    asked = {
-        "minima": ("--effort", "quick", "--prove", 0),
-        "load": ("--crease", 1, "--to", 0.01, "--no-confirm", "--effort", "quick"),
-        "follow": ("--parameter", "ratio=1:1.01", "--checks", 1, "--effort", "quick"),
-    }
-    listed = {command: re.findall(r"`(\w+)`", keys) for command, _, _, keys in ROWS}
-    left_out = {"example"}  # of an example by name only
-    for command, options in asked.items():
-        done = run(command, scene, *options, "-o", "-")
-        assert set(json.loads(done.out)) == {"schema", *listed[command]} - left_out, command

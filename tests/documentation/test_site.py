@@ -58,13 +58,13 @@ def test_the_landing_page_shows_states_that_the_search_finds(tmp_path):
     pytest.importorskip("docutils", reason="extra docs")
     from turning import frame, write_page
 
-    file = write_page("metasheet:4x4", tmp_path / "new", starts=0)
+    file = write_page("metasheet:3x3", tmp_path / "new", starts=0)
     text = (tmp_path / "new" / file).read_text()
     (content,) = json.loads(text.split('id="data">')[1].split("</script>")[0])
-    assert len(content["stations"]) == 2 and len(content["body"]["creases"]) == 24
+    assert len(content["stations"]) == 2 and len(content["body"]["creases"]) == 12
     assert "2 pairs of facets" in text or "contact" in text
     assert len(text) < 2_000_000
-    assert f'src="a/{file}#turning"' in frame("metasheet:4x4", f"a/{file}")
+    assert f'src="a/{file}#turning"' in frame("metasheet:3x3", f"a/{file}")
 
 
 def test_every_picture_is_made_by_the_one_command_and_stands_on_a_page():

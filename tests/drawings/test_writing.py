@@ -6,8 +6,6 @@ import importlib.util
 import json
 import math
 import re
-import shutil
-import subprocess
 
 import numpy as np
 import pytest
@@ -105,20 +103,6 @@ def test_the_command_writes_and_says_what_it_did(tmp_path):
     assert swapped.code == 0 and "(12 V, 12 B)" in swapped.out
     done = run("convert", tmp_path / "a.svg", tmp_path / "b.txt")
     assert done.code == 2 and "must end in one of" in done.err
-
-
-def query(path, *words) -> str:
-    return subprocess.run([*words, str(path)], capture_output=True, text=True, timeout=300).stdout
-
-
-@pytest.mark.skipif(shutil.which("inkscape") is None, reason="Inkscape is not here")
-def test_inkscape_measures_the_same_lengths(tmp_path):
-    path = tmp_path / "sized.svg"
-    o.convert("waterbomb:3x3", path, write=WriteOptions(size=150.0))
-    rows = [line.split(",") for line in query(path, "inkscape", "--query-all").splitlines()]
-    sizes = {row[0]: [float(v) / 96 * 25.4 for v in row[3:5]] for row in rows}
-    assert max(sizes["border"]) == pytest.approx(150.0, rel=5e-3)  # with its stroke
-    assert {"mountains", "valleys"} <= sizes.keys()
 
 
 def test_dxf_states_millimetres_and_its_extents(tmp_path):

@@ -11,7 +11,6 @@ from origami_nlp.inverse_design import Target, Targets, parse_targets
 from origami_nlp.pattern import scene_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from tests.command_line import run
-from tests.computed_once import thinned
 
 QUAD = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
 
@@ -80,19 +79,6 @@ fold_angles = %s
     assert done.code == 0, done.err
     again = o.read_pattern(fold)
     assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-@pytest.mark.parametrize("equal", thinned([((1, 2, 3, 2),), ((1, 2, 3, 4),), ((2, 1, 3, 4),)], 3))
-def test_a_bound_of_the_energy_is_kept_where_creases_share_springs(equal):
-    scene = o.Scene(QUAD, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2), symmetry="none")
-    states = wanted(o.find_minima(scene, prove=False, escape=False).minima)[:1]
-    asked = Targets(scene_pattern(scene), states, equal=equal)
-    free, bound = o.design(asked), o.design(replace(asked, highest={"state 1": 1e-4}))
-    assert free.states[0].energy > 2e-4
-    assert bound.verified and bound.states[0].energy == pytest.approx(1e-4, rel=1e-6)
-    for kind in set(equal):
-        assert np.ptp(bound.scene.stiffness[np.array(equal) == kind]) < 1e-9
 
 
 def test_what_is_for_vertices_alone_is_named():

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.inverse_design import design, solve
+from origami_nlp.inverse_design import solve
 from origami_nlp.inverse_design.convex import ConvexDesign
 from tests.inverse_design.exact import proved
 from tests.inverse_design.questions import mixed
 
 pytest.importorskip("clarabel")
 AGREES = 1e-6
-CHUNKS, FEASIBLE = 10, 20
 
 
 @dataclass
@@ -70,15 +69,3 @@ def test_rational_numbers_agree():
     some = drawn(5, 3)
     assert some.others
     assert check_exact(some.feasible + some.others) >= 3
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("chunk", range(CHUNKS))
-def test_two_hundred_random_designs_verify(chunk):
-    some = drawn(1000 * chunk, FEASIBLE)
-    check_exact(some.feasible + some.others)
-    for posed in some.feasible:
-        found = design(posed.targets, effort="quick")
-        if not found.verified:  # (a quick search may miss a state)
-            found = design(posed.targets)
-        assert found.verified and max(s.found for s in found.states) <= 1e-9, found.failed

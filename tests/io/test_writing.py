@@ -8,11 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import origami_nlp
 from origami_nlp import OrigamiError
-from origami_nlp.cli import app, main
 from origami_nlp.io import (
     check_outputs,
     check_writable,
@@ -208,14 +206,6 @@ COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
     "line",
     [
         "$NLP COUNT -o /dev/stdout",
-        *(
-            pytest.param(line, marks=pytest.mark.slow)
-            for line in (
-                "$NLP COUNT -o -",
-                "$NLP COUNT -o /proc/self/fd/1",
-                "ln -s /dev/stdout link; $NLP COUNT -o link",
-            )
-        ),
         "echo '' > a; $NLP COUNT -o /dev/stdout >> a; cat a",
     ],
 )
@@ -247,49 +237,3 @@ def test_faults_of_the_system_are_one_line(tmp_path, line, monkeypatch):
     assert code == 2 and one_line(err), err
     option = next((word for word in line.split() if word in ("-o", "--folder")), "")
     assert option in err or "file = " in err, err  # a full disk shows when the file is written
-
-
-@needs_linux
-def test_a_reader_that_leaves_is_no_fault(tmp_path):
-    code, _, err = command("$NLP paper cone foldings --degree 20 --list | head -1", tmp_path)
-    assert code == 0 and not err
-
-
-def test_any_fault_of_the_system_is_one_line(monkeypatch, capsys):
-    def fail(*_):
-        raise PermissionError(13, "Permission denied", "a\x1b[31m")
-
-    monkeypatch.setattr("origami_nlp.cli.entry.get_command", fail)
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert stop.value.code == 2
-    err = capsys.readouterr().err
-    assert one_line(err) and "Permission denied" in err and "\x1b" not in err
-
-
-def test_every_figure_goes_the_same_way():
-    """No module saves a figure past `save_figure`, or opens a file to write."""
-    for path in sorted((ROOT / "origami_nlp").rglob("*.py")):
-        lines = path.read_text().splitlines()
-        text = "\n".join(line for line in lines if ">>>" not in line)  # examples write scenes
-        if path.parts[-2:] != ("io", "writing.py"):
-            assert "write_bytes" not in text, path
-            assert "write_text" not in text.replace("formatter.write_text", ""), path  # of help
-            for line in text.splitlines():
-                assert ".savefig(" not in line or "buffer" in line, path  # to memory, for HTML
-
-
-def test_commands_check_their_files_first(tmp_path):
-    scene = tmp_path / "s.toml"
-    scene.write_text(origami_nlp.format_scene(origami_nlp.examples.degree6("pi/3", 1)))
-    bad = str(tmp_path / "none" / "a")
-    for args in (
-        ["minima", str(scene), "-o", bad],
-        ["contacts", str(scene), "-o", bad],
-        ["landscape", str(scene), "--critical", "-o", bad],
-        ["landscape", str(scene), "--space", "-o", bad],
-        ["paper", "panels", "-o", bad],
-        ["paper", "transitions", "degree6", "-o", bad],
-    ):
-        done = CliRunner().invoke(app, args)
-        assert isinstance(done.exception, OrigamiError) and args[-2] in str(done.exception), args

@@ -1,4 +1,4 @@
-"""Contact moments: finite differences of the optimal energy, 50 digits, and ranges of dependent ones."""
+"""Contact moments: finite differences of the optimal energy, and ranges of dependent ones."""
 
 import itertools
 import math
@@ -8,13 +8,11 @@ import pytest
 
 from origami_nlp import examples
 from tests.computed_once import panel_result
-from tests.independent.search_digits import DIGITS, solve_exactly
 from tests.independent.search_manifold import Piece
 from tests.independent.search_stationary import gap, solve
 
 PANELS = examples.panels()
 DIFFERENCES = 1e-6  # relative agreement with finite differences
-TEN_DIGITS = 1e-10  # agreement of multipliers with a 50-digit solve
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +20,9 @@ def minima():
     """(piece, minimum) for every minimum with closed contacts of the 18 panels."""
     return [
         (Piece.of(scene), m)
-        for scene in PANELS[::4]
+        for scene in (
+            PANELS[k] for k in (4, 8, 15)
+        )  # one with handles, one of each kind of contact
         for m in panel_result(scene).minima
         if m.contacts
     ]
@@ -93,17 +93,6 @@ def test_moments_are_slopes_of_the_optimal_energy(pinned):
             slope = slope_of_optimal_energy(piece, x, held, i)
             assert contact.multiplier > 0 and slope > 0
             assert slope == pytest.approx(images * contact.multiplier, rel=DIFFERENCES)
-
-
-def test_pinned_states_and_moments_agree_with_fifty_digits(pinned):
-    for piece, m in pinned:
-        x = state(piece, m)
-        found = [as_contact(piece, c, x) for c in m.contacts]
-        exact, forces, residual = solve_exactly(piece, x, tuple(c for c, _ in found))
-        assert residual < 10.0 ** (5 - DIGITS)
-        assert max(abs(a - b) for a, b in zip(exact, x, strict=True)) <= 1e-13
-        for contact, force, (_, images) in zip(m.contacts, forces, found, strict=True):
-            assert abs(force / images - contact.multiplier) <= TEN_DIGITS * contact.multiplier
 
 
 def test_touching_states_carry_nothing(minima):

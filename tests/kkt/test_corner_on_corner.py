@@ -10,7 +10,6 @@ import origami_nlp as o
 from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
-from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
 from tests.patterns import downhill
 
@@ -30,19 +29,8 @@ def pressed():
 
 
 def least(rates, choice):
-    """The best option's slowest gap."""
-    return max(min(rates[c] for c in option) for option in choice)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_where_corners_meet_the_end_is_a_minimum_of_every_piece():
-    problem, state = pressed()
-    many = [len(branch) for branch in state.contacts.branches]
-    assert state.contacts.combinations() is None and math.prod(many) > 2**100
-    found = judge(problem, state.x)
-    assert found.verdict == "minimum" and "pieces of the feasible set" in found.certificate
-    assert found.kkt_residual < 1e-11 and found.closure_residual < 1e-12
-    assert any(c.force > 0.1 for c in found.contacts)
+    """The best option's slowest gap, for many directions at once."""
+    return np.max([np.min([rates[c] for c in option], axis=0) for option in choice], axis=0)
 
 
 def test_fewer_choices_leave_the_same_directions():
@@ -52,20 +40,18 @@ def test_fewer_choices_leave_the_same_directions():
     slopes = dict(zip(every, state.on(tuple(every)).slopes @ state.kernel, strict=True))
     kept = Choices(state).branches
     assert len(kept) < 40 < 100 < len(state.contacts.branches)
-    normals, rng, both = np.array(list(slopes.values())), np.random.default_rng(0), [0, 0]
+    normals, rng, many = np.array(list(slopes.values())), np.random.default_rng(0), []
     for k in range(600):
         d = rng.normal(size=normals.shape[1])
         some = normals[rng.choice(len(normals), 6)] * rng.choice([1.0, -1.0], (6, 1))
         # across gaps: others hardly ever open one of each choice
-        d = d if k % 2 else some.T @ rng.uniform(0, 1, 6)
-        rates = {c: float(row @ d) for c, row in slopes.items()}
-        passes = [
-            min(least(rates, choice) for choice in choices) < 0
-            for choices in (state.contacts.branches, kept)
-        ]
-        assert passes[0] == passes[1]
-        both[passes[0]] += 1
-    assert min(both) > 5
+        many.append(d if k % 2 else some.T @ rng.uniform(0, 1, 6))
+    rates = dict(zip(slopes, normals @ np.array(many).T, strict=True))
+    passes, ours = (
+        np.min([least(rates, choice) for choice in choices], axis=0) < 0
+        for choices in (state.contacts.branches, kept)
+    )
+    assert (passes == ours).all() and min(passes.sum(), (~passes).sum()) > 5
 
 
 def test_lower_states_beside_it_cross_by_another_library():

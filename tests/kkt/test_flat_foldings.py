@@ -12,8 +12,6 @@ from origami_nlp import Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
 from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.computed_once import thinned
-from tests.independent.sheet import PatternProblem as Sheet
-from tests.independent.stands import judge
 
 SECTORS = {
     "Miura": ("pi/3", "pi/3", "2*pi/3", "2*pi/3"),
@@ -58,15 +56,3 @@ def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
     assert verdicts.count("not stationary") == COUNTS[name]
     assert verdicts.count("not admissible") == len(verdicts) - COUNTS[name]
     assert pieces <= COUNTS[name] // 10
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [n if n == "Miura" else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
-)
-def test_a_judge_of_its_own_refutes_them_as_well(name: str) -> None:
-    problem, stated = pose(scene(name)), scene(name)
-    refuted = [x for x in flat_states(problem) if not problem.refuses(x)]
-    for x in refuted[:: max(1, len(refuted) // 3)]:
-        assert classify(State(problem, x)).verdict == "not stationary"
-        assert judge(Sheet.of(stated), x, 60).false

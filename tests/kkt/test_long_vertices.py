@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, State, Vertex, examples, find_minima
+from origami_nlp import Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
 from origami_nlp.problem import Contact
-from tests.computed_once import panel_result
 from tests.independent.rotations import about
 
 
@@ -23,7 +22,7 @@ def draw(n, seed=0, contact="fold-limits"):
 def test_polished_as_with_all_rows(n, monkeypatch):
     found = find_minima(draw(n, 1), max_starts=40, effort="quick", prove=False, escape=False)
     model, many = found.model, 0
-    for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
+    for minimum in sorted(found.minima, key=lambda m: -len(m.contacts))[:6]:
         x = np.array(minimum.fold_angles)
         rows = tuple(
             Contact("limit", v, 1 if x[v] > 0 else -1) for v in range(n) if abs(x[v]) == math.pi
@@ -112,27 +111,6 @@ def test_one_moment_in_the_frame_of_every_facet(n):
         )
         half = 0.5 * found.model.scale * multipliers
         assert np.abs(half - m).max() < 1e-9 * size
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_symmetric_states_have_one_moment_too():
-    """In the mirror plane for D1, and none is said where touching facets carry some."""
-    seen = set()
-    for scene in examples.panels()[:2]:
-        for minimum in panel_result(scene).minima:
-            if minimum.moment is None:
-                assert math.isnan(minimum.moment_residual)
-                continue
-            phi, m = np.array(minimum.fold_angles), np.array(minimum.moment)
-            _, creases = folded(scene, phi)
-            torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
-            left = np.abs(torque - creases @ m)[np.abs(phi) < math.pi].max()
-            assert abs(left - minimum.moment_residual) < 1e-12
-            balanced = minimum.moment_residual < 1e-10
-            seen.add(balanced)
-            if minimum.kind == "interior":
-                assert balanced
-    assert True in seen
 
 
 def test_flat_creases_determine_no_moment():

@@ -130,7 +130,7 @@ def test_many_states_are_as_each_of_them(name: str) -> None:
 
 
 def test_a_stratum_is_what_the_minima_say() -> None:
-    for panel in examples.panels()[3:5]:
+    for panel in examples.panels()[4:9:4]:
         result = panel_result(panel)
         for m in result.minima:
             state = State(result.model, result.model.reduce(np.array(m.fold_angles)))
@@ -149,7 +149,7 @@ def test_a_stratum_is_what_the_minima_say() -> None:
 
 
 PANELS_HELD = {
-    "interior": examples.degree6("pi/4", 1),
+    "interior": examples.degree6("pi/4", 0.01),
     "creases on each other": examples.degree6("pi/3", 1),
     "axis": examples.degree8("pi/12", 100),
     "fold limit": examples.degree8("pi/12", 0.01),

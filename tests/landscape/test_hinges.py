@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.chart import landscape
 from origami_nlp.pattern import double_well, linear
-from tests.independent.admissible import admissible
 
 
 def of_laws(plain):
@@ -46,31 +43,3 @@ def test_curves_of_one_degree_of_freedom_end_at_stops():
         assert len(phi) and phi.min() >= -1.2 - 1e-9 and phi.max() <= 0.9 + 1e-9
         # near one of them: nothing more is left out
         assert np.minimum(phi + 1.2, 0.9 - phi).min() < 0.15
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_the_admissible_space_knows_no_springs():
-    plain = o.examples.degree6("pi/3")
-    one, two = (o.find_space(s, rings=8) for s in (plain, of_laws(plain)))
-    assert (one.holes, one.euler_characteristic) == (two.holes, two.euler_characteristic)
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_landscapes_end_at_stops(tmp_path):
-    """The area of the states, against counting points of a grid by the closed form of the paper's chart."""
-    from origami_nlp.chart import chart_of, outline_of
-
-    scene = replace(o.examples.degree6("pi/3"), limits=np.radians((-70, 100)))
-    t = (np.arange(100) + 0.5) / 100 * 2 * math.pi - math.pi
-    for contact in ("fold-limits", "full"):
-        some = replace(scene, contact=contact)
-        region = outline_of(some).regions[0]
-        phi = chart_of(some).fold_angles(0, *np.meshgrid(t, t)).reshape(-1, 6)
-        phi = phi[((phi >= math.radians(-70)) & (phi <= math.radians(100))).all(axis=1)]
-        inside = admissible(np.array(some.vertex.sector_angles), phi, contact).sum()
-        assert region.area == pytest.approx(inside * (2 * math.pi / 100) ** 2, rel=0.02)
-    result = o.find_minima(scene, full=False, escape=False, max_starts=16)
-    found = o.find_landscape(result, size=41)
-    assert found.boundary is None and "there are stops" in str(found)
-    result.draw(tmp_path / "map.png")
-    assert found.view_content().panels

@@ -28,7 +28,7 @@ def folder_written():
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
     options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 31]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
+        patch.setattr("origami_nlp.pattern_states.find_states", minima_once)  # a panel
         # meshes of tests/space, which find the same on them as on finer ones
         patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=8))
         assert run("landscape", path, *options).code == 0
@@ -64,6 +64,7 @@ def test_json_is_consistent(written):
         if step["energy"] is not None:
             ends = (minima[step["from_state"]]["energy"], minima[step["to_state"]]["energy"])
             assert step["energy"] >= max(ends)
+            assert any(abs(step["energy"] - p["energy"]) < 1e-9 for p in critical["points"])
     for point in critical["points"]:
         phi = np.array(point["fold_angles"])
         assert point["energy"] == pytest.approx(float(SCENE.energy(phi)), rel=1e-12)

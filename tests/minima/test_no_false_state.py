@@ -180,16 +180,19 @@ def test_no_state_beside_the_closed_book_of_a_miura_vertex(degrees):
     assert energies == pytest.approx([0.0, 4 * pi**2], abs=1e-12)
 
 
-@pytest.mark.parametrize("angle", thinned([1e-9, 1e-3, 1e-6], 3))
+@pytest.mark.parametrize("angle", [1e-9, 1e-3, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_a_book_at_rest_hardly_open(angle):
-    """Its rest state is the minimum, to rounding; below the accuracy of contacts (1e-8), to that."""
+    """Its rest state is the minimum, to rounding; beside the flat one closure does not tell: it is not decided."""
     rest = (angle, 0.0, 0.0, angle, 0.0, 0.0)
     scene = Scene(Vertex(("pi/4", "pi/2", "pi/4") * 2), (1.0,) * 6, rest, "D1")
     result = find_minima(scene, max_starts=128, prove=False, escape=False)
     assert not failures(result, 600)
+    if angle < 1e-8:
+        assert not result.minima and result.search.undecided
+        return
     lowest = result.minima[0]
-    assert np.abs(np.subtract(lowest.fold_angles, rest)).max() <= (1e-14 if angle > 1e-8 else 1e-8)
-    assert lowest.energy <= (1e-27 if angle > 1e-8 else 1e-15)
+    assert np.abs(np.subtract(lowest.fold_angles, rest)).max() <= 1e-14
+    assert lowest.energy <= 1e-27
 
 
 # ---------------------------------------------------------------- nearly singular scenes

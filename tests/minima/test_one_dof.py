@@ -1,16 +1,11 @@
-"""Scenes with one degree of freedom: the curves are all there, and no minimum on them is missed."""
+"""Scenes with one degree of freedom: what few starts find, others, or published lists know is not missed."""
 
-import itertools
 import math
-import time
 
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples
-from origami_nlp.errors import OptionError
-from origami_nlp.kkt import Solve, State, classify, polish
-from origami_nlp.minima import find_minima, trace
+from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.independent.scenes import SHAPES, build
@@ -40,70 +35,22 @@ SPECIAL = {
 }
 
 
-def decided(model, traced):
-    """Minima among candidates, polished and classified: states [K, n]."""
-    out = []
-    for x, contacts, origin in zip(traced.states, traced.contacts, traced.origins, strict=True):
-        exact = True
-        if origin in ("stationary", "contact"):
-            p = polish(model, Solve(x, "traced", 0, 0.0, np.zeros(model.size), None), contacts)
-            x, exact = p.x, p.converged
-        if classify(State(model, x), polished=exact).verdict == "minimum":
-            out.append(x)
-    return np.array(out).reshape(-1, model.size)
-
-
-def test_a_contact_that_ends_a_curve_is_one_that_is_closed_there():
-    """Its side too: on it the gap of the state beside is open."""
-    sides = []
-    for shape, seed in itertools.product(ONE, range(1)):
-        model = Model(build(np.random.default_rng(seed), shape))
-        traced = trace(model)
-        for x, contacts, origin in zip(traced.states, traced.contacts, traced.origins, strict=True):
-            if origin == "contact":
-                closed = model.closed(x)
-                rows = itertools.chain(closed.base, *(r for c in closed.branches for r in c))
-                assert {*contacts} <= {*rows}
-                sides += [c.side for c in contacts]
-    assert {*sides} == {1, -1}
+def listed(scene, **options):
+    """Fold angles of the minima, [M, N]."""
+    found = find_minima(scene, prove=False, escape=False, **options)
+    return np.array([m.fold_angles for m in found.minima]).reshape(-1, scene.degree)
 
 
 def nearest(x, states):
     return np.abs(states - x).max(axis=1).min(initial=np.inf)
 
 
-def found_by_starts(scene, seeds=2, starts=64):
-    model, out = Model(scene), []
-    for seed in range(seeds):
-        for m in find_minima(scene, seed=seed, starts=starts, prove=False, escape=False).minima:
-            out.append(model.reduce(np.array(m.fold_angles)))
-    return out
-
-
-@pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
 @pytest.mark.parametrize("shape", thinned([(s,) for s in ONE], 3), ids=str)
-def test_nothing_that_starts_find_is_missing(shape, seed, contact):
-    scene = build(np.random.default_rng(seed), shape, contact, decades=1.0)
-    model = Model(scene)
-    traced = trace(model)
-    assert traced.complete, traced.reason
-    minima = decided(model, traced)
-    for x in found_by_starts(scene, 1):
-        assert nearest(x, minima) <= 1e-7
-
-
-@pytest.mark.parametrize(
-    "shape", thinned([(s,) for s in (ONE[0], ("C", 2, 2), ("D", 1, 1, (True, True)))], 3), ids=str
-)
-def test_nothing_is_missing_without_fold_limits(shape):
-    scene = build(np.random.default_rng(5), shape, "none")
-    model = Model(scene)
-    traced = trace(model)
-    minima = decided(model, traced)
-    assert traced.complete
-    for x in found_by_starts(scene, 1):
-        assert nearest(x, minima) <= 1e-7
+def test_lists_do_not_hang_on_the_seed(shape, seed):
+    scene = build(np.random.default_rng(seed), shape, "fold-limits", decades=1.0)
+    one, other = listed(scene), listed(scene, seed=7)
+    assert len(one) == len(other) > 0 and all(nearest(x, other) <= 1e-7 for x in one)
 
 
 RESTS = [(PI / 2, 0, PI / 2, 0), (-1.0, 2.0, -3.0, 1.0), (1.0,) * 4]
@@ -115,26 +62,18 @@ RESTS = [(PI / 2, 0, PI / 2, 0), (-1.0, 2.0, -3.0, 1.0), (1.0,) * 4]
 @pytest.mark.parametrize("name", thinned([*SPECIAL], 4))
 def test_nothing_is_missing_where_curves_cross(name, rest):
     scene = Scene(Vertex(SPECIAL[name]), (1.0, 1.3, 0.7, 1.1), rest, "none")
-    model = Model(scene)
-    traced = trace(model)
-    assert traced.complete, traced.reason
-    minima = decided(model, traced)
-    for x in found_by_starts(scene, 1):
-        assert nearest(x, minima) <= 1e-7
+    minima = listed(scene)
+    assert all(nearest(x, minima) <= 1e-7 for x in listed(scene, seed=7))
 
 
 def test_a_state_that_one_start_in_hundreds_finds():
     for contact in ("full", "fold-limits"):
-        model = Model(
-            Scene(PLANTED.vertex, PLANTED.stiffness, PLANTED.rest_angles, "none", contact)
-        )
-        minima = decided(model, trace(model))
-        assert nearest(np.radians([-39.56, 169.34, 37.27, 120.3]), minima) < 1e-4
+        scene = Scene(PLANTED.vertex, PLANTED.stiffness, PLANTED.rest_angles, "none", contact)
+        assert nearest(np.radians([-39.56, 169.34, 37.27, 120.3]), listed(scene)) < 1e-4
 
 
 def test_five_states_of_a_degree_4_vertex():
-    model = Model(WAITUKAITIS)
-    energies = np.sort(model.energies(decided(model, trace(model))))
+    energies = [WAITUKAITIS.energy(x) for x in listed(WAITUKAITIS)]
     assert energies == pytest.approx([1.75371, 1.88391, 1.89567, 3.85321, 13.7429], rel=2e-5)
 
 
@@ -148,43 +87,7 @@ def test_the_same_turned_over_and_renumbered():
         first = None
         for shift, sign in ((0, 1), (1, 1), (2, -1), (3, 1)):
             a, s, r = (np.roll(v, shift) for v in (sectors, k, sign * rest))
-            model = Model(Scene(Vertex(tuple(a.tolist())), s, r, "none", "full"))
-            x = sign * np.roll(decided(model, trace(model)), -shift, axis=1)
+            scene = Scene(Vertex(tuple(a.tolist())), s, r, "none", "full")
+            x = sign * np.roll(listed(scene), -shift, axis=1)
             first = x if first is None else first
             assert len(x) == len(first) and all(nearest(y, first) < 1e-8 for y in x)
-
-
-def test_one_dof_is_counted_in_a_fifth_of_a_second():
-    for scene in (PLANTED, WAITUKAITIS):
-        model = Model(scene)
-        trace(model)  # (compiled functions are made once)
-        begin = time.process_time()
-        trace(model)
-        assert time.process_time() - begin < 2.0  # 0.05 on a quiet machine
-
-
-def test_more_dof_is_refused():
-    with pytest.raises(OptionError, match="2 degrees of freedom"):
-        trace(Model(examples.degree6("pi/3", 1.0)))
-
-
-def test_isolated_states_are_judged_where_they_are_found():
-    """Where one facet reaches around by itself: Newton cannot resolve what is isolated, and nothing moves."""
-    sectors = (1.2, 0.6, 0.2, 2.0)
-    scene = Scene(
-        Vertex(sectors, flat=False), (1, 2, 3, 4), (0.3, -0.4, 0.5, 0.6), "none", contact="none"
-    )
-    model = Model(scene)
-    traced = trace(model)
-    alone = traced.states[[origin == "crossing" for origin in traced.origins]]
-    assert len(alone) == 18
-    polished = [
-        polish(model, Solve(x, "traced", 0, 0.0, np.zeros(4), None), ()).converged for x in alone
-    ]
-    assert not any(polished)
-    result = find_minima(scene, prove=False, escape=False)
-    others = (*result.search.undecided, *result.search.rejected)
-    states = np.array([s.fold_angles for s in (*result.minima, *others)])
-    assert all(nearest(x, states) == 0 for x in alone)
-    assert not any("not polished" in s.reason for s in others)
-    assert result.search.stopped_by == "complete" and len(result.minima) >= 12

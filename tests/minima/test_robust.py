@@ -22,7 +22,7 @@ from origami_nlp.pattern_states import find_states
 from tests.computed_once import thinned
 from tests.patterns import miura
 
-FIND = importlib.import_module("origami_nlp.pattern_states.find")
+FIND = importlib.import_module("origami_nlp.pattern_states.search")
 
 
 def hinge(rest: float) -> Pattern:

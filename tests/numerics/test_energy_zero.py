@@ -1,12 +1,9 @@
 """States at rest have energy 0, of a vertex and of a pattern: no digits of rounding are printed."""
 
-import json
-
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from tests.command_line import run
 
 SECTORS = (60, 110, 120, 70)
 
@@ -27,17 +24,3 @@ def test_the_energy_of_a_state_at_rest_is_zero(at_rest):
     rest = np.array(at_rest.rest_angles)
     assert at_rest.energy(rest + 1e-12) == 0.0
     assert at_rest.energy(rest + 1e-9) == pytest.approx(0.5 * 4e-18, rel=1e-6)
-
-
-def test_a_pattern_at_rest_is_printed_with_zero(at_rest, tmp_path):
-    file, out = tmp_path / "a.fold", tmp_path / "a.json"
-    run("minima", _written(at_rest, tmp_path), "-o", file)
-    code, text, _ = run("minima", file, "--frame", 1, "--starts", 3, "-o", out)
-    assert code == 0 and not any(f"e-{k}" in text for k in range(20, 40))
-    assert json.loads(out.read_text())["minima"][0]["energy"] == 0.0
-
-
-def _written(scene, folder):
-    path = folder / "scene.toml"
-    path.write_text(o.format_scene(scene))
-    return path

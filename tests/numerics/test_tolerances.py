@@ -33,10 +33,9 @@ BESIDE_THE_TABLE = {
         landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER
-        minima/one_dof.ASIDE
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
-        continuation/branch_point.FAR
+        continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS
@@ -47,7 +46,7 @@ BESIDE_THE_TABLE = {
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
-        kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
+        kkt/neighbourhood.GOES kkt/descent_witness.DOWN
         continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
@@ -55,9 +54,6 @@ BESIDE_THE_TABLE = {
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         search/descend.NAMES
-    """,
-    "nodes at which a series is checked": """
-        minima/curve.CHECKS
     """,
     "what a formula is resolved to by its pieces": """
         pattern/hinge_types.AS_STATED
@@ -94,16 +90,19 @@ BESIDE_THE_TABLE = {
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST
     """,
+    "breaks of hinge laws": """
+        problem/hinge_laws.AT_BREAK
+    """,
     "symmetry of the shortest step of a path": """
         minima/full_space.KEPT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
         proof/boxes.WIDER proof/boxes.EXACT
         proof/complete.LOW proof/complete.NEAR
-        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
+        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES
+        proof/boxes.SMALLEST proof/complete.SMALLER
         proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
         proof/quads.ALIKE proof/quads.WIDEST
-        proof/law_torques.SMOOTH
     """,
     "bounds on rounding in proofs": """
         proof/flat.CLEAR
@@ -113,7 +112,7 @@ BESIDE_THE_TABLE = {
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
-        minima/curve.ACCURACY kkt/descent.RISE
+        kkt/descent.RISE pattern_states/judgement.LEFT
         search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "accuracy of published states, and of the grid that they lie on": """

@@ -39,7 +39,7 @@ def test_states_that_are_known_close_by_rotations_alone(every) -> None:
     far = [
         unclosed(r["q"]["stated"], phi)
         for records in every.values()
-        for r in records[::70]
+        for r in records[::120]
         if r["q"]["verb"] == "minima"
         for _, phi in r["answer"]["minima"]
     ]

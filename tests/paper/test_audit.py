@@ -15,7 +15,7 @@ from origami_nlp.paper.audit import CAUSES, PanelAudit, chart_ends, chart_point
 from origami_nlp.pattern import examples
 from origami_nlp.problem import Model
 from tests.command_line import run
-from tests.computed_once import panel_result
+from tests.computed_once import minima_once, panel_result
 from tests.independent import rotations
 
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "authors_candidates.json"
@@ -82,7 +82,7 @@ def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not(
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ...], list[str]]:
     """Candidates made so that each must have one cause, audited; and these causes."""
-    scene = examples.degree6("pi/4", 1.0)
+    scene = examples.degree6("pi/4", 0.01)
     model = Model(scene)
     x = model.reduce(np.array(panel_result(scene).minima[0].fold_angles))
 
@@ -110,8 +110,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ..
         (crossing.tolist(), "pi/3", "not admissible"),
     ]
     file = tmp_path_factory.mktemp("audit") / "made.json"
-    file.write_text(json.dumps([record(phi, alpha=alpha) for phi, alpha, _ in rows]))
-    return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
+    records = [record(phi, alpha=a, ratio=0.01 if a == "pi/4" else 1.0) for phi, a, _ in rows]
+    file.write_text(json.dumps(records))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("origami_nlp.paper.audit.find_states", minima_once)  # panels
+        return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
 
 
 def test_every_artefact_is_named(made: tuple[tuple[PanelAudit, ...], list[str]]) -> None:

@@ -208,16 +208,6 @@ def test_frames_inherit_and_legacy_names_are_read():
 # ---------------------------------------------------------------- the command line
 
 
-def test_vertices_command(tmp_path):
-    file = tmp_path / "a.fold"
-    file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV")))
-    out = tmp_path / "a.json"
-    done = RUN.invoke(app, ["inspect", str(file), "-o", str(out)])
-    assert done.exit_code == 0, done.output
-    (one,) = json.loads(out.read_text())["frames"]
-    assert one["vertices"][0]["degree"] == 4 and one["vertices"][0]["can_be_analysed"]
-
-
 @pytest.mark.parametrize(
     ("letters", "folds"), [("MVVV", None), ("VVMV", None), ("VMVV", None), ("MMMM", False)]
 )
@@ -323,26 +313,6 @@ def test_bad_files_get_one_line(tmp_path, text, words):
     assert isinstance(done.exception, OrigamiError), done.output
     line = str(done.exception)
     assert "\n" not in line and len(line) < 300 and all(w in line for w in words), line
-
-
-def test_bad_options_get_one_line(tmp_path):
-    file = tmp_path / "a.fold"
-    file.write_text(json.dumps(miura()))
-    scene = tmp_path / "s.toml"
-    scene.write_text("")
-    for args, words in [
-        ([str(file), "--vertex", "99"], ["--vertex 99", "0 to 15", "there are 5, 6"]),
-        ([str(file), "--vertex", "0"], ["--vertex 0", "border", "there are 5, 6"]),
-        ([str(file), "--vertex", "5", "--frame", "3"], ["--frame 3"]),
-        ([str(file), "--vertex", "5", "--stiffness", "-1"], ["--stiffness"]),
-        ([str(file), "--vertex", "5", "--rest-angle", "400"], ["--rest-angle = '400'", "180"]),
-        ([str(file), "--rest-angle", "file"], ["--rest-angle = 'file'", "--rest-from file"]),
-        ([str(scene), "--vertex", "5"], ["is empty"]),
-        ([str(tmp_path / "no.fold")], ["cannot read"]),
-    ]:
-        done = RUN.invoke(app, ["minima", *args])
-        assert isinstance(done.exception, OrigamiError), (args, done.output)
-        assert all(w in str(done.exception) for w in words), done.exception
 
 
 def test_forces_come_back_from_a_file():

@@ -201,14 +201,6 @@ def test_legacy_angles_in_degrees_and_both_names():
     assert any("left out" in note for note in one.notes)
 
 
-def test_the_new_name_is_degrees_and_pi_is_odd():
-    one = frame(disc(SECTORS, "MVVV", angles=[-3.14159265, 3.14159265, 1, 1]))
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles)[1] == pytest.approx(
-        3.14159265
-    )
-    assert any("write 180" in note for note in one.notes)
-
-
 # ---------------------------------------------------------------- no outline
 
 

@@ -11,32 +11,16 @@ from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import parse_toml
 from origami_nlp.pattern import fold_source, parse_fold, parse_scene
-from tests.fold_files import disc, miura
+from tests.fold_files import disc
 
 RUN = CliRunner()
 SLOWER = 5
 """Than the machine where bounds on time were measured; what is not linear takes far longer."""
 
 
-def sheet(rows):
-    return json.dumps(miura(rows, rows))
-
-
 def chain(n):
     frames = [{"frame_inherit": True, "frame_parent": k, "frame_title": f"{k}"} for k in range(n)]
     return json.dumps({**disc([60, 100, 120, 80], "MVVV"), "file_frames": frames})
-
-
-@pytest.mark.slow
-def test_ten_thousand_vertices(tmp_path):
-    """5 s of processor time for the command on a quiet machine; all of them are listed."""
-    file = tmp_path / "a.fold"
-    file.write_text(sheet(99))
-    start = time.process_time()
-    done = RUN.invoke(app, ["inspect", str(file)])
-    assert time.process_time() - start < 5 * SLOWER
-    assert done.exit_code == 0 and len(done.output.splitlines()) == 98**2 + 2
-    assert done.output.splitlines()[-1].split()[:2] == ["9898", "4"]
 
 
 def test_three_thousand_frames_that_inherit():

@@ -111,17 +111,6 @@ def test_search_and_proof_agree_under_preload():
     states = np.array([m.fold_angles for m in found.minima])
     apart = np.abs(points[:, None] - states).max(axis=2)
     assert apart.min(axis=0).max() < 1e-9 and apart.min(axis=1).max() < 1e-9
-    # along the curves of closed states, by brute force: no closed state near a minimum is lower
-    rng = np.random.default_rng(1)
-    model = Model(WOUND)
     for m in found.minima:
-        x = np.array(m.fold_angles) + rng.normal(0, 1e-3, (400, 4))
-        for _ in range(8):
-            g, jac = model.closure(x)
-            x -= np.einsum("kij,kj->ki", np.linalg.pinv(jac), g)
-        x = x[
-            (np.abs(x) <= math.pi).all(axis=1) & (np.abs(model.closure(x)[0]).max(axis=1) < 1e-13)
-        ]
-        assert len(x) > 20 and (WOUND.energy(x) > m.energy).all()
         torque = np.array(WOUND.stiffness) * (np.array(m.fold_angles) - WOUND.wound_angles)
         assert m.moment_residual < 1e-12 * np.abs(torque).max()

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.cli import Ended
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import fold_vertices, frame_pattern, parse_fold
 from tests.command_line import run
@@ -37,20 +36,6 @@ def test_a_sheet_that_is_off_folds_as_the_clean_one(noise, seed):
     assert max(v.kawasaki for v in fold_vertices(flat)[0]) < 1e-11
 
 
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_states_are_those_of_the_clean_sheet_within_the_noise():
-    data, _ = noisy(3e-4)
-    (frame,) = parse_fold(json.dumps(data))
-    found = [
-        sorted(m.energy for m in o.find_minima(p, effort="quick", escape=False).minima)
-        for p in (
-            frame_pattern(frame, snap=3e-3, rest_angle=1.0),
-            frame_pattern(parse_fold(json.dumps(noisy(0.0)[0]))[0], rest_angle=1.0),
-        )
-    ]
-    assert len(found[1]) > 3 and found[0] == pytest.approx(found[1], rel=5e-3)
-
-
 def test_what_is_off_by_more_stays_where_it_is():
     data, size = noisy(3e-3)
     (frame,) = parse_fold(json.dumps(data))
@@ -67,10 +52,9 @@ def test_what_is_off_by_more_stays_where_it_is():
 def test_a_command_names_both_ways_on(tmp_path):
     path = tmp_path / "drawn.fold"
     path.write_text(json.dumps(noisy(3e-4)[0]))
-    for words in (("inspect", path), ("minima", path, "--starts", 0, "--seconds", 1)):
-        plain, snapped = run(*words), run(*words, "--snap", 3e-3)
-        assert "--snap" in plain.err and "--bend" in plain.err
-        assert "--snap" not in snapped.err and snapped.code in (Ended.DONE, Ended.OUT_OF_TIME)
+    plain, snapped = run("inspect", path), run("inspect", path, "--snap", 3e-3)
+    assert "--snap" in plain.err and "--bend" in plain.err
+    assert "--snap" not in snapped.err and snapped.code == 0
     assert "--snap" not in run("inspect", "miura:2x3").err
     assert run("inspect", path, "--vertex", 5, "--snap", 1e-3).code == 2
     assert run("inspect", path, "--snap", 1).code == 2

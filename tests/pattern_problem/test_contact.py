@@ -3,18 +3,15 @@
 import math
 from functools import cache
 
-import mpmath
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Vertex, find_minima
 from origami_nlp.display import contact_places, draw_states
 from origami_nlp.errors import OutOfTime
-from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import Features, FoldedGeometry, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states, judge, list_branches
-from tests.patterns import downhill, metasheet, wheel
+from tests.patterns import downhill, metasheet
 from tests.relabelled import relabelled
 
 
@@ -42,68 +39,6 @@ def held(name="yoshimura", size=(4, 4), seed=8):
     end = downhill(problem, start)
     assert end.arrived
     return problem, judge(problem, end.phi)
-
-
-def exact_gap(problem, touch):
-    """The gap over the fold angles of its walk with 30 digits: matrices of rotations one after the other."""
-    pattern = problem.pattern
-    walk = problem.crossings.poses.path(*touch.facets)
-
-    def vector(v):
-        return mpmath.matrix([mpmath.mpf(float(x)) for x in v])
-
-    def cross(a, b):
-        i = (0, 1, 2)
-        return mpmath.matrix([a[i[k - 2]] * b[i[k - 1]] - a[i[k - 1]] * b[i[k - 2]] for k in i])
-
-    def dot(a, b):
-        return sum(a[k] * b[k] for k in range(3))
-
-    def gap(*angles):
-        def carried(corner):
-            x = vector(pattern.corners[corner])
-            for (crease, sense), angle in reversed(list(zip(walk, angles, strict=True))):
-                p, q = (vector(pattern.corners[k]) for k in pattern.ends[crease])
-                d = (q - p) / mpmath.norm(q - p)
-                turn = sense * (angle - mpmath.mpf(float(pattern.reference[crease])))
-                v = x - p
-                x = p + mpmath.cos(turn) * v + mpmath.sin(turn) * cross(d, v)
-                x += (1 - mpmath.cos(turn)) * dot(d, v) * d
-            return x
-
-        a, b, c, d = touch.corners
-        if touch.type == "vertex-face":
-            q, r, s = (vector(pattern.corners[k]) for k in (b, c, d))
-            normal, off = cross(r - q, s - q), carried(a) - q
-        else:
-            q = vector(pattern.corners[a])
-            normal = cross(vector(pattern.corners[b]) - q, carried(d) - carried(c))
-            off = carried(c) - q
-        return touch.sign * dot(off, normal) / mpmath.norm(normal)
-
-    return gap
-
-
-@pytest.mark.parametrize("kind", ["vertex-face", "edge-edge"])
-def test_gaps_and_their_derivatives_to_thirty_digits(kind):
-    problem, state = held()
-    at = FoldedGeometry(problem.crossings.poses, state.phi)
-    facing = [t for t, _ in Features(problem.crossings).facing(at, 0.2) if t.type == kind]
-    touch = min(facing, key=lambda t: abs(len(problem.crossings.poses.path(*t.facets)) - 3))
-    gap = exact_gap(problem, touch)
-    creases, slopes = touch.slopes(at)
-    bends = touch.bends(at)
-    with mpmath.workdps(30):
-        x = [mpmath.mpf(float(a)) for a in state.phi[creases]]
-        assert touch.gap(at) == pytest.approx(float(gap(*x)), abs=1e-13)
-        for i in range(len(x)):
-            first = [int(k == i) for k in range(len(x))]
-            assert slopes[i] == pytest.approx(float(mpmath.diff(gap, x, first)), abs=1e-12)
-            for j in range(i + 1):
-                second = [a + int(k == j) for k, a in enumerate(first)]
-                exact = float(mpmath.diff(gap, x, second))
-                assert bends[i, j] == pytest.approx(exact, abs=1e-11)
-    assert bends == pytest.approx(bends.T)
 
 
 def test_a_state_held_by_several_contacts_balances_to_rounding():
@@ -191,56 +126,6 @@ def test_lower_states_beside_it_cross_by_another_library(name, size, seed):
         assert crosses or change > 0, (k, change)
         lower += change < 0
     assert many == 30 and lower > 7
-
-
-def compare_with_vertex(seed):
-    """States of one vertex that contact holds, by the search for single vertices: judged and reached by this way."""
-    rng = np.random.default_rng(seed)
-    n = int(rng.integers(5, 8))
-    sectors = rng.dirichlet(6 * np.ones(n)) * 2 * np.pi
-    k, rest = rng.uniform(0.2, 2, n), rng.uniform(-3, 3, n)
-    if sectors.max() > 2.8:
-        return 0
-    problem = PatternProblem(wheel(sectors).with_springs(list(k), list(rest)))
-    vertex = Vertex(tuple(sectors.tolist()))
-    scene = Scene(vertex, symmetry="C1", stiffness=list(k), rest_angles=list(rest))
-    many = 0
-    for m in find_minima(scene, prove=False, escape=False).minima:
-        phi = np.array(m.fold_angles)
-        state = judge(problem, phi)
-        if state.verdict == "undecided":  # creases on each other have no gap of their own here
-            assert any("on each other" in c.text for c in m.contacts)
-            continue
-        assert state.verdict == "minimum"
-        assert state.energy == pytest.approx(m.energy, rel=1e-12)
-        if m.kind == "degenerate":
-            continue
-        assert state.kind == m.kind
-        # sides are of length one: a force at the end of a side is a moment about the vertex
-        assert sorted(c.force for c in state.contacts) == pytest.approx(
-            sorted(c.multiplier for c in m.contacts), abs=1e-9
-        )
-        reached = False
-        for size in np.repeat((0.05, 0.01, 0.002), 20):  # shallow ones are left by large steps
-            start, residual = problem.project(
-                np.clip(phi + size * rng.normal(size=n), -np.pi, np.pi)
-            )
-            good = residual < 1e-12 and np.abs(start).max() <= np.pi
-            if not reached and good and not problem.crossings.find(start):
-                end = downhill(problem, start)
-                reached = end.arrived and np.abs(end.phi - phi).max() < 1e-9
-        assert reached, (seed, m.kind, m.energy)
-        many += m.kind != "interior"
-    return many
-
-
-def test_one_vertex_is_held_as_its_own_search_says():
-    assert compare_with_vertex(12) == 4
-
-
-@pytest.mark.slow
-def test_more_vertices_are_held_as_their_own_search_says():
-    assert sum(compare_with_vertex(seed) for seed in range(40)) > 20
 
 
 def test_labels_and_place_do_not_matter():

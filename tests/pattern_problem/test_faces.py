@@ -17,7 +17,8 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
 )
 from origami_nlp.pattern_states import judge
-from origami_nlp.problem import Model, vertices
+from origami_nlp.problem import Model
+from origami_nlp.starts import flat_foldings
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -32,7 +33,7 @@ def stacked(seed):
     sectors = parts * 2 * math.pi / unit
     problem, vertex = PatternProblem(wheel(sectors)), Vertex(tuple(sectors.tolist()))
     scene = Scene(vertex, (1.0,) * n, (0.0,) * n, "none", "full")
-    states = list(vertices(Model(scene), 1000, rng))
+    states = flat_foldings(Model(scene))
     for _ in range(40):  # some of them with creases that are open
         phi, held = rng.uniform(-2.5, 2.5, n), rng.random(n) < 0.45
         phi[held] = rng.choice([-math.pi, math.pi, 0.0], held.sum(), p=[0.4, 0.4, 0.2])
@@ -87,14 +88,6 @@ def compare(seed, many=8):
 def test_stacked_vertices_are_judged_as_their_own_search_says():
     reported = [both for seed in (1, 5, 10, 11) for both in compare(seed, 4)]
     assert {("minimum", "minimum"), ("not stationary", "not stationary")} <= set(reported)
-
-
-@pytest.mark.slow
-def test_40_stacked_vertices_are_judged_as_their_own_search_says():
-    reported = [both for seed in range(100, 140) for both in compare(seed)]
-    assert reported.count(("minimum", "minimum")) > 25
-    open_ones = [two for one, two in reported if one != "undecided"].count("undecided")
-    assert open_ones < 0.1 * len(reported)
 
 
 def _miura():
@@ -182,23 +175,6 @@ def _moved(problem, body, phi, facet, places):
     at, motion = FoldedGeometry(problem.crossings.poses, phi), body.place(phi)[facet]
     back = (np.array(places) - at.shift[facet]) @ at.turn[facet]
     return back @ motion[:3, :3].T + motion[:3, 3]
-
-
-def held():
-    """Six equal sectors, creases on creases: a state in which facets push face to face, of random springs."""
-    rng = np.random.default_rng(0)
-    rest = rng.uniform(-3.1, 3.1, 6)
-    problem = PatternProblem(
-        wheel([math.pi / 3] * 6).with_springs(list(rng.uniform(0.3, 2, 6)), list(rest))
-    )
-    scene = Scene(
-        Vertex((math.pi / 3,) * 6),
-        tuple(problem.pattern.stiffness.tolist()),
-        tuple(rest.tolist()),
-        "none",
-        "full",
-    )
-    return problem, scene
 
 
 def _rolled(rest):

@@ -10,7 +10,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Vertex, check_admissible
-from origami_nlp.folding import Orders, Rules
 from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
 from origami_nlp.pattern_problem import (
     PatternProblem,
@@ -22,9 +21,7 @@ from origami_nlp.pattern_problem import (
 )
 from origami_nlp.pattern_states import analyze_mobility, judge
 from tests.fold_files import others
-from tests.independent.arcs import crossing_margin
 from tests.independent.lattice_chains import is_paper
-from tests.independent.rotations import fold
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -76,56 +73,6 @@ def test_facets_that_share_a_line_besides_an_area_are_intersected_with_others():
     assert area(stack._shared(both, other))[0] == pytest.approx(0.5)
 
 
-def _some_order(lengths, signs):
-    """Go through all orders of the layers of a folded strip: heights of its facets, 0 lowest."""
-    n = len(lengths)
-    ends = [0.0]
-    for k, length in enumerate(lengths):
-        ends.append(ends[-1] + (length if k % 2 == 0 else -length))
-    low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
-
-    def good(height):
-        for k in range(n - 1):
-            # facets with even numbers lie face up: their valley brings the next one on top
-            above = (signs[k] > 0) == (k % 2 == 0)
-            if (height[k + 1] > height[k]) != above:
-                return False
-            a, b = sorted((height[k], height[k + 1]))
-            x = ends[k + 1]
-            if any(
-                a < height[m] < b and low[m] + 1e-9 < x < high[m] - 1e-9
-                for m in range(n)
-                if m not in (k, k + 1)
-            ):
-                return False
-            for m in range(n - 1):
-                if m == k or abs(ends[m + 1] - x) > 1e-9 or {m, m + 1} & {k, k + 1}:
-                    continue
-                if (m - k) % 2:  # the facets of the other crease lie on its other side
-                    continue
-                if (a < height[m] < b) != (a < height[m + 1] < b):
-                    return False
-        return True
-
-    return any(good(h) for h in itertools.permutations(range(n)))
-
-
-@pytest.mark.parametrize("equal", [True, False])
-def test_strips_as_all_their_orders_say(equal):
-    """Of facets as long as each other (creases lie on creases), and of others."""
-    rng, found = np.random.default_rng(0), []
-    for n in (4, 5, 6):
-        lengths = np.ones(n) if equal else rng.choice([1.0, 1.3, 1.7, 2.0], n)
-        x = np.concatenate([[0.0], np.cumsum(lengths)])
-        problem = PatternProblem(grid(np.stack(np.meshgrid(x, [0.0, 1.0], indexing="ij"), axis=2)))
-        for signs in itertools.islice(itertools.product((1.0, -1.0), repeat=n - 1), 0, None, 2):
-            verdict = order_layers(problem, math.pi * np.array(signs)).verdict
-            assert verdict == ("ordered" if _some_order(lengths, signs) else "crosses")
-            found.append(verdict)
-    assert "ordered" in found
-    assert equal or "crosses" in found  # stamps of one size fold with any signs
-
-
 def _strip(lengths):
     x = np.concatenate([[0.0], np.cumsum(lengths)])
     return PatternProblem(grid(np.stack(np.meshgrid(x, [0.0, 1.0], indexing="ij"), axis=2)))
@@ -151,11 +98,6 @@ def _chains(seed, count):
 
 def test_strips_that_leave_the_plane_as_all_orders_of_a_chain_say():
     assert {"ordered", "crosses"} == set(_chains(0, 40))
-
-
-@pytest.mark.slow
-def test_4000_strips_as_all_orders_of_a_chain_say():
-    assert len(_chains(1, 4000)) > 3500
 
 
 def _partly_folded(seed, count):
@@ -184,29 +126,6 @@ def _partly_folded(seed, count):
 
 def test_partly_folded_vertices_as_the_exact_test_says():
     assert {(True, True), (False, True)} <= {one[:2] for one in _partly_folded(0, 8)}
-
-
-@pytest.mark.slow
-def test_800_partly_folded_vertices_as_the_exact_test_says():
-    assert {(True, True), (False, True)} <= {one[:2] for one in _partly_folded(1, 800)}
-
-
-STAMPS = {(1, 3): 6, (1, 4): 16, (1, 5): 50, (2, 2): 8, (2, 3): 60}
-"""Ways to fold strips and maps of m x n labelled stamps (Lunnon 1968, 1971; OEIS A000136, A001415)."""
-
-
-@pytest.mark.parametrize("size", STAMPS)
-def test_ways_to_fold_stamps_are_as_many_as_is_known(size):
-    i, j = np.meshgrid(np.arange(size[0] + 1.0), np.arange(size[1] + 1.0), indexing="ij")
-    problem, total = PatternProblem(grid(np.stack([i, j], axis=2))), 0
-    for signs in itertools.product((1.0, -1.0), repeat=problem.size):
-        phi = math.pi * np.array(signs)
-        if problem.residual(phi) < 1e-12 and problem.closure.lifts_to_one(phi):
-            stack = Stack(problem.crossings, phi)
-            orders = Orders(Rules(len(stack.pairs), [rule for rule, _ in stack.rules()]))
-            if all(orders.assume({u: v}) == -1 for u, v, _ in stack.known()):
-                total += orders.count()
-    assert total == STAMPS[size]
 
 
 def test_what_passes_through_a_facet_along_a_crease_is_no_paper():
@@ -321,35 +240,3 @@ def test_a_miura_sheet_folds_flat_and_large_ones_are_refused_by_name(monkeypatch
     far = order_layers(PatternProblem(large), math.pi * np.sign(miura_angles(large, 14, 1.0)))
     assert far.verdict == "not decided"
     assert "pairs" in far.reason
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_a_crease_that_passes_close_by_a_border_does_not_pass_through():
-    """Two creases that come onto each other, one on a facet beside the other: by arcs of great circles."""
-    scene = replace(o.examples.degree6("5*pi/12"), symmetry="none")
-    atlas = o.follow(scene, "ratio=1.79:1.86", prove=False, checks=1, effort="quick")
-
-    def deep(phi):
-        return crossing_margin(fold(scene.vertex.sector_angles, phi)[0])[0]
-
-    rng, crossed, clear, reported = np.random.default_rng(0), 0, 0, 0
-    for t in (1.8, 1.81, 1.82, 1.83, 1.838, 1.8383, 1.85):
-        problem = PatternProblem(scene_pattern(atlas.family.scene(t)))
-        pinned = [s.fold_angles for s in atlas.at(t) if s.kind == "contact-pinned"]
-        assert len(pinned) == 2
-        for phi in map(np.array, pinned):
-            assert deep(phi) < 1e-12 and not problem.refuses(phi)
-            for step in (1e-7, 1e-6, 1e-5, 1e-4, 1e-3):
-                for _ in range(4):
-                    beside, missed = problem.project(phi + step * rng.normal(size=6))
-                    assert missed < 1e-12
-                    depth = deep(beside)
-                    said = problem.refuses(beside)
-                    reported += bool(said)
-                    if depth > 1e-8:
-                        assert said
-                        crossed += 1
-                    elif depth < 1e-13:
-                        assert not said or "not decided" in said, (t, step, said)
-                        clear += 1
-    assert crossed > 50 and clear > 50 and reported < crossed + clear

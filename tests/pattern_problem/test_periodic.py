@@ -250,29 +250,6 @@ def test_what_a_cell_has_not_is_refused():
         assert "\n" not in str(error.value)
 
 
-@pytest.mark.slow  # seven searches of a cell
-def test_larger_cells_have_the_states_of_smaller_ones_and_more():
-    energies = {}
-    for columns in (1, 2):
-        cell = o.examples.pattern("miura", 1, columns, cell=True)
-        found = o.find_minima(cell, effort="quick", escape=False, prove=False)
-        energies[columns] = {round(m.energy / columns, 9) for m in found.minima}
-        for m in found.minima:
-            # a sheet by itself of 2 x 2 cells: it closes, and no facets cross
-            sheet, crease_of = cell.cell.lay([(i, j) for i in range(2) for j in range(2)])
-            problem = PatternProblem(sheet)
-            assert problem.refuses(m.phi[crease_of]) == ""
-        apart = [
-            np.abs(image(s, m.phi) - n.phi).max()
-            for s in find_labels(cell).symmetries(cell)
-            for m in found.minima
-            for n in found.minima
-            if abs(m.energy - n.energy) < 1e-9
-        ]
-        assert min(apart) < 1e-9
-    assert energies[1] < energies[2]
-
-
 @pytest.mark.slow
 def test_layers_of_pleats_repeat():
     """States folded flat along pleats: ordered as sheets of 3 x 3 cells too, whose order need not repeat."""

@@ -1,12 +1,11 @@
 """What is posed: facets cut into convex pieces as fast as large sheets need it, and what is kept of the last states."""
 
 import time
-from collections import Counter
 
 import numpy as np
 
 from origami_nlp.pattern import as_pattern
-from origami_nlp.pattern_problem import MOST_KEPT, PatternProblem
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_problem.crossings import _convex, convex_parts
 
 
@@ -43,24 +42,3 @@ def test_a_sheet_of_four_thousand_facets_is_posed_in_a_second():
     problem = PatternProblem(pattern)
     assert time.process_time() - begin < 1.0
     assert pattern.facets == 4056 and len(problem.crossings.pieces) == 4056
-
-
-def test_what_was_computed_of_the_last_states_is_kept():
-    problem, asked = PatternProblem(as_pattern("miura:2x2")), Counter()
-    states = [np.full(problem.size, float(k)) for k in range(MOST_KEPT + 1)]
-
-    def ask(k):
-        def make():
-            asked[k] += 1
-            return k
-
-        assert problem.kept("test", states[k], make) == k
-
-    for k in (0, 1, 0, 2, 0):
-        ask(k)
-    assert asked == Counter({0: 1, 1: 1, 2: 1})
-    ask(MOST_KEPT)  # state 1 was asked for longest ago
-    ask(0)
-    assert asked[0] == 1
-    ask(1)
-    assert asked[1] == 2

@@ -11,6 +11,7 @@ import origami_nlp as o
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.search import solve_with
+from tests.computed_once import panel_result, touching
 from tests.patterns import miura
 
 PROBLEMS = {
@@ -43,10 +44,9 @@ def test_closure_and_energy_with_their_derivatives(name):
         assert problem.scale * float(u[0, 0]) == pytest.approx(problem.energy(y), rel=1e-12)
 
 
-def minima(*made):
+def minima(*some):
     """Minima of vertices or sheets: problem, state, and its contacts with what they carry."""
-    for one in made:
-        found = o.find_minima(one, prove=False, escape=False, effort="quick")
+    for found in some:
         problem = found.model or pose(found.pattern)
         for m in found.minima:
             state = State(problem, problem.reduce(np.array(m.fold_angles)))
@@ -55,12 +55,12 @@ def minima(*made):
 
 @cache
 def of_vertices():
-    return list(minima(o.examples.degree6("pi/3", ratio=1)))
+    return list(minima(panel_result(o.examples.degree6("pi/3", ratio=1))))
 
 
 @cache
 def of_sheets():
-    return list(minima("metasheet:4x4", "miura:2x2"))
+    return list(minima(touching(), o.find_minima("miura:2x2", escape=False, effort="quick")))
 
 
 def test_gaps_are_those_that_are_compiled():

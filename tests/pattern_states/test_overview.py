@@ -10,7 +10,7 @@ import origami_nlp as o
 from origami_nlp.errors import Interrupted
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, Poses, angle_sums
-from origami_nlp.pattern_states import find, list_branches
+from origami_nlp.pattern_states import find_states, list_branches, search
 from tests.command_line import run
 from tests.fold_files import others
 
@@ -247,9 +247,9 @@ def test_states_that_the_pattern_gives_come_before_branch_directions(monkeypatch
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(find, "list_branches", interrupted)
+    monkeypatch.setattr(search, "list_branches", interrupted)
     with pytest.raises(Interrupted) as stop:
-        find.find_states("miura:3x3", starts=0)
+        find_states("miura:3x3", starts=0)
     found = stop.value.result
     assert {s.kind for s in found.minima} == {"interior"}
     assert found.search.left_out[0] == "branch directions of the flat state"

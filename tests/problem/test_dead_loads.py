@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -43,6 +44,11 @@ BOOK = Scene(
     fixed_facet=4,
     loads=[{"crease": 2, "distance": 0.5, "force": [0, 0, -0.3]}],
 )
+
+
+@cache
+def book():
+    return find_minima(BOOK, prove=True, escape=False)
 
 
 def closed_states(model, count, seed=0):
@@ -147,7 +153,7 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
     f, r, t = -0.3, 0.5, 0.4
     for _ in range(50):
         t -= (2 * (t - 0.4) - f * r * math.cos(t)) / (2 + f * r * math.sin(t))
-    found = find_minima(BOOK, prove=False, escape=False)
+    found = book()
     lowest = found.minima[0]
     assert np.abs(np.array(lowest.fold_angles) - (t, 0, t, 0)).max() < 1e-14
     assert lowest.energy == pytest.approx((t - 0.4) ** 2 - f * r * math.sin(t), abs=1e-15)
@@ -162,7 +168,7 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
 
 
 def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_fixed_facet():
-    found = find_minima(FIVE, max_starts=128, effort="quick", prove=False, escape=False)
+    found = find_minima(FIVE, max_starts=32, effort="quick", prove=False, escape=False)
     model = Model(FIVE)
     assert found.minima and found.completeness is None
     rng = np.random.default_rng(3)
@@ -173,7 +179,7 @@ def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_fix
         assert len(y) > 10 and (FIVE.energy(y) > m.energy - 1e-13).all()
         assert m.moment is None
     other = find_minima(
-        replace(FIVE, fixed_facet=4), max_starts=64, effort="quick", prove=False, escape=False
+        replace(FIVE, fixed_facet=4), max_starts=16, effort="quick", prove=False, escape=False
     )
     assert abs(other.minima[0].energy - found.minima[0].energy) > 1e-3
 
@@ -224,5 +230,5 @@ def test_what_does_not_know_forces_says_so():
     for ask in (find_critical_points, find_barriers, lambda s: prove(Model(s))):
         with pytest.raises(OptionError, match="not decided for scenes with dead loads"):
             ask(BOOK)
-    found = find_minima(BOOK, prove=True, escape=False)
+    found = book()
     assert found.completeness.status == "not-proved" and "dead loads" in found.completeness.reason

@@ -32,13 +32,3 @@ def test_values_and_derivatives_are_those_of_the_symbols(scene):
     lam, none = rng.normal(size=local.closure.shape), np.zeros((20, many))
     hessian = kinematics.closure_hessian(at, lam)
     assert np.abs(hessian - model.hessian(x, lam, none, 0.0)).max() <= ROUNDING
-
-
-def test_second_derivatives_by_differences():
-    model = Model(next(scenes()))
-    kinematics, h = Kinematics(model), 1e-6
-    x, lam = np.array([0.3, -1.0, 2.0, 0.7]), np.array([0.2, -0.7, 1.1])
-    steps = np.concatenate([x + h * np.eye(4), x - h * np.eye(4)])
-    gradients = np.einsum("r,krn->kn", lam, kinematics.closure(kinematics.fold(steps))[1])
-    hessian = kinematics.closure_hessian(kinematics.fold(x[None]), lam[None])[0]
-    assert np.allclose((gradients[:4] - gradients[4:]) / (2 * h), hessian, atol=1e-9)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.problem import Kinematics, Model, MomentMap, compile_structure, kinematics
+from origami_nlp.problem import Model, MomentMap, compile_structure
 
 
 def draw(n, seed=0, *, contact="fold-limits", flat=True):
@@ -163,16 +163,3 @@ def test_long_chains_have_the_values_of_compiled_functions(n, contact):
     assert np.abs(many.closure - model.closure(x)[0]).max() == 0
     assert local.gaps.shape == (0,)
     assert local.gaps_jacobian.shape == (0, n)
-
-
-def test_products_of_neighbours_are_those_of_one_crease_after_the_other(monkeypatch):
-    for scene in (draw(41), draw(30, flat=False)):
-        model = Model(scene)
-        chain, x = Kinematics(model), np.random.default_rng(0).uniform(-3, 3, (5, model.size))
-        few = chain.fold(x)
-        monkeypatch.setattr(kinematics, "FEW", 0)
-        many = chain.fold(x)
-        monkeypatch.undo()
-        assert np.abs(few.axes - many.axes).max() < 1e-13
-        assert np.abs(few.end - many.end).max() < 1e-13
-        assert (few.axes != many.axes).any()

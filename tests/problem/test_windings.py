@@ -8,7 +8,7 @@ import pytest
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import project
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.problem import CreaseChain, Model, close_by
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 
 
@@ -49,19 +49,4 @@ def test_every_winding_closes_the_whole_vertex(kind, order, flat):
             _, q = fold_vertex(scene.vertex, model.expand(x))
             assert np.abs(q[:, 1:]).max() < 1e-8
             assert ((q[:, 0] > 0) == model.lifts_to_one(x)).all()
-            x = x[model.lifts_to_one(x) & (np.abs(x) < math.pi - 1e-6).all(axis=1)]
-            solve = tuple(rng.choice(model.size, model.equation_count, replace=False))
-            states, exists = close_by(CreaseChain(model), model.has_limits, x, solve)[:2]
-            apart = np.where(exists, np.abs(states - x[:, None]).max(axis=2), 9.0)
-            assert (apart.min(axis=1) < 1e-5).all()
-            _, q = fold_vertex(scene.vertex, model.expand(states[exists]))
-            assert q[:, 0].min(initial=1.0) > 1 - 1e-9
     assert seen == set(scene.windings)
-
-
-def test_a_model_says_which_states_it_has():
-    (scene, *_) = scenes("D", 5, True)
-    once, thrice, closed = map(str, map(Model, scene.of_each_winding))
-    assert "-cos(pi/5)" in once and "states that wind 3, 5 times" in once
-    assert "-cos(3 pi/5)" in thrice and "wind 3 times round its axis" in thrice
-    assert "H n_k = n_1" in closed and "equalities    2" in closed

@@ -11,9 +11,9 @@ from benchmarks import family_scene
 from origami_nlp import Scene, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.pattern import Vertex, examples
+from origami_nlp.pattern import Vertex, examples, linear
 from origami_nlp.problem import Model
-from origami_nlp.proof import ProofOptions, prove
+from origami_nlp.proof import prove
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
@@ -214,7 +214,7 @@ def test_panels_leave_no_box(index):
     """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
     scene = replace(examples.panels()[index], contact="fold-limits")
     model = Model(scene)
-    proof = prove(model, options=ProofOptions(boxes=20_000, fewest=1))
+    proof = prove(model, boxes=20_000)
     assert proof.finished and not proof.undecided
     assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
     boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]
@@ -261,7 +261,7 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
 @pytest.mark.parametrize("contact", ["fold-limits", "full"])
 def test_options_limit_the_boxes_of_a_proof(contact):
     scene = replace(examples.degree6("pi/3", ratio=1), contact=contact)
-    proof = prove(Model(scene), options=ProofOptions(boxes=1))
+    proof = prove(Model(scene), boxes=1)
     assert not proof.finished and not proof.complete
 
 
@@ -284,5 +284,18 @@ def test_a_problem_with_a_load_is_proved_with_its_load(scene, contact):
     )
     far = np.abs(found[:, None] - states(proof)).max(axis=2)
     assert (far.min(axis=0) < 1e-8).all()
-    with pytest.raises(OptionError):
-        prove(model.varied(replace(model.parameters, stiffness=2 * model.parameters.stiffness)))
+    stiff = prove(model.varied(replace(model.parameters, stiffness=2 * model.parameters.stiffness)))
+    assert np.allclose(
+        [2 * p.energy for p in prove(model).minima], [p.energy for p in stiff.minima]
+    )
+    turned = np.roll(model.parameters.sectors, 1)
+    with pytest.raises(OptionError, match="sectors"):
+        prove(model.varied(replace(model.parameters, sectors=turned)))
+
+
+def test_hinge_laws_are_refused_and_the_list_says_so():
+    scene = replace(DEGREE4[0], laws=tuple(map(linear, (1, 2, 3, 4), (0.1, 0.2, 0.3, 0.4))))
+    with pytest.raises(OptionError, match="hinge laws"):
+        prove(Model(scene))
+    known = find_minima(scene, prove=True, escape=False).completeness
+    assert known.status == "not-proved" and "hinge laws" in known.reason

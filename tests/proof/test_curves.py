@@ -182,44 +182,17 @@ def test_facets_round_a_vertex_do_not_cross(first):
     assert crossing[1.0] == 0 < crossing[-1.0]
 
 
-def _against_scan_in_contact(seed: int, vertices: int) -> None:
-    pattern = strip(seed, vertices + 1, 2)
-    proof = prove_sheet(pattern, contact=True)
-    assert not proof.undecided
-    shown = [(m.fold_angles, bool(m.touching)) for m in proof.minima]
-    for x, touching in StripInContact(pattern).wells():
-        # a last step of the scan may take a touch for a crossing beside it
-        assert any(t == touching and np.abs(x - y).max() < 1e-6 for y, t in shown)
-    scan = StripInContact(pattern)
-    inside = [m.fold_angles for m in proof.minima if not (bool(m.touching) or at_limit(m))]
-    assert not inside or not scan.crosses(np.array(inside)).any()
-    held, judged = hold_against(proof, PatternProblem(pattern), [], True)
-    assert held.proved, held.reason
-    assert len(judged) == len(proof.minima)
-
-
 @pytest.mark.parametrize("seed, vertices", thinned([(23, 2), (1, 3), (3, 2), (4, 3)], 4))
-def test_minima_in_contact_are_those_of_a_scan(seed, vertices):
-    _against_scan_in_contact(seed, vertices)
+def test_a_search_lacks_no_minimum_in_contact_of_a_scan(seed, vertices):
+    pattern = strip(seed, vertices + 1, 2)
+    found = [m.phi for m in o.find_minima(pattern, prove=False, escape=False).minima]
+    assert all(_closest(found, x) < 1e-6 for x, _ in StripInContact(pattern).wells())
 
 
-@pytest.mark.slow
-def test_minima_in_contact_of_forty_strips():
-    for seed in range(40):
-        _against_scan_in_contact(3000 + seed, 2 + seed % 3)
-
-
-def test_contact_is_proved_or_named():
+def test_contact_is_proved_of_one_vertex_or_named():
     found = o.find_minima(strip(0, 3, 2), prove=True, starts=1, escape=False)
-    assert (
-        found.completeness.proved and "facets are apart, touch or cross" in found.completeness.over
-    )
-    points = [*CORNERS, [-0.1, 0.3]]
-    pattern = make_pattern(points, [(0, 1, 2), (0, 2, 5, 3), *ROUND[2:]])
-    found = o.find_minima(
-        pattern.with_springs(stiffness=0.01, rest_angles=0.5), prove=True, starts=1, escape=False
-    )
-    assert "a facet is not convex" in found.completeness.reason
+    assert not found.completeness.proved
+    assert "contact of sheets of several vertices is not proved" in found.completeness.reason
 
 
 @pytest.mark.parametrize("seed", thinned([8, 12, 17], 3))
@@ -263,7 +236,7 @@ def test_facets_that_are_not_convex_may_touch(middle, proved):
     """A facet with an arm reaches over its neighbours: cones of sectors say nothing of it."""
     pattern = make_pattern([*CORNERS, middle], [(0, 1, 2), (0, 2, 5, 3), *ROUND[2:]])
     pattern = pattern.with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
-    problem, proof = PatternProblem(pattern), prove_sheet(pattern, contact=proved)
+    problem, proof = PatternProblem(pattern), prove_sheet(pattern)
     states = [judge(problem, m.fold_angles, True) for m in proof.minima]
     assert (why_no_contact(pattern) == "") is proved
     assert hold_against(proof, problem, states, True)[0].proved is proved
@@ -287,10 +260,3 @@ def test_creases_of_several_vertices_reach_their_limits_at_once():
     states = [judge(problem, m.fold_angles, False) for m in proof.minima]
     held, judged = hold_against(proof, problem, states, False)
     assert held.proved and not judged
-
-
-def test_facets_that_cross_with_edges_on_edges():
-    """By half-turns of the sheet edges pass edges at both ends of a crossing at once: a diagonal shows it."""
-    pattern = o.examples.pattern("metasheet", 2, 3)
-    proof = prove_sheet(pattern, contact=True)
-    assert not proof.undecided and len(proof.minima) == 5

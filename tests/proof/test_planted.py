@@ -7,10 +7,10 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.problem import Model
-from origami_nlp.proof import boxes, complete, flat, prove, roots, rows, touches
+from origami_nlp.proof import boxes, complete, flat, pieces, prove, roots, rows
 from tests.computed_once import shared
 from tests.independent.scan_four import minima
-from tests.minima.test_completeness import generic
+from tests.pattern_states.test_completeness import generic
 
 
 def scene_of(sectors, stiffness, rest):
@@ -80,12 +80,11 @@ def without_limits(patch):
 
 
 def with_a_sign_of_minors_wrong(patch):
-    true = rows.Torques.weighed
+    def expansion(column, of, which, where):
+        terms = [column[w] * of[o] for w, o in zip(which.T, where.T, strict=True)]
+        return sum(terms[1:], terms[0])
 
-    def weighed(self, of, which, where, sign):
-        return true(self, of, which, where, np.abs(sign))
-
-    patch.setattr(rows.Torques, "weighed", weighed)
+    patch.setattr(pieces, "expansion", expansion)
 
 
 def with_half_of_the_loop_turned_the_other_way(patch):
@@ -110,8 +109,8 @@ def without_remainders(patch):
 def with_boxes_contracted_too_far(patch):
     true = boxes._bounds
 
-    def bounds(posed, found, keep):
-        low, high = true(posed, found, keep)
+    def bounds(found, asked, keep):
+        low, high = true(found, asked, keep)
         return low + 0.3 * (high - low), high - 0.3 * (high - low)
 
     patch.setattr(boxes, "_bounds", bounds)
@@ -165,6 +164,6 @@ def test_a_touch_left_out_is_seen(monkeypatch):
     from benchmarks import family_scene
 
     scene = family_scene("full-contact", 11)
-    monkeypatch.setattr(touches, "contact_strata", lambda model: ())
+    monkeypatch.setattr(complete, "contact_strata", lambda model: ())
     found = o.find_minima(scene, prove=False, escape=False).minima
     assert len(prove(Model(scene)).minima) < len(found)

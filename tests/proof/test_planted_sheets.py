@@ -14,11 +14,10 @@ from origami_nlp.proof import (
     quads as quad_sheets,
     slopes,
 )
-from origami_nlp.proof.facets import Facets, Placed
 from origami_nlp.proof.products import FoldingSheet, ProductSearch
 from origami_nlp.proof.quad_states import QuadSheet, QuadVertex
 from origami_nlp.proof.quads import QuadCurve
-from tests.independent.strips import StripInContact, StripOfHinges
+from tests.independent.strips import StripOfHinges
 from tests.patterns import strip
 from tests.proof.test_hinges_along_curves import drawn
 from tests.proof.test_products import sprung
@@ -39,14 +38,6 @@ def scanned(proof, wells):
     return not proof.undecided and all((np.abs(shown - x).max(axis=1) < 1e-6).any() for x in wells)
 
 
-def in_contact(sheet):
-    """Whether minima are those of a scan in which facets do not cross."""
-    proof, scan = prove_sheet(sheet, contact=True, boxes=4_000), StripInContact(sheet)
-    inside = [m for m in proof.minima if not m.touching and np.abs(m.fold_angles).max() < 3.14]
-    crosses = scan.crosses(np.array([m.fold_angles for m in inside])) if inside else np.array([0])
-    return scanned(proof, (x for x, _ in scan.wells())) and not crosses.any()
-
-
 def within_stops(sheet):
     """Whether all minima of a scan of a sheet with stops are proved, and none beyond them."""
     proof = prove_sheet(sheet, boxes=4_000)
@@ -60,7 +51,6 @@ SCENES = {
     "curves": (checked, lambda: half_turns(0)),
     "a strip": (checked, lambda: strip(3, 3, 2)),
     "rigid": (checked, lambda: quads(28)),
-    "contact": (in_contact, lambda: strip(23, 3, 2)),
     "stops": (within_stops, lambda: drawn(6, 1)),
 }
 
@@ -151,21 +141,6 @@ def without_a_side_of_the_flat_state(patch):
     )
 
 
-def without_pairs_of_facets(patch):
-    true = Facets.__init__
-
-    def init(self, pattern):
-        true(self, pattern)
-        self.pairs, self.between = [], []
-
-    patch.setattr(Facets, "__init__", init)
-
-
-def with_gaps_of_the_other_sign(patch):
-    true = Placed.gap
-    patch.setattr(Placed, "gap", lambda self, touch: -true(self, touch))
-
-
 def without_stops(patch):
     true = QuadCurve.__init__
 
@@ -192,8 +167,6 @@ BROKEN = {
     without_a_side_of_the_flat_state: "curves",
     with_zeros_halved_to_the_wrong_side: "curves",
     with_loops_that_never_close: "rigid",
-    without_pairs_of_facets: "contact",
-    with_gaps_of_the_other_sign: "contact",
     without_stops: "stops",
 }
 

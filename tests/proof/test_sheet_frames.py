@@ -75,13 +75,6 @@ def test_shifted_and_scaled_sheets_have_the_same_minima(scale):
     same_list(prove_sheet(sheet), prove_sheet(copy), np.arange(sheet.creases), 1.0)
 
 
-@pytest.mark.slow
-def test_contact_of_strips_is_that_of_the_sheet_turned():
-    sheet = strip()
-    copy, creases, sign = relabelled(sheet, 5)
-    same_list(prove_sheet(sheet, contact=True), prove_sheet(copy, contact=True), creases, sign)
-
-
 def test_corners_out_of_the_plane_are_no_flat_sheet():
     copy, _, _ = relabelled(quads(28), 1)
     corners = copy.corners.copy()

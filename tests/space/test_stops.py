@@ -80,12 +80,6 @@ def test_pieces_are_those_of_pixels(seed):
     check_pixels(stopped(seed, without_flat=True))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2, 40, 3))
-def test_pieces_of_many_are_those_of_pixels(seed):
-    check_pixels(stopped(seed, without_flat=True))
-
-
 @pytest.mark.slow  # a second look at what other tests of the room say
 def test_critical_points_count_the_euler_characteristic():
     scene = stopped(8)
@@ -94,24 +88,6 @@ def test_critical_points_count_the_euler_characteristic():
     assert o.critical.compare_minima(found, search).comparison.agree
     held = [p for p in found.minima if any("(stop)" in name for name in p.contacts)]
     assert held and all(min(p.multipliers) > 0 for p in held)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1, 41))
-def test_critical_points_of_many_count_the_euler_characteristic(seed):
-    scene = stopped(seed, without_flat=seed % 4 == 1)
-    found = check_count(scene, rings=24)
-    search = o.find_minima(scene, effort="thorough", escape=False, prove=False, full=False)
-    assert not o.critical.compare_minima(found, search).comparison.only_search
-
-
-@pytest.mark.slow  # a fine mesh
-def test_stops_that_are_not_reached_change_nothing():
-    plain = o.examples.degree6("pi/3")
-    most = np.abs(o.find_space(plain, rings=8).mesh.fold_angles).max(axis=0)
-    assert most.max() == math.pi
-    with_stops = replace(plain, limits=((-math.pi, math.pi - 1e-12),) * 6)
-    assert o.find_space(with_stops, rings=8).signature == o.find_space(plain, rings=8).signature
 
 
 @pytest.mark.slow  # seconds of curves or searches

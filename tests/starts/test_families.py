@@ -19,7 +19,6 @@ SCENE = Scene(
     "full",
 )
 LIMITS = Scene(SCENE.vertex, SCENE.stiffness, SCENE.rest_angles, "none", "fold-limits")
-RIGID = Scene(Vertex.from_degrees((100.0, 120.0, 140.0)), (1.0,) * 3, (0.3, 0.2, 0.4), "none")
 
 
 def test_the_table_of_the_room_has_every_family_with_its_sentence():
@@ -39,16 +38,15 @@ def test_the_table_of_the_room_has_every_family_with_its_sentence():
     assert said == {one.__name__: one.sentence for one in known}
 
 
-@pytest.mark.parametrize("name", ["FlatFoldings", "HingeSets", "RigidStates"])
+@pytest.mark.parametrize("name", ["FlatFoldings", "HingeSets"])
 def test_listed_states_close(name):
-    scene = RIGID if name == "RigidStates" else examples.degree6("pi/3")
-    model, kind = Model(scene), getattr(starts, name)
-    family = kind(model, 0) if name == "RigidStates" else kind(model)
-    states = list(family.states())
+    scene = examples.degree6("pi/3")
+    model = Model(scene)
+    states = list(getattr(starts, name)(model).states())
     for x in states:
         _, q = fold_vertex(scene.vertex, model.expand(x))
         assert np.linalg.norm(q[1:]) <= 1e-9
-    assert len(states) or name == "RigidStates"
+    assert len(states)
 
 
 def test_the_same_generator_draws_the_same_moments():

@@ -33,15 +33,3 @@ def test_visible_fraction_tends_to_the_cosine_of_the_elevation():
         gaps.append(abs(abs(np.cos(phi / 2)) - np.cos(v)))
     assert gaps[0] / gaps[1] == pytest.approx(2, rel=0.1)  # first order in 1/N
     assert gaps[1] / gaps[2] == pytest.approx(2, rel=0.1)
-
-
-def test_area_of_the_cone_by_triangulation():
-    """Area over R^2 pi is |cos v| for section 4's elevation."""
-    v, radius = 0.6, 1.0
-    az = np.linspace(0, 2 * np.pi, 2001)
-    rim = radius * np.stack([np.cos(az) * np.cos(v), np.sin(az) * np.cos(v), 0 * az], axis=-1)
-    tip = np.array([0.0, 0.0, radius * np.sin(v)])
-    cross = np.cross(rim[:-1] - tip, rim[1:] - tip)
-    area = np.linalg.norm(cross, axis=-1).sum() / 2
-    assert area / np.pi == pytest.approx(np.cos(v), rel=1e-5)
-    assert np.allclose(np.linalg.norm(rim - tip, axis=-1), radius)

@@ -71,16 +71,6 @@ def test_wedge3_closes_on_both_branches_and_beyond_the_papers_range(n, branch):
     assert np.sum(ok & (v < 0)) > 1000
 
 
-@pytest.mark.parametrize("n", [2, 3])
-def test_wedge3_odd_symmetry_exchanges_the_branches(n):
-    rng = np.random.default_rng(15)
-    alpha = rng.uniform(0.05, np.pi / n - 0.05, 2000)
-    v, two = rng.uniform(-1.5, 1.5, (2, 2000))
-    here, there = wedge3(n, alpha, v, two, 1), wedge3(n, alpha, -v, -two, -1)
-    assert np.array_equal(here.reason, there.reason)
-    assert np.abs((here.value + there.value)[here.ok]).max() <= CLOSURE
-
-
 def test_wedge3_own_side_at_degree8_is_one_branch_per_sign_of_elevation():
     rng = np.random.default_rng(16)
     v, two = rng.uniform(-1.5, 1.5, (2, 4000))

@@ -7,6 +7,7 @@ from origami_nlp.symbolic.degree4 import half_tangent
 
 import origami_nlp as o
 from tests.independent.scan_four import closed_states
+from tests.symbolic.closed_forms_reference import loop_quaternion
 
 T = np.linspace(-1, 1, 11)
 _Q, _E, _T = sp.symbols("q e t", positive=True)
@@ -36,19 +37,9 @@ def folds(sectors, mode, t):
 
 
 def product(sectors, phi):
-    """Return the rotation of the whole loop as a quaternion [4, T]."""
+    """The rotation of the whole loop as a quaternion [T, 4]."""
     azimuths = np.concatenate([[0], np.cumsum(sectors)[:-1]])
-    w, x, y, z = (np.full(phi.shape[1], v) for v in (1.0, 0.0, 0.0, 0.0))
-    for azimuth, fold in zip(azimuths, phi, strict=True):
-        c, s = np.cos(fold / 2), np.sin(fold / 2)
-        a, b = s * np.cos(azimuth), s * np.sin(azimuth)
-        w, x, y, z = (
-            w * c - x * a - y * b,
-            x * c + w * a - z * b,
-            y * c + w * b + z * a,
-            z * c + x * b - y * a,
-        )
-    return np.array([w, x, y, z])
+    return loop_quaternion(np.broadcast_to(azimuths, phi.T.shape), phi.T)
 
 
 def random_sectors(rng):
@@ -66,7 +57,7 @@ def test_the_closed_form_closes_random_vertices_on_the_lift_of_the_sheet(mode):
     for _ in range(300):
         sectors = random_sectors(rng)
         quaternion = product(sectors, folds(sectors, mode, T))
-        worst = max(worst, abs(quaternion - np.array([[1], [0], [0], [0]])).max())
+        worst = max(worst, abs(quaternion - [1, 0, 0, 0]).max())
     assert worst < 1e-12  # 1 - q loses digits next to flat-foldable vertices
 
 
@@ -78,7 +69,7 @@ def test_the_two_modes_are_all_closed_states():
         sectors = random_sectors(rng)
         known = np.concatenate([folds(sectors, mode, fine) for mode in (1, 2)], axis=1).T
         scanned = closed_states(sectors, 201)
-        lifted = product(sectors, scanned.T)[0] > 0
+        lifted = product(sectors, scanned.T)[:, 0] > 0
         scanned = scanned[lifted]
         apart = [np.linalg.norm(known - state, axis=1).min() for state in scanned]
         assert max(apart) < 0.02

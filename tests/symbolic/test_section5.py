@@ -102,14 +102,3 @@ def test_half_branches_leave_the_flat_state_in_distinct_directions(degree):
         for v in (1e-6, -1e-6):
             rays.add(tuple(np.round(cone_fold_angles(degree, v, flaps).value / abs(v), 4)))
     assert len(rays) == 2 ** (degree // 2 + 1)
-
-
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
-def test_contact_is_on_the_other_side_than_printed(degree):
-    v = cone_contact_elevation(degree)
-    valley, mountain = cone_partial_angles(degree, v).value
-    assert valley < np.pi / 2 - 0.1
-    assert mountain == pytest.approx(-np.pi / 2, rel=1e-12)
-    assert cone_partial_angles(degree, -v).value[0] == pytest.approx(np.pi / 2, rel=1e-12)
-    after = np.pi / 2 * (1 + 4 / degree)  # where the first case of eq:partial-valley-N gets there
-    assert cone_partial_angles(degree, after).value[0] == pytest.approx(np.pi / 2, rel=1e-12)

@@ -18,9 +18,8 @@ from origami_nlp.symbolic.tips import (
     touching_facets,
 )
 
-from origami_nlp import Vertex, check_admissible, examples
+from origami_nlp import Vertex, check_admissible
 from origami_nlp.folding import fold_vertex
-from tests.computed_once import panel_result
 
 
 def floats(values):
@@ -113,33 +112,6 @@ def test_velocity_of_the_tips_agrees_with_finite_differences(tip):
     turn = np.linalg.lstsq(placed, wanted, rcond=None)[0]  # row vectors: placed @ turn = wanted
     assert np.allclose((rates[TIPS[0]] - rates[TIPS[1]]) @ turn, exact, atol=1e-7)
     assert state.crease_matrix() * descent(c_1, c_2) == sp.zeros(3, 1)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-@pytest.mark.parametrize("alpha", ["pi/12", "pi/6"])
-def test_the_same_direction_descends_from_the_pinned_states_of_the_panels(alpha):
-    scene = examples.degree8(alpha, 100)
-    minima = panel_result(scene).minima
-    found = 0
-    for m in minima:
-        phi = np.array(m.fold_angles)
-        creases = fold_vertex(scene.vertex, phi)[0]
-        axis = creases[TIPS[0]]
-        if not np.allclose(axis, creases[TIPS[1]], atol=1e-8):
-            continue
-        found += 1
-        s = creases[0] @ axis
-        big_c = np.linalg.norm(creases[0] - s * axis)
-        x = creases[1] @ (creases[0] - s * axis) / big_c
-        y = abs(np.cross(axis, creases[0] - s * axis) @ creases[1]) / big_c
-        d = floats(descent((big_c, 0, s), (x, y, creases[1] @ axis)))
-        assert min(big_c, x, y) > 0
-        assert np.allclose(creases.T @ d, 0, atol=1e-8)
-        torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
-        assert torque @ d < -1e-4
-        moved = closed(scene.vertex, phi + 1e-4 * d)
-        assert check_admissible(scene.vertex, moved).admissible
-    assert found == 1
 
 
 def test_facets_apart_and_touching():

@@ -10,7 +10,6 @@ import pytest
 from origami_nlp.paper import cone
 from tests.computed_once import thinned
 from tests.independent import cone_branches as brute
-from tests.paper.cone.points import points
 
 
 def tighten(nlp):
@@ -18,54 +17,6 @@ def tighten(nlp):
     options["ipopt"]["bound_relax_factor"] = 0.0
     options["ipopt"]["hessian_approximation"] = "exact"
     return ca.nlpsol("solver", "ipopt", nlp, options)
-
-
-def branch_angles(degree, flaps, direction, s):
-    """Fold angles along a branch as CasADi expressions, from half-angle tangents."""
-    k = math.tan(math.pi / 4 - math.pi / degree)
-    t = ca.tan(s / 2)
-    rho = [f * 2 * ca.atan(k * t) if f == direction else f * 2 * ca.atan(t / k) for f in flaps]
-    out = []
-    for j, f in enumerate(flaps):
-        out += [rho[j - 1] + rho[j], -2 * f * s]
-    return out
-
-
-@pytest.mark.parametrize("degree", [6, 12])
-def test_a_random_branch_equals_an_ipopt_solve(degree):
-    rng = np.random.default_rng(degree)
-    checked = 0
-    for r, v in zip(*points(degree, 8, seed=5), strict=True):
-        m = cone.count(degree, r, v).minima
-        flaps = tuple(rng.choice([1, -1], degree // 2).tolist())
-        direction = int(rng.choice([1, -1]))
-        valleys, changes = cone.class_of(flaps)
-        own = m.of_class(valleys, changes, direction)
-        s = ca.SX.sym("s")
-        angles = branch_angles(degree, flaps, direction, s)
-        rest = brute.rest_angles(degree, v)
-        stiffness = [1.0, r] * (degree // 2)
-        energy = sum(k * (a - b) ** 2 / 2 for k, a, b in zip(stiffness, angles, rest, strict=True))
-        end = brute.branch_end(degree, flaps, direction)
-        solver = tighten({"x": s, "f": energy / (1 + r)})
-        answer = solver(x0=rng.uniform(0.2, 0.8) * end, lbx=0, ubx=end)
-        assert solver.stats()["success"]
-        found = float(answer["x"])
-        if own.any():
-            k = int(np.argmin(np.abs(np.abs(m.elevation[own]) - found)))
-            # IPOPT stops at slope 1e-12, but far from a quadratic where the well is shallow
-            assert abs(abs(m.elevation[own][k]) - found) < 1e-6
-            assert float(answer["f"]) * (1 + r) == pytest.approx(
-                m.energy[own][k], rel=1e-8, abs=1e-9
-            )
-            if not m.interior[own][k]:
-                assert -float(answer["lam_x"]) * (1 + r) == pytest.approx(
-                    -m.multiplier[own][k], rel=1e-5, abs=1e-6
-                )
-        else:
-            assert found < 1e-5  # the flat state
-        checked += own.any()
-    assert checked
 
 
 def closed_loop(phi):

@@ -28,12 +28,6 @@ def test_counts_equal_brute_force(degree):
     assert disagreements(degree, 40, seed=1) == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
-def test_counts_equal_brute_force_at_2000_points(degree):
-    assert disagreements(degree, 2000, seed=2) == []
-
-
 @pytest.mark.parametrize("degree", thinned([8, 6, 12, 10], 4))
 def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
     rng = np.random.default_rng(3)
@@ -77,7 +71,7 @@ def test_multiplicities_are_exact_at_degree_1000():
     st.floats(0.001, 0.999),
     st.sampled_from(["waterbomb", "paper"]),
 )
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_at_least_half_of_the_branches_hold_a_minimum(degree, exponent, share, rest):
     low = -cone.Cone(degree).steep_end
     elevation = low + share * (math.pi / 2 - low)

@@ -4,15 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from origami_nlp.cli import app
 from origami_nlp.errors import OrigamiError
 from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene, tangent_slope
 from origami_nlp.problem import Model
+from tests.command_line import run
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
 
@@ -92,19 +90,6 @@ def test_descents_close_are_admissible_and_fall(judged):
             assert reported.admissible and reported.closure_residual < 1e-11, reported.reason
 
 
-@pytest.mark.slow
-def test_a_search_without_branches_finds_the_stable_ones_and_no_other():
-    judged = cone.full_space(6, 1.0, 0.5)
-    scene = cone_scene(6, 1.0, judged.rest)
-    found = [
-        np.array(m.fold_angles)
-        for m in find_minima(scene, max_starts=60, prove=False, escape=False).minima
-    ]
-    for state in judged.states:
-        near = min(np.abs(np.array(state.fold_angles) - x).max() for x in found)
-        assert (near < 1e-6) == (state.verdict == "stable"), state.branch
-
-
 def test_arrangements_of_one_class_have_one_energy_but_their_own_slope():
     """(V4M2, 4 changes) of degree 12: VVVMVM and VVMVVM are not equal by rotation or reflection."""
     count = cone.count(12, 1.0, 0.5)
@@ -121,25 +106,11 @@ def test_arrangements_of_one_class_have_one_energy_but_their_own_slope():
     assert abs(slopes[0] - slopes[1]) > 1e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("degree, many", [(6, 40), (8, 25), (10, 5), (12, 3)])
-def test_only_equilibria_are_stable_at_random_parameters(degree, many):
-    """Every stable interior state balances; every verdict is decided; random (r, nu_0)."""
-    rng = np.random.default_rng(degree)
-    for _ in range(many):
-        nu = rng.uniform(-np.pi / 2 + 2 * np.pi / degree, np.pi / 2)
-        judged = cone.full_space(degree, float(10 ** rng.uniform(-2.5, 2.5)), float(nu))
-        for state in judged.states:
-            assert state.verdict != "undecided", state
-            if state.kind == "interior":
-                assert (state.residual < 1e-9) == (state.verdict == "stable"), state
-
-
 def test_command_reports_verdicts(tmp_path):
     out = tmp_path / "full.json"
     options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "-o", str(out)]
-    result = CliRunner().invoke(app, ["paper", "cone", "count", "--full", *options])
-    assert result.exit_code == 0, result.output
+    result = run("paper", "cone", "count", "--full", *options)
+    assert result.code == 0, result.err
     reported = json.loads(out.read_text())
     assert (
         reported["branch_minima"]

@@ -10,12 +10,6 @@ from origami_nlp.paper import cone
 from tests.independent import cone_branches as brute
 
 
-@pytest.mark.parametrize("degree", [6, 8, 10, 12])
-def test_a_flat_rest_state_leaves_no_minimum_on_any_branch(degree):
-    assert cone.count(degree, 1.0, 0.0).branches_with_minimum == 0
-    assert brute.count(degree, 1.0, 0.0) == (0, 0, 0)
-
-
 def maps(degree, end, size=200):
     low = -cone.Cone(degree).steep_end
     cells = (np.arange(size) + 0.5) / size

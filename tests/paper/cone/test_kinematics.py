@@ -8,14 +8,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from typer.testing import CliRunner
 
-from origami_nlp.cli import app
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.necklaces import symmetry_of
 from origami_nlp.paper.cone.rules import END_RULES
+from tests.command_line import run
 
 
 def words(flaps):
@@ -137,12 +136,6 @@ def test_classes_and_their_multiplicities_are_those_of_all_words(degree):
     assert sorted(both) == sorted(2 * [(*key, many) for key, many in found.items()])
 
 
-@given(st.integers(3, 60))
-@settings(max_examples=30)
-def test_multiplicities_sum_to_all_assignments(half):
-    assert sum(cone.assignment_classes(2 * half).multiplicity) == 2**half
-
-
 def orbits(degree, mirrored):
     """Different words by sorting all of them into orbits."""
     seen = set()
@@ -188,20 +181,6 @@ def test_numbers_of_foldings():
         assert turned < 2 * mirrored < 2 * turned
 
 
-def test_symmetries_of_degree_8():
-    names = {cone.write_flaps(f.flaps): (f.symmetry, f.copies) for f in cone.foldings(8)}
-    assert names == {
-        "VVVV": ("D4", 1),
-        "VVVM": ("D1", 4),
-        "VVMM": ("D1", 4),
-        "VMVM": ("D2", 2),
-        "VMMM": ("D1", 4),
-        "MMMM": ("D4", 1),
-    }
-    assert symmetry_of(cone.parse_flaps("VVMVMM")) == "C1"
-    assert [f.chiral for f in cone.foldings(12)].count(True) == 2
-
-
 @given(st.integers(3, 7), st.data())
 @settings(max_examples=40)
 def test_symmetry_keeps_the_folded_shape(half, data):
@@ -234,63 +213,29 @@ def test_assignments_are_read_and_written():
 # ---------------------------------------------------------------- command line, drawings
 
 
-def test_branch_gives_fold_angles_in_degrees():
-    out = CliRunner().invoke(
-        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "-pi/9", "-o", "-"]
-    )
-    assert out.exit_code == 0
-    data = json.loads(out.stdout)
-    assert (
-        data["direction"] == "down" and data["symmetry"] == "D1" and data["end_rule"] == "contract"
-    )
+def test_branch_gives_fold_angles_in_degrees(tmp_path):
+    picture, asked = tmp_path / "branch.pdf", ("paper", "cone", "branch", "--flaps", "VVM")
+    out = run(*asked, "--elevation", "-pi/9", "-o", "-", "-o", picture)
+    assert out.code == 0 and picture.stat().st_size > 5000
+    data = json.loads(out.out)
+    assert (data["direction"], data["symmetry"], data["end_rule"]) == ("down", "D1", "contract")
     np.testing.assert_allclose(np.radians(data["edges_foldAngle"]), data["fold_angles"])
     assert data["edges_assignment"][1::2] == ["M", "M", "V"]
     assert data["edges_foldAngle"][1] == pytest.approx(-40, rel=1e-14)
-    table = CliRunner().invoke(
-        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "0.2"]
-    )
-    assert table.exit_code == 0 and "VVM up" in table.stdout
+    assert run(*asked, "--elevation", 0.2).code == 0
+    with pytest.raises(AngleError, match="past the end"):
+        cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
 
 
 def test_foldings_are_listed(tmp_path):
-    target = tmp_path / "foldings.json"
-    out = CliRunner().invoke(
-        app, ["paper", "cone", "foldings", "--degree", "12", "-o", str(target)]
-    )
-    assert out.exit_code == 0 and "(necklaces): 14" in out.stdout
+    target, asked = tmp_path / "foldings.json", ("paper", "cone", "foldings", "--degree")
+    assert run(*asked, 12, "-o", target).code == 0
     data = json.loads(target.read_text())
     assert (data["necklaces"], data["bracelets"]) == (14, 13)
     assert len(data["necklace_list"]) == 14 and len(data["bracelet_list"]) == 13
-    many = CliRunner().invoke(app, ["paper", "cone", "foldings", "--degree", "1000", "-o", "-"])
-    assert json.loads(many.stdout)["necklaces"] == str(cone.number_of_foldings(1000))
-    with pytest.raises(OptionError, match="up to 32"):
-        CliRunner().invoke(
-            app, ["paper", "cone", "foldings", "--degree", "34", "--list"], catch_exceptions=False
-        )
-
-
-def test_foldings_are_drawn():
-    figure = cone.draw_foldings(6, 0.7)
-    titles = [text.get_text() for text in figure.texts]
-    assert len(figure.axes) == 4 and sum("ends at π/6" in t for t in titles) == 3
+    many = run(*asked, 1000, "-o", "-")
+    assert json.loads(many.out)["necklaces"] == str(cone.number_of_foldings(1000))
+    assert run(*asked, 34, "--list").code == 2
+    assert len(cone.draw_foldings(6, 0.7).axes) == 4
     with pytest.raises(OptionError, match="to draw"):
         cone.draw_foldings(18, 0.3)
-
-
-def test_a_branch_is_drawn_by_command(tmp_path):
-    target = tmp_path / "branch.pdf"
-    command = [
-        "paper",
-        "cone",
-        "branch",
-        "--flaps",
-        "VVM",
-        "--elevation",
-        "-0.2",
-        "-o",
-        str(target),
-    ]
-    out = CliRunner().invoke(app, command)
-    assert out.exit_code == 0 and target.stat().st_size > 5000
-    with pytest.raises(AngleError, match="past the end"):
-        cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])

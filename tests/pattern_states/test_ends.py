@@ -8,9 +8,9 @@ import pytest
 
 from origami_nlp import Scene, State, Vertex, classify, find_minima
 from origami_nlp.kkt import Solve, polish
-from origami_nlp.minima import record
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_states import judge, judgement
 from origami_nlp.problem import Model
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
@@ -140,28 +140,24 @@ def test_whatever_a_search_names_closes_by_a_product_of_its_own():
 
 
 def test_a_state_that_does_not_close_has_no_certificate():
-    model, found = Model(UNCLOSED), record.Record(pose(UNCLOSED))
-    x = np.array(unclosed().minima[0].fold_angles)
-    answer = record.listed(found, model, x + 1e-2)
-    assert (answer.what.verdict, answer.what.kind) == ("not admissible", None)
-    assert "close" in answer.what.reason
-    assert record.listed(found, model, x).is_minimum
+    problem, x = pose(UNCLOSED), unclosed().minima[0].phi
+    state = judge(problem, x + 1e-2, False)
+    assert (state.verdict, state.kind) == ("not admissible", "")
+    assert judge(problem, x, False).verdict == "minimum"
 
 
 def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypatch):
-    true, x = record.classify, np.array(unclosed().minima[2].fold_angles)
+    true, x = judgement.classify, unclosed().minima[2].phi
 
     def breaks(state, **options):
         if np.abs(state.x - x).max() < 1e-6:
             raise np.linalg.LinAlgError("Singular matrix")
         return true(state, **options)
 
-    monkeypatch.setattr(record, "classify", breaks)
+    monkeypatch.setattr(judgement, "classify", breaks)
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert len(result.minima) == 3
-    (named,) = result.search.undecided
-    assert named.certificate.endswith("Singular matrix")
-    assert named.fold_angles == pytest.approx(x)
+    assert result.search.failed["LinAlgError: Singular matrix"]
 
 
 def test_a_minimum_that_is_handed_over_is_listed():

@@ -2,22 +2,32 @@
 
 import math
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
 from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
-from origami_nlp.minima.escape import with_escapes
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
-from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import image, pose
+from origami_nlp.pattern_states.curves import TracedCurves
+from origami_nlp.pattern_states.escape import with_escapes
+from origami_nlp.pattern_states.question import question_of
 from origami_nlp.search import DescentTerrain
 from tests.computed_once import panel_result, thinned
 from tests.kernels.answers import generic
 
 DEGREES = 0.06
+
+
+def escapes(scene, minima):
+    """The minima with what it takes to leave them where no curve is known."""
+    asked = question_of(scene, True)
+    problem = asked.problem
+    curves = TracedCurves(problem, asked.labels, problem.contact)
+    moves = [partial(image, one) for one in asked.symmetries]
+    return with_escapes(curves, minima, moves, problem.contact, 1e9)
 
 
 def four(seed, contact="fold-limits"):
@@ -102,7 +112,7 @@ def test_traced_barriers_are_those_of_a_dense_scan(seed):
 def test_bounds_from_descents_are_never_below_exact_barriers(seed):
     scene = four(seed, ("full", "fold-limits")[seed % 2])
     result = find_minima(scene, prove=False)
-    bounds = with_escapes(Model(scene), result.minima)
+    bounds = escapes(scene, result.minima)
     for m, bound in zip(result.minima, bounds, strict=True):
         assert bound.escape.method != TRACED
         if m.escape.known and bound.escape.known:
@@ -136,7 +146,7 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
     rng = np.random.default_rng(seed)
     for name in ("pinv", "lstsq", "inv", "eigh", "svd", "solve", "qr"):
         monkeypatch.setattr(np.linalg, name, rounded_otherwise(getattr(np.linalg, name), rng))
-    again = with_escapes(Model(result.scene), result.minima)
+    again = escapes(result.scene, result.minima)
     for m, other in zip(result.minima, again, strict=True):
         a, b = m.escape, other.escape
         assert (a.barrier, a.method, a.to, a.shallow) == (b.barrier, b.method, b.to, b.shallow)
@@ -357,7 +367,7 @@ def test_barriers_do_not_hang_on_labels(seed):
             replace(m, fold_angles=tuple(np.array(m.fold_angles)[list(order)]), softest_mode=())
             for m in minima
         ]
-        found.append([(m.escape.barrier, m.escape.to) for m in with_escapes(Model(other), there)])
+        found.append([(m.escape.barrier, m.escape.to) for m in escapes(other, there)])
     assert found[0] == found[1] == found[2] and all(math.isfinite(b) for b, _ in found[0])
 
 

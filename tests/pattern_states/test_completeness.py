@@ -9,8 +9,7 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import proved, windings
-from origami_nlp.minima.record import listed
+from origami_nlp.pattern_states import judge, question, vertex_proof
 from origami_nlp.proof import prove, read_certificate
 from tests.command_line import run, scene_file
 from tests.computed_once import thinned
@@ -32,16 +31,17 @@ def generic(seed, degree, contact="fold-limits"):
 
 def forget(monkeypatch, chosen):
     """Let the search forget the minima that `chosen(minima)` names, before the proof."""
-    true = proved.prove_complete
+    true = vertex_proof.prove_each
     forgotten = []
 
-    def forgetful(model, record, wanted, left):
-        for answer in chosen(record.minima):
-            record.answers = [a for a in record.answers if a is not answer]
-            forgotten.append(model.expand(answer.polished.x))
-        return true(model, record, wanted, left)
+    def forgetful(models, problem, states, wanted):
+        gone = chosen([s for s in states if s.verdict == "minimum"])
+        forgotten.extend(s.phi for s in gone)
+        known = [s for s in states if not any(s is g for g in gone)]
+        states[:] = known  # as if it had not been found
+        return true(models, problem, known, wanted)
 
-    monkeypatch.setattr(windings, "prove_complete", forgetful)
+    monkeypatch.setattr(question, "prove_each", forgetful)
     return forgotten
 
 
@@ -105,18 +105,17 @@ def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
 def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     """A saddle that a broken judge calls a minimum: the proof refutes it, and says so."""
     scene = generic(3, 5)
-    true = proved.prove_complete
+    true = vertex_proof.prove_each
 
-    def prove_wrong(model, record, wanted, left):
-        saddle = next(p for p in prove(model).points if p.index and 1 not in p.pinned_signs)
-        answer = listed(record, model, np.array(saddle.x))
-        assert answer.what.verdict == "saddle"
-        answer.what = replace(answer.what, verdict="minimum", kind="interior")
-        record.answers.append(answer)
-        return true(model, record, wanted, left)
+    def prove_wrong(models, problem, states, wanted):
+        saddle = next(p for p in prove(models[0]).points if p.index and 1 not in p.pinned_signs)
+        state = judge(problem, np.array(saddle.x), False)
+        assert state.verdict == "saddle"
+        states.append(replace(state, verdict="minimum", kind="interior"))
+        return true(models, problem, states, wanted)
 
     with monkeypatch.context() as patch:
-        patch.setattr(windings, "prove_complete", prove_wrong)
+        patch.setattr(question, "prove_each", prove_wrong)
         result = find_minima(scene, prove=True, escape=False)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason

@@ -6,17 +6,18 @@ import math
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.arguments import check_number
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Solve, exact_beside, polish, project
-from origami_nlp.minima.completeness import Added, Completeness, Open
-from origami_nlp.minima.record import BREAKDOWNS, FoundState, Record, closes, judge, listed
+from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states.judgement import judge_end
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
@@ -24,7 +25,7 @@ from origami_nlp.proof import (
     ProofOptions,
     ProvedCriticalPoint,
     prove,
-    why_not as touches_not_proved,
+    why_not as not_by_boxes,
 )
 
 MOST_DOF = 4
@@ -35,35 +36,126 @@ UNASKED = 50_000
 """Boxes after which a proof that nobody asked for gives up: two seconds; panels and degree 5 take at most 17,000."""
 
 
-def check_prove(name: str, value: object) -> None:
-    """Raise an error for what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
-
-    Raises
-    ------
-    OptionError
-        With the name, the value and what it must be.
-    """
-    if value is None or isinstance(value, bool | np.bool_ | ProofOptions):
-        return
-    check_number(name, value, 0.0, math.inf)
-
-
-def prove_complete(
-    model: Model,
-    record: Record,
-    wanted: bool | float | ProofOptions | None,
-    until: float = math.inf,
-) -> Completeness | None:
-    """Try to prove that the minima on record are all; what is missing is added to the record.
+class KnownStates:
+    """States of one winding that a search judged, and those that a proof adds.
 
     Parameters
     ----------
     model
-        The scene.
-    record
-        Of the search; gets further answers.
+        The scene with its winding.
+    problem
+        What states are judged by.
+    states
+        Judged.
+    """
+
+    def __init__(
+        self, model: Model, problem: PatternProblem, states: Sequence[JudgedState]
+    ) -> None:
+        self.model, self.problem = model, problem
+        self.states = [s for s in states if s.winding == model.structure.winding]
+        self.at = [problem.reduce(s.phi) for s in self.states]
+        self.new = list[JudgedState]()
+
+    @property
+    def minima(self) -> list[np.ndarray]:
+        """The states [n] that are minima."""
+        return [x for x, s in zip(self.at, self.states, strict=True) if s.verdict == "minimum"]
+
+    def nearest(self, x: np.ndarray, within: float = DUPLICATE_TOL) -> JudgedState | None:
+        """Return the state nearest to one [n], None where none is within a distance (largest entry)."""
+        far = [float(np.abs(y - x).max()) for y in self.at]
+        return self.states[int(np.argmin(far))] if min(far, default=math.inf) <= within else None
+
+    def judged(self, x: np.ndarray) -> JudgedState:
+        """Return a state [n] that is known, or judge and keep it."""
+        state = self.nearest(x)
+        if state is None:
+            state = replace(
+                judge_end(self.problem, x, self.problem.contact),
+                winding=self.model.structure.winding,
+            )
+            self.new.append(state)
+            self.states.append(state)
+            self.at.append(self.problem.reduce(state.phi))
+        return state
+
+    def polished(self, x: np.ndarray) -> JudgedState | None:
+        """Judge the state that Newton finds beside x: the middle of a box is no state; None where there is none."""
+        state = polish(self.model, Solve(x, "", 0, math.nan, np.ones(self.model.size), None))
+        if not state.converged:
+            state = exact_beside(self.model, state)
+        closes = self.problem.residual(state.x) <= CLOSURE_TOL
+        return self.judged(state.x) if state.converged and closes else None
+
+
+def prove_each(
+    models: Sequence[Model],
+    problem: PatternProblem,
+    states: Sequence[JudgedState],
+    wanted: bool | float | ProofOptions | None,
+) -> tuple[Completeness | None, list[JudgedState]]:
+    """Try to prove that the minima among judged states are all, of every winding; arguments as of `prove_complete`.
+
+    Returns
+    -------
+    completeness : Completeness or None
+        None where it was not tried.
+    new : list of JudgedState
+        What the proofs found, judged.
+    """
+    each = [KnownStates(model, problem, states) for model in models]
+    if len(each) == 1 or (wanted is None and not is_cheap(models[0])):
+        return prove_complete(each[0], wanted, problem.until), each[0].new
+    until = math.inf
+    if wanted is not None and not isinstance(wanted, bool | ProofOptions):
+        until = time.monotonic() + wanted
+    found: list[Completeness] = []
+    for known in each:
+        if until < math.inf:
+            wanted = max(until - time.monotonic(), 0.0)
+        one = prove_complete(known, wanted, problem.until)
+        if one is None:
+            return None, []
+        found.append(one)
+    windings = [model.structure.winding for model in models]
+    return _joined(windings, found), [state for known in each for state in known.new]
+
+
+def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completeness:
+    order = ("proved", "proved-except-singular", "not-proved")
+    regions = Counter[str]()
+    for one in found:
+        regions.update(one.critical_points)
+    reasons = [
+        f"winding {w}: {one.reason}" for w, one in zip(windings, found, strict=True) if one.reason
+    ]
+    return Completeness(
+        max((one.status for one in found), key=order.index),
+        "; ".join(reasons),
+        sum(one.boxes for one in found),
+        sum(one.seconds for one in found),
+        dict(sorted(regions.items())),
+        sum(one.held for one in found),
+        sum(one.minima for one in found),
+        tuple(region for one in found for region in one.undecided),
+        tuple(region for one in found for region in one.singular),
+        tuple(new for one in found for new in one.added),
+        over=found[0].over,
+    )
+
+
+def prove_complete(
+    known: KnownStates, wanted: bool | float | ProofOptions | None, until: float = math.inf
+) -> Completeness | None:
+    """Try to prove that the minima that are known are all; what is missing is added to them.
+
+    Parameters
+    ----------
+    known
+        Of the search.
     wanted
-        True, or options: in at most as many boxes as they say; or the seconds of processor time that it may take; None:
+        True, or options: in at most as many boxes as they say; or the seconds that it may take; None:
         where it is cheap; False: not at all.
     until
         When the time of the search is over (`time.monotonic`).
@@ -73,6 +165,7 @@ def prove_complete(
     Completeness or None
         None where it was not tried.
     """
+    model = known.model
     once = model.structure.winding == 1  # other windings are tried where this one is
     if wanted is False or (wanted is None and once and not is_cheap(model)):
         return None
@@ -80,19 +173,14 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     try:
-        if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
-            options = (
-                ProofOptions(boxes=UNASKED, touching_boxes=UNASKED)
-                if wanted is None
-                else ProofOptions()
-            )
-            options = wanted if isinstance(wanted, ProofOptions) else options
-            proof = prove(model, until=until, options=options)
+        if isinstance(wanted, ProofOptions):
+            boxes = wanted.boxes
         else:
-            no_limit = ProofOptions(boxes=sys.maxsize)
-            proof = prove(model, seconds=float(wanted), until=until, options=no_limit)
-        return hold_against(model, record, proof, until)
-    except BREAKDOWNS as error:
+            boxes = UNASKED if wanted is None else ProofOptions().boxes
+            if wanted is not None and wanted is not True:
+                boxes, until = sys.maxsize, min(until, time.monotonic() + float(wanted))
+        return hold_against(known, prove(model, until=until, boxes=boxes), until)
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
 
@@ -117,7 +205,7 @@ def why_not(model: Model) -> str:
         return "nothing can move: the states listed are all that were looked for"
     if model.dof > MOST_DOF:
         return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
-    return touches_not_proved(model) if model.scene.contact == "full" else ""
+    return not_by_boxes(model)
 
 
 def is_cheap(model: Model) -> bool:
@@ -126,17 +214,13 @@ def is_cheap(model: Model) -> bool:
     return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
 
 
-def hold_against(
-    model: Model, record: Record, proof: Proof, until: float = math.inf
-) -> Completeness:
-    """Hold what a search has on record against a proof; what the proof has and the record lacks is judged and filed.
+def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> Completeness:
+    """Hold what a search knows against a proof; what the proof has and the search lacks is judged and added.
 
     Parameters
     ----------
-    model
-        The scene.
-    record
-        Of the search; gets further answers.
+    known
+        Of the search.
     proof
         Of the same model.
     until
@@ -145,17 +229,14 @@ def hold_against(
     Returns
     -------
     Completeness
-        A minimum counts as missing where no answer on record is that state, to `DUPLICATE_TOL` and the proof's own
+        A minimum counts as missing where none that is known is that state, to `DUPLICATE_TOL` and the proof's own
         radius.
     """
     against: list[str] = []
-    added: list[FoundState] = []
     undecided: list[Open] = []
+    model = known.model
     for point in proof.points:
-        answer, new = _answer_at(model, record, point)
-        if new and answer is not None and answer.is_minimum:
-            added.append(answer)
-        undecided += _disagreement(model, point, answer, against)
+        undecided += _disagreement(model, point, _state_at(known, point), against)
 
     def open_region(cluster: Cluster) -> Open:
         return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
@@ -165,7 +246,7 @@ def hold_against(
         [
             open_region(cluster)
             if time.monotonic() > until
-            else _judged(model, record, cluster, added)
+            else _judged(known, cluster)
             if k in least
             else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
             for k, cluster in enumerate(proof.singular)
@@ -179,23 +260,23 @@ def hold_against(
                 flat,
                 flat,
                 "the flat state",
-                _verdict_at(model, record, flat, added),
+                known.judged(flat).verdict,
                 proof.flat,
             )
         )
     undecided += [
         open_region(cluster)
         if time.monotonic() > until
-        else _judged(model, record, cluster, added)
+        else _judged(known, cluster)
         if k < MOST_JUDGED
         else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
         for k, cluster in enumerate(proof.undecided)
     ]
     # each listed minimum must be a root of the proof, or lie in a region that it leaves open
-    for answer in record.minima:
-        if not _covered(answer.polished.x, proof):
+    for x in known.minima:
+        if not _covered(x, proof):
             against.append(
-                f"a listed minimum ({model.energy(answer.polished.x):.9g} J) is in no region that is left"
+                f"a listed minimum ({model.energy(x):.9g} J) is in no region that is left"
             )
     left = [s for s in singular if _is_open(s)]
     still = [p for p in proof.points if not _leaves(p)]
@@ -208,13 +289,10 @@ def hold_against(
         proof.seconds,
         dict(sorted(Counter(map(_index, still)).items())),
         len(proof.points) - len(still),
-        len(record.minima),
+        len(known.minima),
         tuple(undecided),
         tuple(singular),
-        tuple(
-            Added(model.energy(a.polished.x), tuple(model.expand(a.polished.x).tolist()))
-            for a in added
-        ),
+        tuple(Added(s.energy, s.fold_angles) for s in known.new if s.verdict == "minimum"),
         over=_ranges_over(model.scene),
     )
 
@@ -240,16 +318,12 @@ def _ranges_over(scene: Scene) -> str:
     return f"among closed states that keep {scene.group.name}{wind}"
 
 
-def _answer_at(
-    model: Model, record: Record, point: ProvedCriticalPoint
-) -> tuple[FoundState | None, bool]:
-    """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
+def _state_at(known: KnownStates, point: ProvedCriticalPoint) -> JudgedState | None:
+    """Return the state at a certified critical point; a possible minimum that is not known is judged and added."""
     x = np.array(point.x)
-    # the point is the only critical one within its radius: what is on record there is it
-    near = _nearest(record, x, point.radius + DUPLICATE_TOL)
-    if near is not None or point.is_minimum is False:
-        return near, False
-    return _file(model, record, x)
+    # the point is the only critical one within its radius: what is known there is it
+    near = known.nearest(x, point.radius + DUPLICATE_TOL)
+    return near if near is not None or point.is_minimum is False else known.polished(x)
 
 
 def _index(point: ProvedCriticalPoint) -> str:
@@ -263,24 +337,6 @@ def _leaves(point: ProvedCriticalPoint) -> bool:
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
-def _file(model: Model, record: Record, x: np.ndarray) -> tuple[FoundState | None, bool]:
-    """Polish, file and judge a state; return whether it is new.
-
-    The middle of a box is no state: where it cannot be polished there is none.
-    """
-    end = Solve(x, "", 0, math.nan, np.ones(model.size), None)
-    state = polish(model, end)
-    if not state.converged:
-        state = exact_beside(model, state)
-    if not (state.converged and closes(model, state.x)):
-        return None, False
-    answer, new = record.file(model, state)
-    if new:
-        answer.listed = True
-        judge(record, answer)
-    return answer, new
-
-
 def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
     """Return the state beside x whose fold angles next to 0 and +-pi are these; None where none closes."""
     flat = math.pi * np.round(x / math.pi)
@@ -289,25 +345,15 @@ def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
     return y if residual <= CLOSURE_TOL else None
 
 
-def _nearest(record: Record, x: np.ndarray, within: float) -> FoundState | None:
-    """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
-    distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
-    return (
-        record.answers[int(np.argmin(distance))]
-        if min(distance, default=math.inf) <= within
-        else None
-    )
-
-
 def _disagreement(
-    model: Model, point: ProvedCriticalPoint, answer: FoundState | None, against: list[str]
+    model: Model, point: ProvedCriticalPoint, state: JudgedState | None, against: list[str]
 ) -> Iterator[Open]:
     """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
-    verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
+    verdict = "" if state is None else state.verdict
     where = f"at {model.energy(np.array(point.x)):.9g} J"
     moved = (
-        answer is not None
-        and np.abs(answer.polished.x - point.x).max() > point.radius + NEAR_SINGULAR_TOL
+        state is not None
+        and np.abs(model.reduce(state.phi) - point.x).max() > point.radius + NEAR_SINGULAR_TOL
     )
     if point.is_minimum is False and verdict == "minimum":
         against.append(f"the proof refutes a listed minimum {where}")
@@ -320,34 +366,21 @@ def _disagreement(
         yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
 
 
-def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[FoundState]) -> str:
-    """Return what an exact singular state is; one that is not on record is judged and filed."""
-    answer = record.known(x)
-    if answer is None:
-        answer = listed(record, model, x)
-        record.answers.append(answer)
-        added += [answer] * answer.is_minimum
-    assert answer.what is not None
-    return answer.what.verdict
-
-
-def _judged(model: Model, record: Record, cluster: Cluster, added: list[FoundState]) -> Open:
-    """Judge the state in a small cluster: that on record, else the polished middle."""
-    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+def _judged(known: KnownStates, cluster: Cluster) -> Open:
+    """Judge the state in a small cluster: what is known there, else the polished middle."""
+    model, lower, upper = known.model, np.array(cluster.lower), np.array(cluster.upper)
     if (upper - lower).max() > NEAR_SINGULAR_TOL:
         return _region(model, lower, upper, cluster.reason)
     middle = 0.5 * (lower + upper)
-    inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
-    verdicts: set[str] = {a.what.verdict for a in inside if a.what is not None}
+    inside = [k for k, x in enumerate(known.at) if _within(x, lower, upper)]
+    verdicts: set[str] = {known.states[k].verdict for k in inside}
     exact = _singular(model, middle)
     if exact is not None and _within(exact, lower, upper):
-        verdicts.add(_verdict_at(model, record, exact, added))
+        verdicts.add(known.judged(exact).verdict)
     elif not inside:
-        answer, new = _file(model, record, middle)
-        if answer is not None:
-            added += [answer] * (new and answer.is_minimum)
-            if answer.what is not None and _within(answer.polished.x, lower, upper):
-                verdicts = {answer.what.verdict}
+        state = known.polished(middle)
+        if state is not None and _within(model.reduce(state.phi), lower, upper):
+            verdicts = {state.verdict}
     return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
 
 
@@ -414,9 +447,7 @@ def _status(
 def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
     why = [*against]
     if not proof.finished:
-        why.append(
-            "time was up, or the number of boxes" + (f": {proof.left}" if proof.left else "")
-        )
+        why.append("time was up, or the number of boxes")
     if undecided:
         energies = [r.energy for r in undecided]
         many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"

@@ -1,0 +1,396 @@
+"""A search for the stable states of an origami: starts, descents, what is distinct, certified, and fed on; then curves.
+
+Starts are drawn by labels that do not depend on how creases are numbered.  Where one degree of freedom is left, the
+curves through what was found are traced after the search, and each well of the energy along them is asked for.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from origami_nlp.kkt import TangentCone, Verdict, polished_nearby, singular_beside
+from origami_nlp.minima import (
+    ESCAPE_PATHS,
+    MEETINGS,
+    JudgedState,
+    SearchReport,
+)
+from origami_nlp.numerics import (
+    CLOSURE_TOL,
+    DESIGN_SNAP,
+    DUPLICATE_TOL,
+    NEAR_CONTACT,
+    NEAR_SINGULAR_TOL,
+    RESOLVED,
+)
+from origami_nlp.pattern_problem import image
+from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
+from origami_nlp.pattern_states.clearance import last_free
+from origami_nlp.pattern_states.curve import tangents
+from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
+from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
+from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
+from origami_nlp.pattern_states.judgement import (
+    classified,
+    judge,
+    judge_end,
+)
+from origami_nlp.pattern_states.parts import Parts
+from origami_nlp.pattern_states.question import Question
+from origami_nlp.search import (
+    BESIDE_FLAT,
+    CLOSES_NOT,
+    DEEP,
+    MOST_TRIED,
+    NO_LOWER,
+    ByIpopt,
+    Changed,
+    Draws,
+    StartState,
+    at_limits,
+    close,
+    hinge_rests,
+    on_grid,
+    other_wells,
+    stationary_beside,
+    way_down,
+)
+from origami_nlp.starts import SearchOptions
+
+BRANCHES = "branch directions"
+"""Out of the flat state and of others where curves meet, as starts."""
+GUESSES = "guesses"
+SNAPPED = "minima with a hinge in another well"
+CURVES = "wells along curves"
+NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
+"""Said of a search that had none."""
+OUT = 0.2
+"""First step out of a state where curves meet, of the longest fold angle [rad]."""
+
+
+class Search(Parts):
+    """A search on its way."""
+
+    def __init__(
+        self,
+        question: Question,
+        until: float,
+        options: SearchOptions,
+        seed: int,
+        *,
+        ipopt: bool = False,
+    ) -> None:
+        super().__init__(question)
+        self._since, self.options = time.perf_counter(), options
+        contact = self.contact = self.problem.contact
+        self.dof = self.problem.dof  # before the clock can stop it
+        self.problem.until = until
+        self._symmetries = question.symmetries
+        self.curves = TracedCurves(self.problem, self.labels, contact)
+        self.tally = SearchReport(contact=question.contact)
+        self.judged = list[JudgedState]()
+        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
+        self._draws = Draws(self.problem, self.labels, seed, question.families)
+        self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
+        self._guesses: list[tuple[np.ndarray, JudgedState]] = []
+        self.go_down = way_down(self.problem, ipopt=ipopt)
+        if isinstance(self.go_down, ByIpopt) and not ipopt:
+            self.tally.skip(NO_COMPILER)
+        self._seed = seed
+
+    def go(self, guesses: Sequence[np.ndarray], starts: int, most: int) -> None:
+        """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
+        for guess in guesses:
+            self.part(GUESSES, self.judge_guess, guess)
+        for name, states in self.question.exact:
+            self.part(name, self._settle_each, states, name)
+        if self.problem.pattern.lies_flat:
+            self.part("the flat state", self.add_flat)
+        for name, states in self.question.starts:
+            self.part(name, self._explore_each, states, name)
+        if self.problem.pattern.lies_flat and self.problem.orbits is None:
+            self.part("branch directions of the flat state", self.from_crossroads)
+        self.part("random starts", self.draw, starts, most)
+        self.part(CURVES, self.trace_curves)
+        self.note_hits()
+
+    def add_flat(self) -> None:
+        """Judge the flat state: descents that end there are counted."""
+        self.add(judge(self.problem, np.zeros(self.problem.size), self.contact))
+
+    def judge_guess(self, guess: np.ndarray) -> None:
+        """Judge the stationary state beside a guess [N], and go down from there."""
+        x = self.problem.reduce(guess)
+        closed, residual = self.problem.project(x)
+        state = judge(self.problem, closed, self.contact)
+        verdict: Verdict = "not admissible"
+        if np.abs(self.problem.expand(x) - guess).max() > NEAR_SINGULAR_TOL:
+            why = "it does not have the symmetry of the scene"
+        elif (beside := self._stationary_at(x)) is not None:
+            self.begin(GUESSES)
+            self.add(beside)
+            state, verdict, why = beside, beside.verdict, beside.certificate
+        elif residual > CLOSURE_TOL or np.abs(closed - x).max() > NEAR_SINGULAR_TOL:
+            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it closes"
+        elif state.verdict == "not admissible":
+            why = state.certificate
+        else:
+            verdict = "not stationary"
+            why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium"
+        self._guesses.append((guess, replace(state, verdict=verdict, kind="", certificate=why)))
+        self.explore(x, GUESSES)
+
+    def _stationary_at(self, x: np.ndarray) -> JudgedState | None:
+        """Return the stationary state beside a guess [n], judged: a minimum before others; None where there is none."""
+        best = None
+        # what people type holds contacts to fewer digits than what was computed
+        for tolerance in (NEAR_CONTACT, DESIGN_SNAP):
+            for end in polished_nearby(self.problem, x, tolerance):
+                if self.problem.residual(end.x) <= CLOSURE_TOL:
+                    state = judge_end(self.problem, end.x, self.contact)
+                    if state.verdict == "minimum":
+                        return state
+                    best = best or state
+        return best
+
+    def _settle_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
+        for state in states():
+            self.begin(family)
+            self.attempt(self.settle, state, 0)
+
+    def _explore_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
+        for start in states():
+            self.explore(start, family)
+
+    def draw(self, starts: int, most: int) -> None:
+        """Make random starts, by what families led to and evenly, until so many led to nothing new.
+
+        Each start is drawn from numbers of its own, and what it takes is counted, not measured: one that rounding sends
+        elsewhere moves no other.
+        """
+        draws, tally = self._draws, self.tally
+        while tally.drawn < most and tally.quiet < starts and draws.made < MOST_TRIED * most:
+            self.problem.check_time()
+            name, batch, asides = draws.next(most - tally.drawn)
+            for way in self.go_down.each(batch, asides, self._is_end):
+                self.begin(name)
+                before, lost = self.count()[0], tally.stopped[CLOSES_NOT] + tally.open
+                self.attempt(self._arrive, way)
+                new = self.count()[0] - before
+                closed = lost == tally.stopped[CLOSES_NOT] + tally.open
+                draws.note(name, new, closed)
+                tally.drawn += closed
+                # what starts from minima leads back to them says nothing of others
+                tally.quiet = 0 if new else tally.quiet + (closed and name != Changed.name)
+
+    def explore(self, start: np.ndarray, family: str, hold: bool = False) -> None:
+        """Follow a state from which a listed family starts, with creases at their limits kept there if possible.
+
+        hold: until the others are at rest.
+        """
+        self.begin(family)
+        self.attempt(self.follow, StartState(start, at_limits(self.problem, start), (), hold))
+
+    def follow(self, start: StartState, deep: int = DEEP) -> None:
+        """Go downhill from a start, on either side of saddles, and judge what is reached."""
+        here = [*self.family.encode(), self.tally.by_source[self.family]]
+        rng = np.random.default_rng([self._seed, *here])
+        aside = self.labels.drawn(rng.normal(size=self.problem.size))
+        self._arrive(partial(self.go_down, start, aside, self._is_end), deep)
+
+    def _arrive(self, way: Callable[[], tuple[np.ndarray, str]], deep: int = DEEP) -> None:
+        """Judge where a way down ends."""
+        x, why = way()
+        if why == NO_LOWER and (near := singular_beside(self.problem, x)) is not None:
+            x, why = near, ""  # it is not told from that state, where closure loses rank
+        if why:
+            self.tally.stopped[why] += 1
+        elif np.abs(x).max(initial=0.0) < BESIDE_FLAT and self.problem.pattern.lies_flat:
+            self.tally.flat += 1
+        else:
+            self.settle(x, deep)
+
+    def _is_end(self, x: np.ndarray) -> bool:
+        """Return whether a descent ended at a state before, and note that the start that is on led to it as well."""
+        far = np.abs(np.array(self._ends).reshape(-1, len(x)) - x).max(axis=1, initial=0.0)
+        if not (far <= DUPLICATE_TOL).any():
+            return False
+        self.known(x)
+        return True
+
+    def settle(self, x: np.ndarray, deep: int = DEEP) -> None:
+        """Judge where a descent ended, and its images; beside one that is refuted, go on from a lower state."""
+        if self._is_end(x) or self.known(x) or (state := self._judged(x)) is None:
+            return
+        x = self.at_state(state)
+        images = self._images(x)
+        if state.verdict == "minimum" and x.any():
+            self._draws.changed.add(*(on_grid(self.problem, x) for x in images))
+        for other in images[1:]:
+            if not state.refuted and not self.known(other):
+                self.attempt(self._judged, other)
+        if state.verdict == "minimum":
+            self.snap(x)
+        elif state.refuted and deep:
+            lower = classified(self.problem, x).lower
+            if lower is not None:
+                self.follow(StartState(lower, at_limits(self.problem, lower)), deep - 1)
+
+    def _judged(self, x: np.ndarray) -> JudgedState | None:
+        """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
+        self._ends.append(x)
+        if not self.question.winding(x):
+            return None
+        if self.on_level_set(x):
+            self.tally.stalled += 1
+            return None
+        state = judge_end(self.problem, x, self.contact)
+        near = None if state.verdict == "minimum" else singular_beside(self.problem, x)
+        if near is not None:
+            exact = judge(self.problem, near, self.contact)
+            state = state if exact.verdict == "undecided" else exact
+        at = self.at_state(state)
+        alike = self._images(at) if state.refuted else [at]
+        if any(self.known(x, state.verdict) for x in alike):
+            return None  # of what is refuted one image is kept
+        self.add(state)
+        return state
+
+    def _images(self, x: np.ndarray) -> list[np.ndarray]:
+        """Return a state and its images under the symmetries of the sheet and its springs."""
+        return [x, *(image(symmetry, x) for symmetry in self._symmetries)]
+
+    def snap(self, x: np.ndarray) -> None:
+        """Start from a minimum with each hinge in each other well of its law."""
+        if hinge_rests(self.problem.pattern):
+            for start in other_wells(self.problem.pattern, self.labels, x):
+                if self.tally.by_source.get(SNAPPED, 0) < self.options.most_on:
+                    self.explore(start, SNAPPED)
+
+    def trace_curves(self) -> None:
+        """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
+        # curves end at fold limits
+        if self.problem.size > self.options.most_traced or not self.problem.has_limits:
+            return
+        for start in self._branches:
+            if (phi := close(self.problem, start)) is not None and phi not in self.curves:
+                self._trace(phi)
+        gone = 0
+        while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
+            phi = self.at_state(self.judged[gone])
+            gone += 1
+            if phi not in self.curves and self.judged[gone - 1].verdict != "not admissible":
+                self._trace(phi)
+            if gone == len(self.judged):
+                self.part(MEETINGS, self._leave_meetings)
+
+    def _trace(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, where one degree of freedom is left."""
+        z = tangents(self.problem, phi)
+        if z.shape[1] == 1 and len(self.curves.found) < self.options.most_curves:
+            for traced in self.curves.trace(phi, z[:, 0]):
+                self._along(traced)
+
+    def _along(self, traced: TracedCurve) -> None:
+        """Judge the wells of a curve, and go down from where facets begin to cross along it."""
+        for well in wells(self.problem, traced.curve):
+            self.tally.wells += 1
+            self.begin(CURVES)
+            self.attempt(self._settle_well, well)
+        if (seen := traced.stretches) is not None:
+            for i in np.flatnonzero(seen.crosses[:-1] != seen.crosses[1:]):
+                free, crossed = (i + 1, i) if seen.crosses[i] else (i, i + 1)
+                start = last_free(self.problem, seen.states[free], seen.states[crossed])
+                self.explore(start, CURVES)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Judge the stationary state at a well of a curve, and go downhill from it."""
+        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
+        known |= dict.fromkeys(("saddle", "not stationary"), 10 * DUPLICATE_TOL)
+
+        def judged() -> bool:
+            return any(
+                np.abs(well - self.at_state(s)).max() <= known.get(s.verdict, -1.0)
+                for s in self.judged
+            )
+
+        if (closed := close(self.problem, well)) is not None:
+            beside = stationary_beside(self.problem, closed)
+            if beside is not None:
+                self._add_exact(beside)
+        if not judged():
+            self.follow(StartState(well, at_limits(self.problem, well)))
+        self.tally.resolved += judged()
+
+    def _add_exact(self, x: np.ndarray) -> None:
+        """Add the state at a well; where it is not decided, it stands for a minimum that is not told from it."""
+        state = judge_end(self.problem, x, self.contact)
+        beside = [
+            k
+            for k, s in enumerate(self.judged)
+            if np.abs(self.at_state(s) - x).max() <= 10 * DUPLICATE_TOL
+        ]
+        if not self.known(x):
+            self.add(state)
+        elif state.verdict == "undecided":
+            self.judged[beside[0]] = state
+
+    def from_crossroads(self) -> None:
+        """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
+        pattern, tally = self.problem.pattern, self.tally
+        flat = list_branches(pattern, None, self.problem.check_time)
+        if flat.reason:
+            self.tally.skip(
+                f"branch directions of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
+            )
+            return
+        tally.lines, tally.families = len(flat.lines), len(flat.families)
+        folded = list_flat_folded(pattern, self.contact, self.problem.check_time)
+        states = folded.states
+        if folded.reason:
+            self.tally.skip(
+                f"flat-folded states: not enumerated, {folded.reason}; only branches from the flat state are followed"
+            )
+            states = np.zeros((1, pattern.creases))
+        tally.flat_folded = len(states)
+        order = sorted(
+            range(len(states)),
+            key=lambda i: (round(np.abs(states[i]).sum(), 6), self.labels.key(states[i])),
+        )
+        self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order])
+
+    def _leave_meetings(self) -> None:
+        """Go all branch directions of states at which curves meet."""
+        for traced in self.curves.found:
+            for phi in traced.branch_points:
+                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in self._met_at):
+                    self._met_at.append(phi)
+                    self.tally.branch_points += 1
+                    self._leave(phi, branch_directions(self.problem, phi))
+
+    def _leave_flat_folded(self, states: np.ndarray) -> None:
+        """Go all branch directions of flat-folded states [S, n]."""
+        for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
+            self.begin(BRANCHES)
+            self.attempt(self.settle, phi, 0)  # there is no one way down: its branches are
+            self._leave(phi, split(self.problem, phi, ways))
+
+    def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
+        """Go all branch directions of a state."""
+        if ways.reason:
+            self.tally.skip(f"branch directions of a state where curves meet: {ways.reason}")
+            return
+        lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
+        for d in lines:
+            self._branches.append(phi + OUT * d / np.abs(d).max())
+            self.explore(self._branches[-1], BRANCHES)
+        for basis in ways.families:
+            for d in into_family(phi, basis, self._side, self.problem.fold_limits):
+                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
+        if not lines and not ways.families and not self.known(phi):
+            self.add(judge(self.problem, phi, self.contact))
