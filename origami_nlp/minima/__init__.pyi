@@ -4,7 +4,7 @@ from .account import (
     MEETINGS as MEETINGS,
     SearchReport as SearchReport,
 )
-from .canonical import canonical_states as canonical_states
+from .canonical import canonical_states as canonical_states, moves_of as moves_of
 from .completeness import (
     Added as Added,
     Completeness as Completeness,

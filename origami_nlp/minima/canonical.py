@@ -59,7 +59,7 @@ def canonical_states(
             stated, stated, [partial(image, s) for s in found], None, states, 1.0
         )
     if not scene.group.is_trivial or scene.loads:
-        return CanonicalStates(stated, stated, _moves(stated, scene), None, states, 1.0)
+        return CanonicalStates(stated, stated, moves_of(stated, scene), None, states, 1.0)
     labels = canonical_labels(scene)
     other = labels.relabelled(scene)
     problem = pose(other)
@@ -69,10 +69,11 @@ def canonical_states(
     still = (problem.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
     exact = project(problem, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
     unit = float(np.mean(scene.stiffness))
-    return CanonicalStates(stated, problem, _moves(problem, other), labels, exact, unit)
+    return CanonicalStates(stated, problem, moves_of(problem, other), labels, exact, unit)
 
 
-def _moves(problem: PatternProblem, scene: Scene) -> list[Callable[[np.ndarray], np.ndarray]]:
+def moves_of(problem: PatternProblem, scene: Scene) -> list[Callable[[np.ndarray], np.ndarray]]:
+    """Return the symmetries of a scene, imposed or not, of states [..., n] of its problem."""
     return [partial(_moved, problem, move) for move in symmetries(scene)]
 
 

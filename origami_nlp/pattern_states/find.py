@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -34,7 +33,7 @@ from origami_nlp.numerics import (
     NEAR_SINGULAR_TOL,
 )
 from origami_nlp.pattern import Stated, as_origami
-from origami_nlp.pattern_problem import PatternProblem, image
+from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.question import question_of
 from origami_nlp.pattern_states.search import Search
@@ -229,7 +228,7 @@ class _Answer(Search):
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         most = max(OF_ESCAPES * self.go_down.work, LEAST_WORK)
-        moves = [partial(image, one) for one in self._symmetries]
+        moves = self.question.symmetries
         self.judged = with_escapes(self.curves, self.by_energy(), moves, self.contact, most)
         self.problem.check_time()
 

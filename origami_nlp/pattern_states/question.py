@@ -11,10 +11,10 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import passing_moment
-from origami_nlp.minima import Completeness, JudgedState, full_scene, with_full_space
+from origami_nlp.minima import Completeness, JudgedState, full_scene, moves_of, with_full_space
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene, canonical_labels
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, pose
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, image, pose
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.pattern_states.vertex_proof import prove_each
 from origami_nlp.problem import Model
@@ -72,7 +72,7 @@ class Question:
     contact: str
     problem: PatternProblem
     labels: CanonicalLabelling
-    symmetries: Sequence[tuple[np.ndarray, float]]
+    symmetries: Sequence[Callable[[np.ndarray], np.ndarray]]
     prove: Callable[[Sequence[JudgedState], Wanted], Proved]
     starts: Sequence[tuple[str, Callable[[], Iterable[np.ndarray]]]]
     whole: Callable[[], tuple[PatternProblem, CanonicalLabelling]]
@@ -114,7 +114,7 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
         "full" if contact else "fold-limits",
         problem,
         labels,
-        labels.symmetries(pattern),
+        [partial(image, one) for one in labels.symmetries(pattern)],
         prove,
         [(GIVEN, lambda: given(problem.pattern))],
         whole,
@@ -180,7 +180,7 @@ def _of_vertex(scene: Scene) -> Question:
         scene.contact,
         problem,
         labels,
-        [(np.argsort(order), float(sign)) for order, sign in first.own_symmetries[1:]],
+        [] if scene.loads else moves_of(problem, scene),
         partial(prove_each, models, problem),
         starts,
         whole,

@@ -28,7 +28,6 @@ from origami_nlp.numerics import (
     NEAR_SINGULAR_TOL,
     RESOLVED,
 )
-from origami_nlp.pattern_problem import image
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.curve import tangents
@@ -90,7 +89,6 @@ class Search(Parts):
         contact = self.contact = self.problem.contact
         self.dof = self.problem.dof  # before the clock can stop it
         self.problem.until = until
-        self._symmetries = question.symmetries
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = SearchReport(contact=question.contact)
         self.judged = list[JudgedState]()
@@ -263,7 +261,7 @@ class Search(Parts):
 
     def _images(self, x: np.ndarray) -> list[np.ndarray]:
         """Return a state and its images under the symmetries of the sheet and its springs."""
-        return [x, *(image(symmetry, x) for symmetry in self._symmetries)]
+        return [x, *(move(x) for move in self.question.symmetries)]
 
     def snap(self, x: np.ndarray) -> None:
         """Start from a minimum with each hinge in each other well of its law."""

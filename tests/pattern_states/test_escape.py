@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ import pytest
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
 from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
-from origami_nlp.pattern_problem import image, pose
+from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.question import question_of
@@ -26,8 +26,7 @@ def escapes(scene, minima):
     asked = question_of(scene, True)
     problem = asked.problem
     curves = TracedCurves(problem, asked.labels, problem.contact)
-    moves = [partial(image, one) for one in asked.symmetries]
-    return with_escapes(curves, minima, moves, problem.contact, 1e9)
+    return with_escapes(curves, minima, asked.symmetries, problem.contact, 1e9)
 
 
 def four(seed, contact="fold-limits"):
