@@ -82,8 +82,6 @@ class JudgedState(ShortRepr):
     kkt_residual
         Largest entry of the stationarity residual, relative to the torques that balance; nan where nothing has to
         balance.  At a degenerate minimum of a pattern it need not be small.
-    polished
-        Whether Newton reached rounding, or the state is an exact singular one; no minimum is listed without.
     hits
         Starts that led here; 0 for what a proof or curves added.
     contacts
@@ -131,7 +129,6 @@ class JudgedState(ShortRepr):
     dof: int = field(default=-1, metadata=OMIT)
     closure_residual: float = math.nan
     kkt_residual: float = math.nan
-    polished: bool = True
     hits: int = 0
     contacts: tuple[ContactForce, ...] = ()
     hessian_eigenvalues: tuple[float, ...] = ()

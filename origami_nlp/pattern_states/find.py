@@ -27,20 +27,14 @@ from origami_nlp.minima import (
     check_prove,
     with_survival,
 )
-from origami_nlp.numerics import (
-    BESIDE_SINGULAR,
-    DUPLICATE_TOL,
-    NEAR_SINGULAR_TOL,
-)
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Stated, as_origami
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.question import question_of
 from origami_nlp.pattern_states.search import Search
 from origami_nlp.proof import ProofOptions
-from origami_nlp.search import (
-    confirm,
-)
+from origami_nlp.search import confirm
 from origami_nlp.starts import OWN, SearchOptions, options_of
 
 METHODS = ("batch", "ipopt")
@@ -174,7 +168,8 @@ def find_states(
     search.part(CONFIRMED, search.add_confirmations)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    search.part(FULL, search.add_full_space, full)
+    if full or (full is None and question.problem.orbits is not None):
+        search.part(FULL, search.add_full_space, full)
     result = search.result(in_a_row)
     if search.tally.interrupted:
         raise Interrupted(result)

@@ -84,7 +84,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
         softest_mode=() if what.mode is None else tuple(problem.expand(what.mode).tolist()),
     )
-    if state.verdict == "minimum" and _is_level_beside(problem, phi, what.mode):
+    mode = what.mode if problem.pattern.laws and state.verdict == "minimum" else None
+    if mode is not None and is_level_along(problem, phi, mode[None]):
         why = "hinges are slack beside it: the energy is level one way"
         return replace(state, verdict="undecided", kind="", certificate=why)
     # lower states as well: what closes to rounding may be further off the curve than they are away
@@ -99,17 +100,16 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     return state
 
 
-def _is_level_beside(problem: PatternProblem, phi: np.ndarray, mode: np.ndarray | None) -> bool:
-    """Return whether hinges by laws leave the energy level to one side along the softest mode [n] of a state.
+def is_level_along(problem: PatternProblem, phi: np.ndarray, modes: np.ndarray) -> bool:
+    """Return whether the energy is level to one side of a state along some of the directions [k, n].
 
-    Curvature says nothing there: at the edge of a level piece, or beyond it by less than rounding, it may be positive.
+    Hinges by laws leave whole sets of such states.  Curvature says nothing there: at the edge of a level piece, or
+    beyond it by less than rounding, it may be positive.
     """
-    if mode is None or not problem.pattern.laws:
-        return False
-    for side in (-1.0, 1.0):
-        end, residual = problem.project(phi + side * FAR_ALONG * mode)
-        change = abs(problem.energy_change(phi, end))
-        if residual <= CLOSURE_TOL and change <= LEVEL * problem.scale:
+    for along in (*modes, *-modes):
+        end, residual = problem.project(phi + FAR_ALONG * along)
+        level = abs(problem.energy_change(phi, end)) <= LEVEL * problem.scale
+        if residual <= CLOSURE_TOL and level:
             return True
     return False
 

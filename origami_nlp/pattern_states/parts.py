@@ -15,6 +15,7 @@ from origami_nlp.kkt import project, singular_beside
 from origami_nlp.minima import JudgedState, SearchReport, chao1, chao1_error
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
 from origami_nlp.pattern_states.curves import TracedCurves
+from origami_nlp.pattern_states.judgement import is_level_along
 from origami_nlp.pattern_states.question import Question
 
 FAILURES = np.linalg.LinAlgError, ArithmeticError
@@ -144,25 +145,16 @@ class Parts:
             self.say()
 
     def on_level_set(self, x: np.ndarray) -> bool:
-        """Return whether some way from a state is level both ways, where an undecided one has that energy.
-
-        Hinges without stiffness at the bottom of a well leave whole sets of such states: one stands for them.
+        """Return whether hinges leave some way from a state level, where an undecided one has that energy: one stands
+        for the whole set.
         """
         problem = self.problem
         if not problem.pattern.laws:
             return False
-        energy, level = problem.energy(x), LEVEL * problem.scale
-        at = [s.energy for s in self.judged if s.verdict == "undecided"]
-        if not any(abs(energy - other) <= max(level, LEVEL * abs(energy)) for other in at):
-            return False
-        for z in problem.kernel(x).T:
-            ends = [problem.project(x + side * NEAR_SINGULAR_TOL * z) for side in (-1.0, 1.0)]
-            if all(
-                left <= CLOSURE_TOL and abs(problem.energy_change(x, end)) <= level
-                for end, left in ends
-            ):
-                return True
-        return False
+        energy = problem.energy(x)
+        level = LEVEL * max(problem.scale, abs(energy))
+        alike = (abs(energy - s.energy) <= level for s in self.judged if s.verdict == "undecided")
+        return any(alike) and is_level_along(problem, x, problem.kernel(x).T)
 
     def _level_with_known(self, state: JudgedState) -> bool:
         """Return whether a state is one that is known: beside it, and level with it and with what is between.

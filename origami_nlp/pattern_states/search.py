@@ -87,7 +87,7 @@ class Search(Parts):
         super().__init__(question)
         self._since, self.options = time.perf_counter(), options
         contact = self.contact = self.problem.contact
-        self.dof = self.problem.dof  # before the clock can stop it
+        _ = self.problem.dof  # kept, before the clock can stop it
         self.problem.until = until
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = SearchReport(contact=question.contact)

@@ -6,7 +6,7 @@ kill -9: a scene is there whole or not at all.  Tables (documented, so that othe
 - ``sweep(key, value)``: the sweep as JSON, schema and version;
 - ``scenes(scene, <one column an axis>, status, reason, seconds, starts, expected_undiscovered)``: status is
   ``done``, ``invalid`` (these values make no scene) or ``failed``;
-- ``states(scene, state, energy, kind, dimension, closure, kkt, polished, full_space, stable, fold_angles)``: the
+- ``states(scene, state, energy, kind, dimension, closure, kkt, full_space, stable, fold_angles)``: the
   minima of each scene by energy; stable is 1 or 0, null where the full space was not asked; fold angles [rad] as a
   JSON list.
 
@@ -33,7 +33,7 @@ from origami_nlp.sweep.spec import Sweep
 if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
 
-SCHEMA = "origami-nlp/sweep/2"
+SCHEMA = "origami-nlp/sweep/3"
 FILE, LOCK = "sweep.sqlite", "sweep.lock"
 T = TypeVar("T")
 Rows = tuple[tuple[Any, ...], ...]
@@ -81,7 +81,7 @@ def attempted(index: int, make: Callable[[int], T], find: Callable[[T], MinimaRe
         return Outcome(index, "failed", reason, time.perf_counter() - begin, 0, None, ())
     missing = getattr(found.search, "expected_undiscovered", math.inf)
     rows = tuple(
-        (*row, int(m.polished), m.full_space and m.full_space.verdict, known, list(m.fold_angles))
+        (*row, m.full_space and m.full_space.verdict, known, list(m.fold_angles))
         for m, (*row, known) in zip(found.minima, map(_known, found._rows()), strict=True)
     )
     seconds = time.perf_counter() - begin
@@ -147,7 +147,7 @@ class Store:
             )
             self._db.execute(
                 "CREATE TABLE states (scene INTEGER, state INTEGER, energy REAL, kind TEXT, "
-                "dimension INTEGER, closure REAL, kkt REAL, polished INTEGER, full_space TEXT, "
+                "dimension INTEGER, closure REAL, kkt REAL, full_space TEXT, "
                 "stable INTEGER, fold_angles TEXT, PRIMARY KEY (scene, state))"
             )
             rows = [
@@ -173,7 +173,7 @@ class Store:
                 f"INSERT OR REPLACE INTO scenes VALUES ({', '.join('?' * len(row))})", row
             )
             self._db.executemany(
-                "INSERT INTO states VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO states VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 [(o.scene, k, *s[:-1], json.dumps(s[-1])) for k, s in enumerate(o.states, start=1)],
             )
 

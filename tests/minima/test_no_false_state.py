@@ -49,8 +49,6 @@ def failures(result, count=COUNT, seen=None):
             out.append(f"{where} closes to {closure:.1e}")
         elif result.scene.contact != "none" and np.abs(m.fold_angles).max() > pi:
             out.append(f"{where} folds beyond pi")
-        elif not m.polished:
-            out.append(f"{where} is not polished")
     return out
 
 

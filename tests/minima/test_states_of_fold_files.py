@@ -41,9 +41,8 @@ def check_states(frame, number, starts):
         phi = np.array(m.fold_angles)
         assert np.abs(fold(p.sectors, phi)[1][0] - np.eye(3)).max() < 1e-12
         assert spin_sign(p.sectors, phi)[0] == 1
-        if m.polished:
-            around = look_around(p, p.reduce(phi), 100, rng)
-            assert not len(around.lower), (scene, m, around)
+        around = look_around(p, p.reduce(phi), 100, rng)
+        assert not len(around.lower), (scene, m, around)
     again_frame = parse_fold(json.dumps(result.to_fold()))[0]
     (again_vertex,) = fold_vertices(again_frame)[0]
     again = find_minima(

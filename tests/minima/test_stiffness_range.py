@@ -50,7 +50,7 @@ def test_one_spring_of_a_very_different_stiffness(name, where, power):
         result = find_minima(
             scene(VERTICES[name], (k, unit, unit, unit)), max_starts=64, prove=False, escape=False
         )
-        assert all(m.polished and m.closure_residual <= 1e-12 for m in result.minima)
+        assert all(m.closure_residual <= 1e-12 for m in result.minima)
         found.append(result.minima)
     few, many = found
     assert [m.kind for m in few] == [m.kind for m in many]
