@@ -45,6 +45,8 @@ class Symbols:
         Over `scale`.
     closure
         Of all loops, [m]; rows may depend on each other.
+    solvers
+        Programs with their solvers, by what they were made for: one serves states with as many rows and the same gaps.
 
     Raises
     ------
@@ -68,6 +70,7 @@ class Symbols:
                 "torques on creases"
             )
         self.problem, n, pattern = problem, problem.size, problem.pattern
+        self.solvers: dict[Any, tuple[Nlp, Any]] = {}
         self.y = ca.SX.sym("y", n)
         k, rest, load = (ca.SX.sym(name, n) for name in ("k", "rest", "load"))
         laws = () if p.laws is None else p.laws.laws
@@ -118,17 +121,26 @@ class Symbols:
         Nlp
             Its parameters are `values`; fold limits are bounds for the caller to set.
         """
+        return self.program(ca.DM(self.row_space(y0)), contacts)
+
+    def row_space(self, y0: np.ndarray) -> np.ndarray:
+        """Return a basis of the row space of closure near a state [n], orthonormal combinations of its rows [m, r]."""
         beside, _ = self.problem.project(np.asarray(y0, float))
         aside, _ = self.problem.project(beside + ASIDE * np.sin(1.0 + np.arange(len(beside))))
         if self.problem.rank(aside) > self.problem.rank(beside):
             beside = aside
         u, sizes, _ = np.linalg.svd(dense(self.problem.jacobian(beside)))
-        rows = u[:, : int((sizes > RANK).sum())]
+        return np.asarray(u[:, : int((sizes > RANK).sum())])
+
+    def program(self, rows: ca.DM | ca.SX, contacts: Sequence[Contact] = ()) -> Nlp:
+        """Return the program with combinations `rows` [m, r] of closure; they are parameters where they are symbols."""
         gaps = [self.gap(c) for c in contacts if not c.is_limit]
+        p = ca.vertcat(self.springs, ca.vec(self.corners))
+        if isinstance(rows, ca.SX):
+            p = ca.vertcat(p, ca.vec(rows))
         lower, upper = np.zeros(rows.shape[1] + len(gaps)), np.zeros(rows.shape[1] + len(gaps))
         upper[rows.shape[1] :] = math.inf
-        p = ca.vertcat(self.springs, ca.vec(self.corners))
-        g = ca.vertcat(ca.DM(rows.T) @ self.closure, *gaps)
+        g = ca.vertcat(rows.T @ self.closure, *gaps)
         return Nlp(self.y, p, self.energy, g, lower, upper)
 
     def _corner(self, number: int) -> ca.SX:

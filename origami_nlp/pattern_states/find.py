@@ -211,7 +211,7 @@ class _Answer(Search):
             if not any(is_beside(state, m) for m in minima):
                 beside = [k for k, s in enumerate(self.judged) if is_beside(s, state)]
                 if state.verdict == "minimum" and beside:
-                    self.judged[beside[0]] = state
+                    self.exchange(beside[0], state)
                 self.add(state)
         listed = [s.phi for s in self.judged if s.verdict == "minimum"]
         for m in minima:

@@ -22,6 +22,30 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""
 
 
+class Points:
+    """Points [n] that grow in number.
+
+    Parameters
+    ----------
+    size
+        n.
+    """
+
+    def __init__(self, size: int) -> None:
+        self._at, self.count = np.empty((64, size)), 0
+
+    def add(self, x: np.ndarray) -> None:
+        """Add one."""
+        if self.count == len(self._at):
+            self._at = np.concatenate([self._at, np.empty_like(self._at)])
+        self._at[self.count] = x
+        self.count += 1
+
+    def far(self, x: np.ndarray) -> np.ndarray:
+        """Return how far each is from a point, largest difference of a coordinate, [K]."""
+        return np.asarray(np.abs(self._at[: self.count] - x).max(axis=1, initial=0.0))
+
+
 class Parts:
     """Work on a problem, with the record of what it did and the states that it judged."""
 
@@ -37,6 +61,7 @@ class Parts:
         self.question, self.problem, self.labels = question, question.problem, question.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
         self._at: dict[tuple[float, ...], np.ndarray] = {}
+        self._places = Points(self.problem.size)
         self._met = set[int]()  # since it was emptied
 
     def say(self) -> None:
@@ -110,8 +135,9 @@ class Parts:
         Of a minimum it is noted that the start that is on led to it.
         """
         least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
-        states = np.array([self.at_state(s) for s in self.judged]).reshape(-1, len(phi))
-        far = np.abs(states - phi).max(axis=1, initial=0.0)
+        for state in self.judged[self._places.count :]:
+            self._places.add(self.at_state(state))
+        far = self._places.far(phi)
         here = [
             k
             for k in np.flatnonzero(far <= 10 * DUPLICATE_TOL).tolist()
@@ -143,6 +169,10 @@ class Parts:
             if state.verdict == "minimum" and self.found is not None:
                 self.found(state.energy, state.phi.copy())
             self.say()
+
+    def exchange(self, k: int, state: JudgedState) -> None:
+        """Put a state in the place of the k-th, which was not told from it."""
+        self.judged[k], self._places = state, Points(self.problem.size)
 
     def on_level_set(self, x: np.ndarray) -> bool:
         """Return whether hinges leave some way from a state level, where an undecided one has that energy: one stands

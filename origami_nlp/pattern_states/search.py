@@ -39,7 +39,7 @@ from origami_nlp.pattern_states.judgement import (
     judge,
     judge_end,
 )
-from origami_nlp.pattern_states.parts import Parts
+from origami_nlp.pattern_states.parts import Parts, Points
 from origami_nlp.pattern_states.question import Question
 from origami_nlp.search import (
     BESIDE_FLAT,
@@ -94,7 +94,8 @@ class Search(Parts):
         self.judged = list[JudgedState]()
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
         self._draws = Draws(self.problem, self.labels, seed, question.families)
-        self._met_at, self._ends, self._branches = [list[np.ndarray]() for _ in range(3)]
+        self._met_at, self._branches = list[np.ndarray](), list[np.ndarray]()
+        self._ends = Points(self.problem.size)
         self._guesses: list[tuple[np.ndarray, JudgedState]] = []
         self.go_down = way_down(self.problem, ipopt=ipopt)
         if isinstance(self.go_down, ByIpopt) and not ipopt:
@@ -177,9 +178,9 @@ class Search(Parts):
             name, batch, asides = draws.next(most - tally.drawn)
             for way in self.go_down.each(batch, asides, self._is_end):
                 self.begin(name)
-                before, lost = self.count()[0], tally.stopped[CLOSES_NOT] + tally.open
+                before, lost = len(self.judged), tally.stopped[CLOSES_NOT] + tally.open
                 self.attempt(self._arrive, way)
-                new = self.count()[0] - before
+                new = sum(s.verdict == "minimum" for s in self.judged[before:])
                 closed = lost == tally.stopped[CLOSES_NOT] + tally.open
                 draws.note(name, new, closed)
                 tally.drawn += closed
@@ -215,8 +216,7 @@ class Search(Parts):
 
     def _is_end(self, x: np.ndarray) -> bool:
         """Return whether a descent ended at a state before, and note that the start that is on led to it as well."""
-        far = np.abs(np.array(self._ends).reshape(-1, len(x)) - x).max(axis=1, initial=0.0)
-        if not (far <= DUPLICATE_TOL).any():
+        if not (self._ends.far(x) <= DUPLICATE_TOL).any():
             return False
         self.known(x)
         return True
@@ -241,7 +241,7 @@ class Search(Parts):
 
     def _judged(self, x: np.ndarray) -> JudgedState | None:
         """Judge a state, or a singular one that it is not told from, and keep it; None where that is known."""
-        self._ends.append(x)
+        self._ends.add(x)
         if not self.question.winding(x):
             return None
         if self.on_level_set(x):
@@ -336,7 +336,7 @@ class Search(Parts):
         if not self.known(x):
             self.add(state)
         elif state.verdict == "undecided":
-            self.judged[beside[0]] = state
+            self.exchange(beside[0], state)
 
     def from_crossroads(self) -> None:
         """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""

@@ -25,7 +25,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import Solve, polish
 from origami_nlp.numerics import BALANCED, CLOSURE_TOL, OUTSIDE
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact
+from origami_nlp.problem import Contact, Nlp
 from origami_nlp.search.starts import StartState
 
 OPTIONS = {
@@ -200,15 +200,11 @@ def solve_with(
 
     Fold limits among the contacts are told of; all limits are bounds.
     """
-    symbols = problem.symbols()
-    nlp = symbols.nlp(start, contacts)
-    form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
-    asked: dict[str, Any] = {"print_time": False, "error_on_fail": False}
-    asked["ipopt"] = {"tol": tolerance_for(problem), **options}
-    solver = ca.nlpsol("origami", "ipopt", form, asked)
-    limits = problem.fold_limits
+    symbols, limits = problem.symbols(), problem.fold_limits
+    rows = symbols.row_space(start)
+    nlp, solver = solver_for(problem, rows.shape[1], contacts, options)
     bounds = {"lbx": limits.low, "ubx": limits.high, "lbg": nlp.lower, "ubg": nlp.upper}
-    out = solver(x0=start, p=symbols.values, **bounds)
+    out = solver(x0=start, p=np.append(symbols.values, rows.T.ravel()), **bounds)
     stats, found = solver.stats(), {k: np.asarray(v).ravel() for k, v in out.items()}
     x, g, pull = found["x"], found["g"], found["lam_x"]
     violation = float(np.maximum(nlp.lower - g, g - nlp.upper).max(initial=0.0))
@@ -223,6 +219,21 @@ def solve_with(
     status, count = str(stats["return_status"]), int(stats["iter_count"])
     ended = Solve(x, status, count, violation, pull, None)
     return ended, pressed, np.array([open_by[c][1] for c in pressed])
+
+
+def solver_for(
+    problem: PatternProblem, rank: int, contacts: Sequence[Contact], options: Mapping[str, object]
+) -> tuple[Nlp, ca.Function]:
+    """Return the program with so many rows of closure, which are parameters, and gaps of contacts, and its solver."""
+    symbols, gaps = problem.symbols(), tuple(c for c in contacts if not c.is_limit)
+    ipopt = {"tol": tolerance_for(problem), **options}
+    key = rank, gaps, tuple(ipopt.items())
+    if key not in symbols.solvers:
+        nlp = symbols.program(ca.SX.sym("U", symbols.closure.shape[0], rank), gaps)
+        form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
+        asked = {"print_time": False, "error_on_fail": False, "ipopt": ipopt}
+        symbols.solvers[key] = nlp, ca.nlpsol("origami", "ipopt", form, asked)
+    return symbols.solvers[key]
 
 
 def tolerance_for(problem: PatternProblem) -> float:
