@@ -57,9 +57,8 @@ from .results import (
     to_frame as to_frame,
     view as view,
 )
-from .search import IpoptAnswer as IpoptAnswer, solve as solve
+from .search import IpoptAnswer as IpoptAnswer, SearchOptions as SearchOptions, solve as solve
 from .space import Space as Space, find_space as find_space
-from .starts import SearchOptions as SearchOptions
 from .validity import (
     LayerOrders as LayerOrders,
     Validity as Validity,

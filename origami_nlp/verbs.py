@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
     from origami_nlp.pattern import Stated
     from origami_nlp.proof import ProofOptions
-    from origami_nlp.starts import SearchOptions
+    from origami_nlp.search import SearchOptions
 
 CONTACTS = {"full": True, "fold-limits": False}
 """What a pattern's contact may be: whether facets must not cross; folds end at pi always."""

@@ -26,8 +26,7 @@ from origami_nlp.critical import find_critical_points
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_states import find_states
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove_sheet
+from origami_nlp.proof import ReducedVertex, prove_sheet
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -70,7 +69,7 @@ def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
     """
 
     @functools.wraps(compute)
-    def ask(stated: Scene | Model, *arguments: Any, **options: Any) -> T:
+    def ask(stated: Scene | ReducedVertex, *arguments: Any, **options: Any) -> T:
         if {"seconds", "record"} & set(options):
             return compute(stated, *arguments, **options)
         name = _question(compute, stated, arguments, options)
@@ -79,10 +78,10 @@ def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
     return ask
 
 
-def _question(compute: Callable[..., Any], stated: Scene | Model, *what: Any) -> str:
+def _question(compute: Callable[..., Any], stated: Scene | ReducedVertex, *what: Any) -> str:
     """A name of what a function is asked of a scene, or of its model."""
     scene = stated if isinstance(stated, Scene) else stated.scene
-    numbers = [] if stated is scene else stated.parameters.vector.tolist()
+    numbers = [] if stated is scene else stated.problem.parameters.vector.tolist()
     asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, *what))
     return f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
 

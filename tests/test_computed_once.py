@@ -7,8 +7,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.io import to_plain
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from tests import computed_once
 from tests.computed_once import PANELS, by_scene, once, panel_result
 
@@ -30,14 +29,14 @@ def test_a_shared_proof_is_that_of_its_scene():
         for k in (2.0, math.nextafter(2.0, 3.0))
     ]
     shared = by_scene(prove)
-    one, other = (shared(Model(scene), boxes=100_000) for scene in scenes)
+    one, other = (shared(ReducedVertex(scene), boxes=100_000) for scene in scenes)
     assert one is not other and [p.x for p in one.points] != [p.x for p in other.points]
-    kept = shared(Model(dataclasses.replace(scenes[0], name="another")), boxes=100_000)
-    fresh = prove(Model(scenes[0]), boxes=100_000)
+    kept = shared(ReducedVertex(dataclasses.replace(scenes[0], name="another")), boxes=100_000)
+    fresh = prove(ReducedVertex(scenes[0]), boxes=100_000)
     assert kept.seconds == one.seconds  # it was read
     assert repr(dataclasses.replace(fresh, seconds=one.seconds)) == repr(kept)
     assert [p.x for p in fresh.points] == [p.x for p in kept.points]
-    assert not shared(Model(scenes[0]), boxes=9).finished
+    assert not shared(ReducedVertex(scenes[0]), boxes=9).finished
 
 
 def test_a_scene_that_only_has_the_name_of_a_panel_is_refused():

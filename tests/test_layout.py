@@ -25,7 +25,7 @@ PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
-    "pattern_problem search starts continuation display hinges chart proof "
+    "pattern_problem search continuation display hinges chart proof "
     "minima pattern_states contact critical barriers space landscape bifurcation inverse_design "
     "loading sweep validity results verbs paper cli __main__"
 ).split()
@@ -34,9 +34,9 @@ BESIDE = ("symbolic", "benchmarks")
 """Packages beside it, run from a checkout; `symbolic` is installed with it, as `origami_nlp.symbolic`."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
-VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics MomentMap".split())
+VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics".split())
 """What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("chart critical landscape paper pattern_states problem proof starts".split())
+READERS = frozenset("chart critical landscape paper problem".split())
 """Rooms that read it: the list only shrinks (paper when the search is one, proof when the prover is)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 

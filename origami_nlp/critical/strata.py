@@ -18,8 +18,9 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
 from origami_nlp.pattern import Limits, Scene, Vertex
+from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_states import list_flat_folded
 from origami_nlp.problem import Model, Problem
-from origami_nlp.starts import flat_foldings
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""
@@ -90,7 +91,7 @@ def _strata(
     cloud = cloud[(residual <= CLOSURE_TOL) & model.admissible(cloud)]
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
-    found = [*flat_foldings(model), *_corners(model, rng), *ends]
+    found = [*list_flat_folded(pose(model.scene)).states, *_corners(model, rng), *ends]
     states = np.array([_settled(State(model, x, SETTLED)) for x in found]).reshape(-1, model.size)
     states = states[distinct(states, SETTLED)]
     keep = [at for at in (State(model, x) for x in states) if not at.refused]

@@ -126,5 +126,5 @@ from .scene_file import (
 )
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
 from .sheet_data import pattern_from_dict as pattern_from_dict, pattern_to_dict as pattern_to_dict
-from .symmetry import windings_of as windings_of
+from .symmetry import winding_number as winding_number, windings_of as windings_of
 from .vertex import Vertex as Vertex

@@ -23,7 +23,7 @@ import numpy as np
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import INPUT_TOL, RESOLVED
+from origami_nlp.numerics import INPUT_TOL, RESOLVED, quaternion
 from origami_nlp.pattern.vertex import Vertex
 
 Elements = tuple[tuple[int, bool], ...]
@@ -259,6 +259,39 @@ def windings_of(group: Symmetry, contact: str) -> tuple[int, ...]:
     [(1,), (1, 3)]
     """
     return tuple(range(1, 2 if contact == "full" else group.order + 1, 2))
+
+
+def winding_number(vertex: Vertex, group: Symmetry, fold_angles: np.ndarray) -> int:
+    """Return how often a closed state winds round the axis of a group that it keeps.
+
+    Parameters
+    ----------
+    vertex, group
+        The vertex, and a group of it.
+    fold_angles
+        Of the state, [N] [rad].
+
+    Returns
+    -------
+    int
+        From the turn of one period; 1 without rotations.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import winding_number
+    >>> scene = o.examples.degree8("pi/4")
+    >>> winding_number(scene.vertex, scene.group, [0.0] * 8)
+    1
+    """
+    if group.order == 1:
+        return 1
+    q: tuple[float, ...] = quaternion.IDENTITY
+    for i in range(vertex.degree // group.order):
+        fold, sector = 0.5 * float(fold_angles[i]), 0.5 * vertex.sector_angles[i]
+        q = quaternion.multiply(q, (math.cos(fold), math.sin(fold), 0.0, 0.0))
+        q = quaternion.multiply(q, (math.cos(sector), 0.0, 0.0, math.sin(sector)))
+    return round(group.order * math.acos(max(-1.0, min(1.0, q[0]))) / math.pi)
 
 
 def check_winding(winding: object, group: Symmetry, contact: str) -> None:

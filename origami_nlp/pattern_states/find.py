@@ -34,8 +34,7 @@ from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.question import question_of
 from origami_nlp.pattern_states.search import Search
 from origami_nlp.proof import ProofOptions
-from origami_nlp.search import confirm
-from origami_nlp.starts import OWN, SearchOptions, options_of
+from origami_nlp.search import OWN, SearchOptions, confirm, options_of
 
 METHODS = ("batch", "ipopt")
 """Engines of a search: compiled descents with an active set, or IPOPT."""

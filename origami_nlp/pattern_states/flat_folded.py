@@ -18,7 +18,7 @@ from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes, tangent_cone
 from origami_nlp.numerics import CLOSURE_TOL, quaternion
 from origami_nlp.pattern import Loop, Pattern
-from origami_nlp.pattern_problem import Closure, round_vertex
+from origami_nlp.pattern_problem import Closure, PatternProblem, round_vertex
 
 
 def list_branches(
@@ -64,39 +64,46 @@ def list_branches(
     return cone
 
 
-LARGEST_DEGREE = 8
-"""Of vertices whose flat foldings are listed one by one."""
+MOST_AROUND = 9
+"""Variables round a vertex whose flat foldings are listed one by one: 3^9 = 19,683 choices."""
 MOST_STATES = 500
 """Flat-folded states that are listed."""
 
 
-def _vertex_foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
-    """Return the ways to fold a vertex flat, 0, 1 or -1 a crease, [F, d].
+def _vertex_foldings(
+    problem: PatternProblem, loop: Loop, variables: np.ndarray, place: np.ndarray
+) -> np.ndarray:
+    """Return the ways to fold a vertex flat, 0, 1 or -1 a variable, [F, d].
 
     Parameters
     ----------
-    pattern
-        Flat.
+    problem
+        Of a flat sheet.
     loop
-        Round the vertex, of few creases: 3 to the power of their number are tried.
-    contact
-        Whether to leave out those whose layers have no order.
+        Round the vertex.
+    variables, place
+        Which turn there [d], and the place of each crease's among them.
     """
-    axes = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
-    choices = np.array(list(product((0, 1, -1), repeat=len(axes))), float)
-    low, high = pattern.limit_angles[:, list(loop.creases)]
+    pattern, creases = problem.pattern, list(loop.creases)
+    axes = np.array(loop.signs)[:, None] * pattern.directions[creases]
+    sign = np.ones(len(creases)) if problem.orbits is None else problem.orbits.sign[creases]
+    choices = np.array(list(product((0, 1, -1), repeat=len(variables))), float)
+    low, high = problem.fold_limits.low[variables], problem.fold_limits.high[variables]
     choices = choices[((math.pi * choices >= low) & (math.pi * choices <= high)).all(axis=1)]
     q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
-    for turn, axis in zip(choices.T, axes, strict=True):
+    for v, s, axis in zip(place, sign, axes, strict=True):
+        turn = s * choices[:, v]
         # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
         q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
-    at = round_vertex(pattern, loop) if contact else None
+    at = round_vertex(pattern, loop) if problem.contact else None
     foldings = choices[closed]
     if at is None:
         return foldings
     try:
-        return foldings[[check_admissible(at, math.pi * f).admissible for f in foldings]]
+        return foldings[
+            [check_admissible(at, math.pi * sign * f[place]).admissible for f in foldings]
+        ]
     except OrigamiError:
         return foldings
 
@@ -117,19 +124,14 @@ class FlatFolded:
     reason: str = ""
 
 
-def list_flat_folded(
-    pattern: Pattern, contact: bool = True, check: Callable[[], None] = lambda: None
-) -> FlatFolded:
-    """Enumerate the flat-folded states of a pattern whose reference state is flat.
+def list_flat_folded(problem: PatternProblem) -> FlatFolded:
+    """Enumerate the flat-folded states of a problem whose reference state is flat.
 
     Parameters
     ----------
-    pattern
-        The pattern.
-    contact
-        Whether to leave out states in which the layers round a vertex have no order: near them facets cross.
-    check
-        Called every now and then: may raise to end it.
+    problem
+        Its limit of time counts.  Where facets must not cross, states in which the layers round a vertex have no order
+        are left out.
 
     Returns
     -------
@@ -137,37 +139,41 @@ def list_flat_folded(
         Every choice of open and fully folded creases that closes round each vertex; layers of the whole are not ordered
         here.
     """
-    n = pattern.creases
+    pattern, n = problem.pattern, problem.size
     none = np.zeros((0, n))
     if not pattern.lies_flat:
         return FlatFolded(none, "the reference state is not flat")
     if pattern.holes:
         return FlatFolded(none, "states folded round holes are not enumerated")
-    degree = max((len(loop.creases) for loop in pattern.vertices), default=0)
-    if degree > LARGEST_DEGREE:
-        return FlatFolded(none, f"a vertex has degree {degree}, more than {LARGEST_DEGREE}")
+    if not problem.has_limits:
+        return FlatFolded(np.zeros((1, n)))
+    of = np.arange(n) if problem.orbits is None else problem.orbits.orbit
+    each = [
+        np.unique(of[list(loop.creases)], return_inverse=True) for loop in problem.pattern.vertices
+    ]
+    most = max((len(variables) for variables, _ in each), default=0)
+    if most > MOST_AROUND:
+        return FlatFolded(none, f"round a vertex {most} creases turn, more than {MOST_AROUND}")
     tables = []
-    for loop in pattern.vertices:
-        check()
-        tables.append(_vertex_foldings(pattern, loop, contact))
-    around = [np.array(loop.creases) for loop in pattern.vertices]
+    for loop, around in zip(pattern.vertices, each, strict=True):
+        problem.check_time()
+        tables.append(_vertex_foldings(problem, loop, *around))
     level, known = np.zeros((1, n), np.int8), np.zeros(n, bool)
     # as many creases as can be are known already, few foldings
-    for v in by_known(around, [len(table) for table in tables]):
-        check()
-        creases = list(pattern.vertices[v].creases)
+    for v in by_known([variables for variables, _ in each], [len(table) for table in tables]):
+        problem.check_time()
+        variables = each[v][0]
         # a join: foldings of a vertex that agree with the states so far in all creases that these have
-        fits = (level[:, None, creases] == tables[v]) | ~known[creases]
+        fits = (level[:, None, variables] == tables[v]) | ~known[variables]
         state, folding = np.nonzero(fits.all(axis=2))
         if len(state) > 20 * MOST_STATES:
             return FlatFolded(none, f"there are more than {MOST_STATES:,}")
         level = level[state]
-        level[:, creases] = tables[v][folding].astype(np.int8)
-        known[creases] = True
+        level[:, variables] = tables[v][folding].astype(np.int8)
+        known[variables] = True
     if pattern.cell:  # its copies must come to lie parallel
-        closure = Closure(pattern)
         level = np.unique(level, axis=0)
-        level = level[[closure.closes(math.pi * x) for x in level]]
+        level = level[[problem.closure.closes(math.pi * x) for x in level]]
     if len(level) > MOST_STATES:
         return FlatFolded(none, f"there are more than {MOST_STATES:,}")
     return FlatFolded(math.pi * level[np.argsort(np.abs(level).sum(axis=1), kind="stable")])

@@ -22,7 +22,7 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 """What linear algebra may end in at some start: it is counted and named."""
 
 
-class Points:
+class Places:
     """Points [n] that grow in number.
 
     Parameters
@@ -61,7 +61,7 @@ class Parts:
         self.question, self.problem, self.labels = question, question.problem, question.labels
         self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
         self._at: dict[tuple[float, ...], np.ndarray] = {}
-        self._places = Points(self.problem.size)
+        self._places = Places(self.problem.size)
         self._met = set[int]()  # since it was emptied
 
     def say(self) -> None:
@@ -172,7 +172,7 @@ class Parts:
 
     def exchange(self, k: int, state: JudgedState) -> None:
         """Put a state in the place of the k-th, which was not told from it."""
-        self.judged[k], self._places = state, Points(self.problem.size)
+        self.judged[k], self._places = state, Places(self.problem.size)
 
     def on_level_set(self, x: np.ndarray) -> bool:
         """Return whether hinges leave some way from a state level, where an undecided one has that energy: one stands

@@ -39,7 +39,8 @@ from origami_nlp.pattern_states.judgement import (
     judge,
     judge_end,
 )
-from origami_nlp.pattern_states.parts import Parts, Points
+from origami_nlp.pattern_states.near_folded import beside_folded
+from origami_nlp.pattern_states.parts import Parts, Places
 from origami_nlp.pattern_states.question import Question
 from origami_nlp.search import (
     BESIDE_FLAT,
@@ -50,6 +51,7 @@ from origami_nlp.search import (
     ByIpopt,
     Changed,
     Draws,
+    SearchOptions,
     StartState,
     at_limits,
     close,
@@ -59,10 +61,13 @@ from origami_nlp.search import (
     stationary_beside,
     way_down,
 )
-from origami_nlp.starts import SearchOptions
 
 BRANCHES = "branch directions"
 """Out of the flat state and of others where curves meet, as starts."""
+FLAT_FOLDED = "flat-folded states"
+BESIDE_FOLDED = "starts beside flat-folded states"
+MOST_SETTLED = 100
+"""Flat-folded states without modes that are judged, those of least energy."""
 GUESSES = "guesses"
 SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
@@ -93,9 +98,9 @@ class Search(Parts):
         self.tally = SearchReport(contact=question.contact)
         self.judged = list[JudgedState]()
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
-        self._draws = Draws(self.problem, self.labels, seed, question.families)
+        self._draws = Draws(self.problem, self.labels, seed)
         self._met_at, self._branches = list[np.ndarray](), list[np.ndarray]()
-        self._ends = Points(self.problem.size)
+        self._ends = Places(self.problem.size)
         self._guesses: list[tuple[np.ndarray, JudgedState]] = []
         self.go_down = way_down(self.problem, ipopt=ipopt)
         if isinstance(self.go_down, ByIpopt) and not ipopt:
@@ -106,14 +111,12 @@ class Search(Parts):
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
         for guess in guesses:
             self.part(GUESSES, self.judge_guess, guess)
-        for name, states in self.question.exact:
-            self.part(name, self._settle_each, states, name)
         if self.problem.pattern.lies_flat:
             self.part("the flat state", self.add_flat)
         for name, states in self.question.starts:
             self.part(name, self._explore_each, states, name)
-        if self.problem.pattern.lies_flat and self.problem.orbits is None:
-            self.part("branch directions of the flat state", self.from_crossroads)
+        if self.problem.pattern.lies_flat:
+            self.part(FLAT_FOLDED, self.from_flat_folded)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
         self.note_hits()
@@ -156,11 +159,6 @@ class Search(Parts):
                         return state
                     best = best or state
         return best
-
-    def _settle_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
-        for state in states():
-            self.begin(family)
-            self.attempt(self.settle, state, 0)
 
     def _explore_each(self, states: Callable[[], Iterable[np.ndarray]], family: str) -> None:
         for start in states():
@@ -338,29 +336,30 @@ class Search(Parts):
         elif state.verdict == "undecided":
             self.exchange(beside[0], state)
 
-    def from_crossroads(self) -> None:
-        """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
-        pattern, tally = self.problem.pattern, self.tally
-        flat = list_branches(pattern, None, self.problem.check_time)
-        if flat.reason:
-            self.tally.skip(
-                f"branch directions of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
-            )
-            return
-        tally.lines, tally.families = len(flat.lines), len(flat.families)
-        folded = list_flat_folded(pattern, self.contact, self.problem.check_time)
+    def from_flat_folded(self) -> None:
+        """Judge flat-folded states, and go all directions out of them: branches, or to where second order says."""
+        problem, tally = self.problem, self.tally
+        folded = list_flat_folded(problem)
         states = folded.states
         if folded.reason:
-            self.tally.skip(
-                f"flat-folded states: not enumerated, {folded.reason}; only branches from the flat state are followed"
+            tally.skip(
+                f"flat-folded states: not enumerated, {folded.reason}; only ways from the flat state are followed"
             )
-            states = np.zeros((1, pattern.creases))
+            states = np.zeros((1, problem.size))
         tally.flat_folded = len(states)
-        order = sorted(
-            range(len(states)),
-            key=lambda i: (round(np.abs(states[i]).sum(), 6), self.labels.key(states[i])),
-        )
-        self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order])
+        rank = [(round(np.abs(x).sum(), 6), self.labels.key(x)) for x in states]
+        states = states[sorted(range(len(states)), key=rank.__getitem__)]
+        flat = None if problem.orbits else list_branches(problem.pattern, None, problem.check_time)
+        if flat is not None and not flat.reason:
+            tally.lines, tally.families = len(flat.lines), len(flat.families)
+            self.part(ESCAPE_PATHS, self._leave_flat_folded, states)
+            return
+        low = np.argsort(problem.energies(states), kind="stable")[:MOST_SETTLED]
+        for x in states[low]:
+            self.begin(FLAT_FOLDED)
+            self.attempt(self.settle, x, 0)
+        for start in beside_folded(problem, list(states), self.question.symmetries):
+            self.explore(start, BESIDE_FOLDED)
 
     def _leave_meetings(self) -> None:
         """Go all branch directions of states at which curves meet."""

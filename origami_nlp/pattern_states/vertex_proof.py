@@ -16,14 +16,13 @@ from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.judgement import judge_end
-from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
     Proof,
     ProofOptions,
     ProvedCriticalPoint,
+    ReducedVertex,
     prove,
     why_not as not_by_boxes,
 )
@@ -41,20 +40,16 @@ class KnownStates:
 
     Parameters
     ----------
-    model
-        The scene with its winding.
-    problem
-        What states are judged by.
+    vertex
+        With its winding.
     states
         Judged.
     """
 
-    def __init__(
-        self, model: Model, problem: PatternProblem, states: Sequence[JudgedState]
-    ) -> None:
-        self.model, self.problem = model, problem
-        self.states = [s for s in states if s.winding == model.structure.winding]
-        self.at = [problem.reduce(s.phi) for s in self.states]
+    def __init__(self, vertex: ReducedVertex, states: Sequence[JudgedState]) -> None:
+        self.vertex, self.problem = vertex, vertex.problem
+        self.states = [s for s in states if s.winding == vertex.winding]
+        self.at = [self.problem.reduce(s.phi) for s in self.states]
         self.new = list[JudgedState]()
 
     @property
@@ -73,7 +68,7 @@ class KnownStates:
         if state is None:
             state = replace(
                 judge_end(self.problem, x, self.problem.contact),
-                winding=self.model.structure.winding,
+                winding=self.vertex.winding,
             )
             self.new.append(state)
             self.states.append(state)
@@ -82,16 +77,15 @@ class KnownStates:
 
     def polished(self, x: np.ndarray) -> JudgedState | None:
         """Judge the state that Newton finds beside x: the middle of a box is no state; None where there is none."""
-        state = polish(self.model, Solve(x, "", 0, math.nan, np.ones(self.model.size), None))
+        state = polish(self.problem, Solve(x, "", 0, math.nan, np.ones(len(x)), None))
         if not state.converged:
-            state = exact_beside(self.model, state)
+            state = exact_beside(self.problem, state)
         closes = self.problem.residual(state.x) <= CLOSURE_TOL
         return self.judged(state.x) if state.converged and closes else None
 
 
 def prove_each(
-    models: Sequence[Model],
-    problem: PatternProblem,
+    vertices: Sequence[ReducedVertex],
     states: Sequence[JudgedState],
     wanted: bool | float | ProofOptions | None,
 ) -> tuple[Completeness | None, list[JudgedState]]:
@@ -104,9 +98,9 @@ def prove_each(
     new : list of JudgedState
         What the proofs found, judged.
     """
-    each = [KnownStates(model, problem, states) for model in models]
-    if len(each) == 1 or (wanted is None and not is_cheap(models[0])):
-        return prove_complete(each[0], wanted, problem.until), each[0].new
+    each = [KnownStates(vertex, states) for vertex in vertices]
+    if len(each) == 1 or (wanted is None and not is_cheap(vertices[0])):
+        return prove_complete(each[0], wanted, vertices[0].problem.until), each[0].new
     until = math.inf
     if wanted is not None and not isinstance(wanted, bool | ProofOptions):
         until = time.monotonic() + wanted
@@ -114,11 +108,11 @@ def prove_each(
     for known in each:
         if until < math.inf:
             wanted = max(until - time.monotonic(), 0.0)
-        one = prove_complete(known, wanted, problem.until)
+        one = prove_complete(known, wanted, vertices[0].problem.until)
         if one is None:
             return None, []
         found.append(one)
-    windings = [model.structure.winding for model in models]
+    windings = [vertex.winding for vertex in vertices]
     return _joined(windings, found), [state for known in each for state in known.new]
 
 
@@ -165,11 +159,11 @@ def prove_complete(
     Completeness or None
         None where it was not tried.
     """
-    model = known.model
-    once = model.structure.winding == 1  # other windings are tried where this one is
-    if wanted is False or (wanted is None and once and not is_cheap(model)):
+    vertex = known.vertex
+    once = vertex.winding == 1  # other windings are tried where this one is
+    if wanted is False or (wanted is None and once and not is_cheap(vertex)):
         return None
-    refused = why_not(model)
+    refused = why_not(vertex)
     if refused:
         return Completeness("not-proved", refused)
     try:
@@ -179,7 +173,7 @@ def prove_complete(
             boxes = UNASKED if wanted is None else ProofOptions().boxes
             if wanted is not None and wanted is not True:
                 boxes, until = sys.maxsize, min(until, time.monotonic() + float(wanted))
-        return hold_against(known, prove(model, until=until, boxes=boxes), until)
+        return hold_against(known, prove(vertex, until=until, boxes=boxes), until)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
@@ -193,25 +187,17 @@ MOST_SINGULAR = 100
 that are one line there are hundreds."""
 
 
-def why_not(model: Model) -> str:
+def why_not(vertex: ReducedVertex) -> str:
     """Return why a scene is not tried to be proved complete; "" where it is."""
-    if model.scene.loads:
-        return "dead loads: proofs know springs and torques on creases only"
-    if not model.has_limits:
-        return "without fold limits fold angles are not bounded by +-pi"
-    if not model.scene.vertex.flat:
-        return "the paper does not lie flat: proofs are for flat sheets"
-    if model.dof <= 0 and model.structure.winding == 1:
-        return "nothing can move: the states listed are all that were looked for"
-    if model.dof > MOST_DOF:
-        return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
-    return not_by_boxes(model)
+    if vertex.dof > MOST_DOF:
+        return f"{vertex.dof} degrees of freedom (at most {MOST_DOF})"
+    return not_by_boxes(vertex)
 
 
-def is_cheap(model: Model) -> bool:
+def is_cheap(vertex: ReducedVertex) -> bool:
     """Return whether a proof is tried without being asked for."""
-    touching = bool(model.structure.gaps) and model.scene.group.is_trivial
-    return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
+    touching = bool(vertex.gaps) and vertex.scene.group.is_trivial
+    return not why_not(vertex) and 0 < vertex.dof <= (1 if touching else FEW_DOF)
 
 
 def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> Completeness:
@@ -222,7 +208,7 @@ def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> C
     known
         Of the search.
     proof
-        Of the same model.
+        Of the same vertex.
     until
         When the time is over (`time.monotonic`): what is not judged by then stays open.
 
@@ -234,29 +220,29 @@ def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> C
     """
     against: list[str] = []
     undecided: list[Open] = []
-    model = known.model
+    vertex = known.vertex
     for point in proof.points:
-        undecided += _disagreement(model, point, _state_at(known, point), against)
+        undecided += _disagreement(vertex, point, _state_at(known, point), against)
 
     def open_region(cluster: Cluster) -> Open:
-        return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
+        return _region(vertex, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
 
-    least = _worth_judging(model, proof)
+    least = _worth_judging(vertex, proof)
     singular = _merged(
         [
             open_region(cluster)
             if time.monotonic() > until
             else _judged(known, cluster)
             if k in least
-            else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
+            else _region(vertex, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
             for k, cluster in enumerate(proof.singular)
         ]
     )
     if proof.flat_radius and proof.flat_is_minimum is None:
-        flat = np.zeros(model.size)
+        flat = np.zeros(vertex.size)
         singular.append(
             _region(
-                model,
+                vertex,
                 flat,
                 flat,
                 "the flat state",
@@ -269,14 +255,14 @@ def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> C
         if time.monotonic() > until
         else _judged(known, cluster)
         if k < MOST_JUDGED
-        else _region(model, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
+        else _region(vertex, np.array(cluster.lower), np.array(cluster.upper), cluster.reason)
         for k, cluster in enumerate(proof.undecided)
     ]
     # each listed minimum must be a root of the proof, or lie in a region that it leaves open
     for x in known.minima:
         if not _covered(x, proof):
             against.append(
-                f"a listed minimum ({model.energy(x):.9g} J) is in no region that is left"
+                f"a listed minimum ({vertex.problem.energy(x):.9g} J) is in no region that is left"
             )
     left = [s for s in singular if _is_open(s)]
     still = [p for p in proof.points if not _leaves(p)]
@@ -293,17 +279,17 @@ def hold_against(known: KnownStates, proof: Proof, until: float = math.inf) -> C
         tuple(undecided),
         tuple(singular),
         tuple(Added(s.energy, s.fold_angles) for s in known.new if s.verdict == "minimum"),
-        over=_ranges_over(model.scene),
+        over=_ranges_over(vertex.scene),
     )
 
 
-def _worth_judging(model: Model, proof: Proof) -> set[int]:
+def _worth_judging(vertex: ReducedVertex, proof: Proof) -> set[int]:
     """Return which singular states are judged: all, unless the list stays without proof whatever they are."""
     if (proof.finished and not proof.undecided) or len(proof.singular) <= MOST_SINGULAR:
         return set(range(len(proof.singular)))
     middles = np.array([0.5 * np.add(c.lower, c.upper) for c in proof.singular])
     # those of one energy stay in the order of the proof
-    order = np.argsort(np.round(model.parameters.energy(middles), 9), kind="stable")
+    order = np.argsort(np.round(vertex.problem.parameters.energy(middles), 9), kind="stable")
     return set(order[:MOST_SINGULAR].tolist())
 
 
@@ -337,23 +323,24 @@ def _leaves(point: ProvedCriticalPoint) -> bool:
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
-def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
+def _singular(vertex: ReducedVertex, x: np.ndarray) -> np.ndarray | None:
     """Return the state beside x whose fold angles next to 0 and +-pi are these; None where none closes."""
     flat = math.pi * np.round(x / math.pi)
     frozen = np.abs(x - flat) <= NEAR_SINGULAR_TOL
-    y, residual = project(model, np.where(frozen, flat, x), frozen=frozen)
+    y, residual = project(vertex.problem, np.where(frozen, flat, x), frozen=frozen)
     return y if residual <= CLOSURE_TOL else None
 
 
 def _disagreement(
-    model: Model, point: ProvedCriticalPoint, state: JudgedState | None, against: list[str]
+    vertex: ReducedVertex, point: ProvedCriticalPoint, state: JudgedState | None, against: list[str]
 ) -> Iterator[Open]:
     """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
     verdict = "" if state is None else state.verdict
-    where = f"at {model.energy(np.array(point.x)):.9g} J"
+    where = f"at {vertex.problem.energy(np.array(point.x)):.9g} J"
     moved = (
         state is not None
-        and np.abs(model.reduce(state.phi) - point.x).max() > point.radius + NEAR_SINGULAR_TOL
+        and np.abs(vertex.problem.reduce(state.phi) - point.x).max()
+        > point.radius + NEAR_SINGULAR_TOL
     )
     if point.is_minimum is False and verdict == "minimum":
         against.append(f"the proof refutes a listed minimum {where}")
@@ -363,37 +350,39 @@ def _disagreement(
         )
     elif point.is_minimum is None and (moved or verdict in ("", "undecided")):
         lower, upper = (np.array(point.x) + s * point.unique_radius for s in (-1, 1))
-        yield _region(model, lower, upper, "a critical point of which it is not certain what it is")
+        yield _region(
+            vertex, lower, upper, "a critical point of which it is not certain what it is"
+        )
 
 
 def _judged(known: KnownStates, cluster: Cluster) -> Open:
     """Judge the state in a small cluster: what is known there, else the polished middle."""
-    model, lower, upper = known.model, np.array(cluster.lower), np.array(cluster.upper)
+    vertex, lower, upper = known.vertex, np.array(cluster.lower), np.array(cluster.upper)
     if (upper - lower).max() > NEAR_SINGULAR_TOL:
-        return _region(model, lower, upper, cluster.reason)
+        return _region(vertex, lower, upper, cluster.reason)
     middle = 0.5 * (lower + upper)
     inside = [k for k, x in enumerate(known.at) if _within(x, lower, upper)]
     verdicts: set[str] = {known.states[k].verdict for k in inside}
-    exact = _singular(model, middle)
+    exact = _singular(vertex, middle)
     if exact is not None and _within(exact, lower, upper):
         verdicts.add(known.judged(exact).verdict)
     elif not inside:
         state = known.polished(middle)
-        if state is not None and _within(model.reduce(state.phi), lower, upper):
+        if state is not None and _within(vertex.problem.reduce(state.phi), lower, upper):
             verdicts = {state.verdict}
-    return _region(model, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
+    return _region(vertex, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
 
 
 def _region(
-    model: Model,
+    vertex: ReducedVertex,
     lower: np.ndarray,
     upper: np.ndarray,
     reason: str,
     verdict: str = "",
     isolated: str = "",
 ) -> Open:
-    low, high = model.expand(lower), model.expand(upper)
-    energy = model.energy(0.5 * (lower + upper))
+    low, high = vertex.problem.expand(lower), vertex.problem.expand(upper)
+    energy = vertex.problem.energy(0.5 * (lower + upper))
     return Open(tuple(low.tolist()), tuple(high.tolist()), float(energy), reason, verdict, isolated)
 
 

@@ -17,7 +17,6 @@ from .gaps import Gap as Gap
 from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
 from .kinematics import Kinematics as Kinematics
 from .model import Local as Local, Model as Model
-from .moment_map import MomentMap as MomentMap
 from .nlp import Nlp as Nlp
 from .parameters import Parameters as Parameters
 from .posed import Energies as Energies

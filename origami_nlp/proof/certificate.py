@@ -13,8 +13,8 @@ from typing import Any
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Pattern, Scene, in_plane
-from origami_nlp.problem import Model
 from origami_nlp.proof.complete import prove
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.sheet_proof import prove_sheet
 
 SCHEMA = "origami-nlp/proof/2"
@@ -115,9 +115,9 @@ def _of_scene(scene: Scene, boxes: int) -> Certificate:
         )
     minima, undecided, flat = [], [], []
     for one in scene.of_each_winding:
-        model = Model(one)
-        proof = prove(model, boxes=boxes)
-        variable = model.variable_of_crease
+        vertex = ReducedVertex(one)
+        proof = prove(vertex, boxes=boxes)
+        variable = vertex.variable_of_crease
 
         def creases(x: tuple[float, ...], of: Any = variable) -> tuple[float, ...]:
             return tuple(x[v] for v in of)

@@ -12,12 +12,12 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
-from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
 from origami_nlp.proof.options import ProofOptions
 from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
@@ -42,20 +42,30 @@ ISOLATED = 5_000
 """Candidates of a set of touches up to which they are taken for isolated points, and not for a curve."""
 
 
-def why_not(model: Model) -> str:
-    """Return why boxes do not prove the list of a model; "" where they may."""
-    scene = model.scene
+def why_not(vertex: ReducedVertex) -> str:
+    """Return why boxes do not prove the list of a vertex; "" where they may."""
+    scene = vertex.scene
+    if scene.loads:
+        return "dead loads: proofs know springs and torques on creases only"
+    if not vertex.problem.has_limits:
+        return "without fold limits fold angles are not bounded by +-pi"
+    if not scene.vertex.flat:
+        return "the paper does not lie flat: proofs are for flat sheets"
+    if vertex.dof <= 0 and vertex.winding == 1:
+        return "nothing can move: the states listed are all that were looked for"
     if scene.laws:
         return "hinge laws: boxes know linear springs (a pattern of degree four is proved along its curves)"
-    return why_no_touches(model) if scene.contact == "full" else ""
+    return why_no_touches(vertex) if scene.contact == "full" else ""
 
 
-def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().boxes) -> Proof:
+def prove(
+    vertex: ReducedVertex, *, until: float = math.inf, boxes: int = ProofOptions().boxes
+) -> Proof:
     """Find every critical point of a scene within fold limits or with full contact.
 
     Parameters
     ----------
-    model
+    vertex
         Of a scene with contact "fold-limits" or "full".
     until
         Stop then (`time.monotonic`); what is left is undecided.
@@ -69,31 +79,31 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
     Raises
     ------
     OptionError
-        If the scene has no contact, dead loads or no degree of freedom, is no flat sheet, or `why_not` names a reason.
+        If `why_not` names a reason.
 
     Examples
     --------
     >>> from origami_nlp import Scene, Vertex
-    >>> from origami_nlp.problem import Model
     >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
-    >>> proof = prove(Model(Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")))
+    >>> scene = Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")
+    >>> proof = prove(ReducedVertex(scene))
     >>> proof.complete, len(proof.minima)
     (True, 2)
     """
-    check_type("model", model, Model)
+    check_type("vertex", vertex, ReducedVertex)
     started = time.process_time()
-    posed, flat = pose(model)
-    near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    full = model.scene.contact == "full"
-    within = ContactStratum((), posed, strata(model.size, model.fold_limits))
+    posed, flat = pose(vertex)
+    near = flat.radius or (RADII[0] if vertex.scene.group.is_trivial else 0.0)
+    full = vertex.scene.contact == "full"
+    within = ContactStratum((), posed, strata(vertex.size, vertex.problem.fold_limits))
     treated, crossing, finished = flat.boxes, 0, True
     points: list[ProvedCriticalPoint] = []
     singular: list[Cluster] = []
     undecided: list[Cluster] = []
     known: Roots | None = None
-    for stratum in (within, *(contact_strata(model) if full else ())):
+    for stratum in (within, *(contact_strata(vertex) if full else ())):
         touches, most = stratum.touches, boxes - (treated - flat.boxes)
-        names = "".join(f"; {model.gap_name(model.structure.gaps[t.gap])}" for t in touches)
+        names = "".join(f"; {vertex.gaps[t.gap].text}" for t in touches)
         beside = 0.0 if touches else near
         left = prune(stratum.posed, stratum.start, flat=beside, most=most, until=until)
         treated += left.boxes
@@ -101,7 +111,7 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
         late = "time was up, or the number of boxes" + names
         undecided += [cluster_of(left.open[g], late) for g in by_stratum(left.open)]
         if left.flat and not flat.radius:
-            end = np.full((model.size, 1), near)
+            end = np.full((vertex.size, 1), near)
             box = Boxes(-end, end, np.zeros(end.shape, np.int8))
             undecided.append(cluster_of(box, "near the flat state"))
         # critical points that are isolated leave few boxes
@@ -109,14 +119,17 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
             some = (left.candidates[g] for g in by_stratum(left.candidates))
             undecided += [cluster_of(one, "a curve" + names) for one in some]
             continue
-        system = BoxKkt(model, tuple(t.gap for t in touches))
+        system = BoxKkt(vertex, tuple(t.gap for t in touches))
         roots, rest, more = certified(system, stratum.posed, left.candidates, beside)
         treated += more
         # a root with a free angle at its limit is none of the open stratum: the state belongs to others
-        inside = (model.fold_limits.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
+        inside = (vertex.problem.fold_limits.room(roots.x) > roots.radius[:, None]) | (
+            roots.pins != 0
+        )
         inside = inside.all(axis=1)
         again = [
-            known is not None and _again(model, roots, i, stratum, known) for i in range(len(roots))
+            known is not None and _again(vertex, roots, i, stratum, known)
+            for i in range(len(roots))
         ]
         for i in np.flatnonzero(~inside & np.logical_not(again)):
             x, r, pins = (v[i][..., None] for v in (roots.x, roots.radius, roots.pins))
@@ -127,7 +140,7 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
             (singular if is_singular else undecided).append(cluster_of(group, reason + names))
         roots = roots[np.flatnonzero(inside & np.logical_not(again))]
         known = roots if known is None else known
-        found = list(_points(model, roots, stratum))
+        found = list(_points(vertex, roots, stratum))
         points += [p for p in found if p is not None]
         crossing += found.count(None)
     return Proof(
@@ -144,44 +157,30 @@ def prove(model: Model, *, until: float = math.inf, boxes: int = ProofOptions().
     )
 
 
-def pose(model: Model) -> tuple[Piece, Flat]:
-    """Return the rows of a model over boxes, and what is shown of its flat state.
+def pose(vertex: ReducedVertex) -> tuple[Piece, Flat]:
+    """Return the rows of a vertex over boxes, and what is shown of its flat state.
 
     Parameters
     ----------
-    model
-        Of a scene with contact "fold-limits" or "full".
+    vertex
+        That `why_not` has nothing against.
 
     Raises
     ------
     OptionError
-        As `prove`.
+        If it has.
     """
-    scene = model.scene
-    scene.check_no_forces("a proof")
-    if not model.has_limits:
-        raise OptionError(
-            f"contact = {scene.contact!r}: proofs are for fold limits, or full contact"
-        )
-    if not scene.vertex.flat:
-        raise OptionError("the vertex is not flat: proofs are for flat sheets")
-    if model.dof < 1 and model.structure.winding == 1:
-        raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
-    if not np.array_equal(model.parameters.sectors, Model(scene).parameters.sectors):
-        raise OptionError(
-            "the problem has other sectors than its scene: pose the scene that has them"
-        )
-    if why := why_not(model):
+    if why := why_not(vertex):
         raise OptionError(why)
-    piece = piece_of(model)
-    if scene.group.is_trivial and isinstance(piece, VertexPiece):
-        return piece, _within_stops(flat_lemma(piece), model)
+    piece = piece_of(vertex)
+    if vertex.scene.group.is_trivial and isinstance(piece, VertexPiece):
+        return piece, _within_stops(flat_lemma(piece), vertex)
     return piece, Flat(0.0, 0, None)
 
 
-def _within_stops(flat: Flat, model: Model) -> Flat:
+def _within_stops(flat: Flat, vertex: ReducedVertex) -> Flat:
     """Return what is shown of the flat state where it may be at stops, or beyond one: its neighbours are others."""
-    low, high = model.fold_limits.low, model.fold_limits.high
+    low, high = vertex.problem.fold_limits.low, vertex.problem.fold_limits.high
     if ((low < 0) & (high > 0)).all():
         return flat
     return replace(flat, minimum=False if (low > 0).any() or (high < 0).any() else None)
@@ -239,23 +238,23 @@ def _regular(system: BoxKkt, boxes: Boxes, flat: float) -> np.ndarray:
 
 
 def _points(
-    model: Model, roots: Roots, stratum: ContactStratum
+    vertex: ReducedVertex, roots: Roots, stratum: ContactStratum
 ) -> Iterator[ProvedCriticalPoint | None]:
     """Yield roots in the scene's units, decided; None for those that cross, or have layers without an order."""
-    if model.scene.contact != "full":
+    if vertex.scene.contact != "full":
         for i in range(len(roots)):
-            yield _point(model, roots, i, stratum, ())
+            yield _point(vertex, roots, i, stratum, ())
         return
     # at a stop facets do not touch: its crease is as a free one
-    pins = model.fold_limits.folded_flat(roots.pins)
-    signs = Signs(model, roots.x, roots.radius, pins) if len(roots) else None
+    pins = vertex.problem.fold_limits.folded_flat(roots.pins)
+    signs = Signs(vertex, roots.x, roots.radius, pins) if len(roots) else None
     for i in range(len(roots)):
         assert signs is not None
         contacts = signs.contacts(i, stratum.touches)
-        point = _point(model, roots, i, stratum, contacts.sides)
+        point = _point(vertex, roots, i, stratum, contacts.sides)
         if contacts.verdict == APART:
             yield point
-        elif contacts.verdict == CROSSED or model.refuses(roots.x[i]):
+        elif contacts.verdict == CROSSED or vertex.problem.refuses(roots.x[i]):
             yield None
         elif point.is_minimum and not stratum.touches:
             yield replace(point, judged=True)
@@ -269,7 +268,7 @@ def _points(
 
 
 def _point(
-    model: Model, roots: Roots, i: int, stratum: ContactStratum, sides: tuple[int, ...]
+    vertex: ReducedVertex, roots: Roots, i: int, stratum: ContactStratum, sides: tuple[int, ...]
 ) -> ProvedCriticalPoint:
     """State a root in the scene's units, and decide it by the signs of all multipliers and its index.
 
@@ -277,16 +276,16 @@ def _point(
     12.6).
     """
     touches, pins, signs = stratum.touches, roots.pins[i], roots.signs[i]
-    equations = piece_of(model).pivots
+    equations = piece_of(vertex).pivots
     # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
     half = 0.5 if equations == 3 else 1.0
-    lam = model.scale * roots.lam[i]
+    lam = vertex.problem.scale * roots.lam[i]
     # side times multiplier: below 0 the energy falls as the contact opens
     forces = lam[equations:] * (sides or 1)
     # known to the share of the uniqueness box that the root may lie in
-    doubt = model.scale * roots.spread[i] * roots.radius[i] / roots.unique[i]
+    doubt = vertex.problem.scale * roots.spread[i] * roots.radius[i] / roots.unique[i]
     # as many contacts as degrees of freedom leave nothing to bend
-    all_held = bool(touches) and len(touches) + np.count_nonzero(pins) == model.dof
+    all_held = bool(touches) and len(touches) + np.count_nonzero(pins) == vertex.dof
     index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
     decided: bool | None = None
     if (signs > 0).any() or (forces < -doubt).any() or index:
@@ -301,21 +300,23 @@ def _point(
         float(roots.unique[i]),
         index,
         tuple(signs.tolist()),
-        model.energy(roots.x[i]),
+        vertex.problem.energy(roots.x[i]),
         decided,
         tuple(t.gap for t in touches),
         tuple(forces.tolist()),
     )
 
 
-def _again(model: Model, roots: Roots, i: int, stratum: ContactStratum, known: Roots) -> bool:
+def _again(
+    vertex: ReducedVertex, roots: Roots, i: int, stratum: ContactStratum, known: Roots
+) -> bool:
     """Return whether a root is one with more creases fully folded that keep its gaps closed: it has been counted."""
     near = np.abs(known.x - roots.x[i]).max(axis=1) + known.radius < roots.unique[i]
     # that stratum lies in the closure of this one: more creases fully folded, to the same sides
     same = roots.pins[i] == known.pins
     finer = (same | (roots.pins[i] == 0)).all(axis=1) & ~same.all(axis=1)
     return any(
-        all(kept_closed(model, t, pins) for t in stratum.touches)
+        all(kept_closed(vertex, t, pins) for t in stratum.touches)
         for pins in known.pins[near & finer]
     )
 

@@ -13,7 +13,7 @@ Where some are exactly zero, closed contacts are the reason:
   over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is folded.
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
 
-Images of a wedge are apart as long as its rays are between the mirrors: fold limits and the gaps of the model
+Images of a wedge are apart as long as its rays are between the mirrors: fold limits and the gaps of the vertex
 (`problem.model_reduction`) say so.
 """
 
@@ -26,8 +26,8 @@ from functools import cache
 import numpy as np
 
 from origami_nlp.numerics import CONTACT_TOL, EPS
-from origami_nlp.problem import Model
 from origami_nlp.proof.pieces import piece_of
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.rows import Triples, variables
 from origami_nlp.proof.touching_rows import Row
 
@@ -55,19 +55,21 @@ class Signs:
 
     Parameters
     ----------
-    model
+    vertex
         With contact ``full``.
     x, radius, pins
         States [R, n], how well each is known [R], and the strata [R, n].
     """
 
-    def __init__(self, model: Model, x: np.ndarray, radius: np.ndarray, pins: np.ndarray) -> None:
-        self.model, self.pins = model, pins
-        self.cyclic = model.structure.kind == "C"
+    def __init__(
+        self, vertex: ReducedVertex, x: np.ndarray, radius: np.ndarray, pins: np.ndarray
+    ) -> None:
+        self.vertex, self.pins = vertex, pins
+        self.cyclic = vertex.kind == "C"
         # a root is known to its radius; pinned angles are +-pi exactly
         wide = np.where(pins == 0, radius[:, None], 0.0)
         low, high = np.nextafter(x - wide, -9.0), np.nextafter(x + wide, 9.0)
-        piece = piece_of(model)
+        piece = piece_of(vertex)
         self.chain = chain = piece.chain
         self.folded = chain.fold(*variables(low.T, high.T))
         n = chain.around
@@ -80,8 +82,8 @@ class Signs:
             self.off[:, k, j] = sign
         self.bent = _sign_of_sine(low, high, pins)
         self.open = np.abs(x) + wide < 0.5 * math.pi
-        walls = [] if self.cyclic else list(model.walls)
-        wanted = [chain.behind(*model.structure.gaps[i].rays) for i in walls]  # type: ignore[misc]
+        walls = [] if self.cyclic else list(vertex.walls)
+        wanted = [chain.behind(*vertex.gaps[i].rays) for i in walls]  # type: ignore[misc]
         self.walls = dict(zip(walls, self._signs(wanted), strict=True))
         # of D_1 wedges whose touches are proved: the turn of the first three rays
         self.turn = self._signs([(0, 1, 2)])[0] if n > 2 else np.zeros(len(x), dtype=int)
@@ -100,7 +102,7 @@ class Signs:
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
         """Describe what the facets do at state number r, where `touches` are held."""
         sides = tuple(self._side(r, t) for t in touches)
-        verdicts = [self._pair(r, i, j, touches) for i, j in self.model.structure.pairs]
+        verdicts = [self._pair(r, i, j, touches) for i, j in self.vertex.pairs]
         if not self.cyclic:
             held = {t.gap for t in touches}
             verdicts += [int(s[r]) for i, s in self.walls.items() if i not in held]
@@ -181,7 +183,7 @@ class Signs:
             low, one, two, high = (e - 1) % n, e, (e + 1) % n, (e + 2) % n
             if not (pins[one] and pins[two]):
                 continue
-            width = self.model.parameters.sectors
+            width = self.vertex.sectors
             room = float(width[one] - width[low] - width[two])
             out = [self.bent[r, low], self.bent[r, high]]
             if (a, b) == (low, two):
@@ -213,7 +215,7 @@ class Signs:
         pins = self._crease(self.pins[r], e)
         if not pins:
             return None
-        sectors = self.model.parameters.sectors
+        sectors = self.vertex.sectors
         bent = self._crease(self.bent[r], tip)
         gap = sectors[narrow] - sectors[wide]
         if not bent or abs(gap) <= CONTACT_TOL:
@@ -222,7 +224,7 @@ class Signs:
 
     def _crease(self, values: np.ndarray, ray: int) -> int:
         """The entry of the variable at a ray; 0 where it is no crease."""
-        has = self.model.structure.has_crease
+        has = self.vertex.has_crease
         return int(values[sum(has[:ray])]) if has[ray] else 0
 
     def _on_mirror(self, r: int, touches: tuple[Row, ...]) -> int:

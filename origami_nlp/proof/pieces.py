@@ -35,8 +35,8 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import quaternion
-from origami_nlp.problem import Model
 from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.rows import (
     CREASE,
     SECTORS,
@@ -61,7 +61,7 @@ class Piece:
 
     Parameters
     ----------
-    model
+    vertex
         Of a flat sheet.
 
     Attributes
@@ -81,11 +81,11 @@ class Piece:
     by_vectors = False
     near_flat = False
 
-    def __init__(self, model: Model, rank: int) -> None:
-        p, scene = model.parameters, model.scene
-        self.size, self.limits = model.size, model.fold_limits
-        stiffness = p.stiffness / model.multiplicity
-        self.sectors = np.asarray(p.sectors, float)
+    def __init__(self, vertex: ReducedVertex, rank: int) -> None:
+        p, scene = vertex.problem.parameters, vertex.scene
+        self.size, self.limits = vertex.size, vertex.problem.fold_limits
+        stiffness = p.stiffness / vertex.problem.multiplicity
+        self.sectors = np.asarray(vertex.sectors, float)
         # a load on a crease is a spring that rests elsewhere
         self.rest = np.asarray(p.rest + p.load / p.stiffness, float)
         self.stiffness = stiffness / stiffness.max()
@@ -93,7 +93,7 @@ class Piece:
             list(itertools.combinations(range(self.size), rank + 1)), dtype=int
         ).reshape(-1, rank + 1)
         self.twins: tuple[CollinearPair, ...] = collinear_creases(
-            scene.vertex.sector_angles, model.variable_of_crease.tolist(), SECTORS * 4 * UNIT
+            scene.vertex.sector_angles, vertex.variable_of_crease.tolist(), SECTORS * 4 * UNIT
         )
 
     def closure(self, folded: Folded) -> Quadratic:
@@ -151,13 +151,13 @@ class VertexPiece(Piece):
 
     pivots = 3
 
-    def __init__(self, model: Model) -> None:
-        super().__init__(model, 3)
+    def __init__(self, vertex: ReducedVertex) -> None:
+        super().__init__(vertex, 3)
         n = self.size
         steps = [p % n for p in range(2 * n - 1)]
         self.chain = Chain(steps, [1.0] * len(steps), self.sectors[steps].tolist(), n, n)
         self.half = (n + 1) // 2
-        self.whole = 2 * math.pi / model.scene.group.order
+        self.whole = 2 * math.pi / vertex.scene.group.order
         self.near_flat = self.whole == 2 * math.pi
         triples = list(itertools.combinations(range(n), 3))
         self.triples = Triples(self.chain, [self._along(t) for t in triples])
@@ -214,13 +214,13 @@ class Period(Piece):
 
     pivots = 1
 
-    def __init__(self, model: Model) -> None:
-        super().__init__(model, 1)
+    def __init__(self, vertex: ReducedVertex) -> None:
+        super().__init__(vertex, 1)
         n = self.size
         self.chain = Chain(range(n), [1.0] * n, self.sectors.tolist(), n, n)
-        order = model.scene.group.order
+        order = vertex.scene.group.order
         self.level, self.whole = (
-            math.cos(model.structure.winding * math.pi / order),
+            math.cos(vertex.winding * math.pi / order),
             2 * math.pi / order,
         )
 
@@ -271,10 +271,10 @@ class Wedge(Piece):
 
     by_vectors = True
 
-    def __init__(self, model: Model) -> None:
-        self.order = model.structure.turn
-        super().__init__(model, 2 if self.order == 1 else 1)
-        has = model.structure.has_crease
+    def __init__(self, vertex: ReducedVertex) -> None:
+        self.order = vertex.turn
+        super().__init__(vertex, 2 if self.order == 1 else 1)
+        has = vertex.has_crease
         self.rays = [r for r, crease in enumerate(has) if crease]
         e, n = len(has), self.size
         variable = [self.rays.index(r) if crease else -1 for r, crease in enumerate(has)]
@@ -373,15 +373,15 @@ def expansion(column: Quadratic, rows: Quadratic, which: np.ndarray, of: np.ndar
     return out
 
 
-def piece_of(model: Model) -> Piece:
-    """Return the piece of a model whose rows are searched.
+def piece_of(vertex: ReducedVertex) -> Piece:
+    """Return the piece of a vertex whose rows are searched.
 
     Parameters
     ----------
-    model
+    vertex
         Of a flat sheet.
     """
-    group = model.scene.group
+    group = vertex.scene.group
     if group.kind == "D":
-        return Wedge(model)
-    return VertexPiece(model) if model.structure.turn == 1 else Period(model)
+        return Wedge(vertex)
+    return VertexPiece(vertex) if vertex.turn == 1 else Period(vertex)

@@ -1,6 +1,6 @@
 """The KKT system of a stratum at states in doubles, and bounds of how it changes beside them.
 
-F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its Jacobian; J = [[K - lam . g'', -A'], [A,
+F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the vertex, A its Jacobian; J = [[K - lam . g'', -A'], [A,
 0]].
 
 Closure g are the rows of the piece (`pieces`) that are of first order, each about the state that it is asked at: B_0
@@ -26,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT
-from origami_nlp.problem import Model
 from origami_nlp.proof.pieces import piece_of
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.rows import CREASE, Triples, pairs
 
 
@@ -86,23 +86,23 @@ class BoxDerivatives:
 
 
 class BoxKkt:
-    """The KKT system of a model, over states of any stratum.
+    """The KKT system of a vertex, over states of any stratum.
 
     Parameters
     ----------
-    model
+    vertex
         Of a flat sheet.
     gaps
         Positions in `Structure.gaps` that are closed.
     """
 
-    def __init__(self, model: Model, gaps: tuple[int, ...] = ()) -> None:
-        self.piece = piece = piece_of(model)
+    def __init__(self, vertex: ReducedVertex, gaps: tuple[int, ...] = ()) -> None:
+        self.piece = piece = piece_of(vertex)
         chain = piece.chain
-        self.n, self.equations = model.size, piece.pivots
+        self.n, self.equations = vertex.size, piece.pivots
         self.m = piece.pivots + len(gaps)
-        self.k, self.rest = model.parameters.stiffness, piece.rest
-        known = [model.structure.gaps[i] for i in gaps]
+        self.k, self.rest = vertex.problem.parameters.stiffness, piece.rest
+        known = [vertex.gaps[i] for i in gaps]
         self.gaps = Triples(
             chain,
             [

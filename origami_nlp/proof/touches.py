@@ -16,14 +16,14 @@ Two kinds of strata of a vertex of degree five are left out as well, since x is 
   both at 0 is the flat state, as facets k+2 to k+4 are then an arc longer than pi.  If the rays are one, crease k+1 is
   fully folded between equal sectors: the case before.
 
-Gaps are those of the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet where rays 1
+Gaps are those of the vertex, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet where rays 1
 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
 At each critical point the signs of all rays off all facets are enclosed (`facet_separation`).  Where facets cross it is
 dropped.  Where all are apart but for P and T, of independent gradients, the signs of the Lagrange multipliers and the
 index decide as within fold limits.  What remains are stacks of facets: there the package's exact test decides whether
-the layers have an order (`Model.refuses`) and its cone the verdict (`classify`); `judged` names this, and such a point
-is not proved.
+the layers have an order (`PatternProblem.refuses`) and its cone the verdict (`classify`); `judged` names this, and such
+a point is not proved.
 
 Undecided or refused, by name: more than two degrees of freedom, C_n, wedges of more rays, sectors of pi and more, sets
 of dimension one that contacts hold.  Singular flat foldings are listed.
@@ -39,9 +39,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
-from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, strata
 from origami_nlp.proof.pieces import piece_of
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.touching_rows import Row, TouchedPiece
 
 
@@ -64,65 +64,65 @@ class ContactStratum:
     start: Boxes
 
 
-def why_no_touches(model: Model) -> str:
-    """Return why touches of a model are not proved here; "" where they are."""
-    s, dof = model.structure, model.dof
-    if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
+def why_no_touches(vertex: ReducedVertex) -> str:
+    """Return why touches of a vertex are not proved here; "" where they are."""
+    dof = vertex.dof
+    if max(vertex.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
-    rays = len(s.has_crease)
-    if s.kind == "C" and s.order > 1:
-        return f"touches with symmetry {model.symmetry} are not proved"
-    if s.kind == "D" and rays < 3:
-        return f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
-    if not s.gaps:
+    rays, of = len(vertex.has_crease), f"touches of a {vertex.problem.symmetry} wedge"
+    if vertex.kind == "C" and vertex.order > 1:
+        return f"touches with symmetry {vertex.problem.symmetry} are not proved"
+    if vertex.kind == "D" and rays < 3:
+        return f"{of} of {rays} rays are not proved"
+    if not vertex.gaps:
         return ""
     if dof > 2:
         return f"{dof} degrees of freedom: touches are proved for at most 2"
-    if s.kind == "C":
+    if vertex.kind == "C":
         return ""
-    if model.scene.limits:
-        return f"touches with stops of a {model.symmetry} wedge are not proved"
-    fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
-    return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
+    if vertex.scene.limits:
+        return f"{of} with stops are not proved"
+    fits = rays <= 3 if vertex.order > 1 else rays == 4 and all(vertex.has_crease)
+    return "" if fits else f"{of} of {rays} rays are not proved"
 
 
-def contact_strata(model: Model) -> Iterator[ContactStratum]:
-    """List the strata with touches of a model that `why_no_touches` has nothing against."""
-    dof, piece = model.dof, piece_of(model)
-    patterns = strata(model.size, model.fold_limits)
-    flat = model.fold_limits.folded_flat(patterns.pins.T).T
+def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
+    """List the strata with touches of a vertex that `why_no_touches` has nothing against."""
+    dof, piece = vertex.dof, piece_of(vertex)
+    patterns = strata(vertex.size, vertex.problem.fold_limits)
+    flat = vertex.problem.fold_limits.folded_flat(patterns.pins.T).T
     at_limit = (patterns.pins != 0).sum(axis=0)
-    for touches in _sets(model):
+    for touches in _sets(vertex):
         # |P| + |T| <= f
         allowed = at_limit <= dof - len(touches)
         posed = TouchedPiece(piece, touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
             allowed &= on == (touches[0].rays == (0, 3))
-        for crease in range(model.size if model.structure.kind == "C" else 0):
-            if any(_says_nothing(model, t, crease) for t in touches):
+        for crease in range(vertex.size if vertex.kind == "C" else 0):
+            if any(_says_nothing(vertex, t, crease) for t in touches):
                 allowed &= flat[crease] == 0
         if allowed.any():
             yield ContactStratum(touches, posed, patterns[allowed])
 
 
-def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
+def _sets(vertex: ReducedVertex) -> Iterator[tuple[Row, ...]]:
     """Sets of gaps that may be closed at once."""
     first: dict[tuple[int, ...], int] = {}
-    for i, gap in enumerate(model.structure.gaps):
+    for i, gap in enumerate(vertex.gaps):
         first.setdefault(gap.rays, i)
-    if model.structure.kind == "C":
-        n = model.size
+    if vertex.kind == "C":
+        n = vertex.size
         rows = [
             Row("facet", rays, i)
             for rays, i in first.items()
             if 3 <= (rays[0] - rays[1]) % n <= n - 2
         ]
-        for count in range(1, model.dof + 1):
+        for count in range(1, vertex.dof + 1):
             for touches in itertools.combinations(rows, count):
-                if not _on_each_other(model, touches):
+                if not _on_each_other(vertex, touches):
                     yield touches
-    elif model.structure.order == 1:
+    elif vertex.order == 1:
         for rays in ((3, 0), (0, 3)) if first else ():
             yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
     else:
@@ -131,9 +131,9 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
             yield (Row("end" if side else "start", (r,), i),)
 
 
-def _says_nothing(model: Model, touch: Row, crease: int) -> bool:
+def _says_nothing(vertex: ReducedVertex, touch: Row, crease: int) -> bool:
     """Whether a ray lies on an edge of the facet it touches where a crease between equal sectors is fully folded."""
-    a, n = model.parameters.sectors, model.size
+    a, n = vertex.sectors, vertex.size
     if abs(a[crease - 1] - a[crease]) > SUMMED:
         return False
     ray, facet = touch.rays
@@ -141,9 +141,9 @@ def _says_nothing(model: Model, touch: Row, crease: int) -> bool:
     return len(met) == 1 and met <= {facet, (facet + 1) % n}
 
 
-def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
+def _on_each_other(vertex: ReducedVertex, touches: tuple[Row, ...]) -> bool:
     """Whether two contacts close at once only with coincident rays, a fully folded crease, or all flat (degree 5)."""
-    a, n = model.parameters.sectors, model.size
+    a, n = vertex.sectors, vertex.size
     if len(touches) != 2 or n != 5:
         return False
     one, two = touches[0].rays, touches[1].rays
@@ -153,10 +153,10 @@ def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
     return False
 
 
-def kept_closed(model: Model, touch: Row, pins: np.ndarray) -> bool:
+def kept_closed(vertex: ReducedVertex, touch: Row, pins: np.ndarray) -> bool:
     """Whether all creases between a ray and what it touches are fully folded, one way round."""
-    has = model.structure.has_crease
-    flat = model.fold_limits.folded_flat(pins)
+    has = vertex.has_crease
+    flat = vertex.problem.fold_limits.folded_flat(pins)
     at_limit = [bool(flat[sum(has[:r])]) if h else True for r, h in enumerate(has)]
     k, n = touch.rays[0], len(has)
     if touch.kind == "start":

@@ -37,6 +37,12 @@ from .newton import (
     descend_by_newton as descend_by_newton,
     stationary_beside as stationary_beside,
 )
+from .options import (
+    EFFORTS as EFFORTS,
+    OWN as OWN,
+    SearchOptions as SearchOptions,
+    options_of as options_of,
+)
 from .starts import (
     Changed as Changed,
     FoldedCreases as FoldedCreases,

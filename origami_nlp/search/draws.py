@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.search.descend import StartState
+from origami_nlp.search.moments import Moments, is_chain
 from origami_nlp.search.shares import Shares
 from origami_nlp.search.starts import Changed, FoldedCreases, StartKind, Touch, Uniform
 
@@ -31,8 +31,6 @@ class Draws:
         The problem, and the order of its variables in which all that is random is drawn.
     seed
         Of the numbers.
-    more
-        Families of this problem alone.
 
     Attributes
     ----------
@@ -45,14 +43,13 @@ class Draws:
         problem: PatternProblem,
         labels: CanonicalLabelling,
         seed: int,
-        more: Sequence[StartKind] = (),
     ) -> None:
         self.changed = Changed(problem, labels)
         kinds: list[type[Any]] = [Uniform, *[FoldedCreases] * problem.has_limits]
-        kinds += [Touch] * problem.contact
+        kinds += [Touch] * problem.contact + [Moments] * is_chain(problem)
         self._labels, self._seed = labels, seed
         self._families: list[StartKind] = [kind(problem, labels) for kind in kinds]
-        self._families += [self.changed, *more]
+        self._families.append(self.changed)
         self.names = [family.name for family in self._families]
         self._shares, self._made = Shares(self.names), dict.fromkeys(self.names, 0)
         self._together = max(1, min(TOGETHER, BATCH // problem.size**2))

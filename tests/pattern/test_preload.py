@@ -20,7 +20,7 @@ from origami_nlp import (
 from origami_nlp.errors import FoldFileError, SceneError, SymmetryError
 from origami_nlp.pattern import PRELOAD_KEY, canonical_labels, scene_from_dict, scene_to_dict
 from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.sweep import parse_sweep
 
 FOUR = Vertex.from_degrees((80, 100, 70, 110))
@@ -105,7 +105,7 @@ def test_wrong_preload_is_refused_by_name(preload, word):
 
 def test_search_and_proof_agree_under_preload():
     found = find_minima(WOUND, prove=False, escape=False)
-    proof = prove(Model(WOUND))
+    proof = prove(ReducedVertex(WOUND))
     assert not proof.undecided
     points = np.array([p.x for p in proof.minima])
     states = np.array([m.fold_angles for m in found.minima])

@@ -21,7 +21,7 @@ from origami_nlp import (
 from origami_nlp.errors import OptionError, SceneError, SceneFileError, SymmetryError
 from origami_nlp.kkt import project
 from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from tests.independent.rotations import fold
 
 LOADS = (
@@ -227,7 +227,7 @@ def test_what_does_not_know_forces_says_so():
     with pytest.raises(SymmetryError, match="facet 4 fixed"):
         replace(BOOK, symmetry="D1")
     assert BOOK.group.is_trivial
-    for ask in (find_critical_points, find_barriers, lambda s: prove(Model(s))):
+    for ask in (find_critical_points, find_barriers, lambda s: prove(ReducedVertex(s))):
         with pytest.raises(OptionError, match="not decided for scenes with dead loads"):
             ask(BOOK)
     found = book()

@@ -9,7 +9,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.problem import Model
+from origami_nlp.proof import ReducedVertex
 from origami_nlp.proof.pieces import VertexPiece
 
 WIDTHS = [0.0, 1e-9, 1e-4, 0.1, 1.0, 3.0]
@@ -21,7 +21,7 @@ def random_vertex(rng, n):
         sectors = rng.dirichlet(np.full(n, 4.0)) * 2 * math.pi
     k, rest = 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n)
     vertex = Vertex(tuple(sectors.tolist()))
-    return VertexPiece(Model(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits")))
+    return VertexPiece(ReducedVertex(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits")))
 
 
 def exact_sectors(vertex):

@@ -9,8 +9,7 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import find_minima
 from origami_nlp.pattern import examples
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.proof.boxes import joined, prune, strata
 from origami_nlp.proof.complete import pose
 from tests.closed_states import closed_states
@@ -48,8 +47,8 @@ SCENES = {
 
 @pytest.mark.parametrize("name", thinned([*SCENES], 2))
 def test_no_closed_state_is_excluded_by_closure(name):
-    model = Model(SCENES[name])
-    states = closed_states(model, np.random.default_rng(0), 400)
+    model = ReducedVertex(SCENES[name])
+    states = closed_states(model.problem, np.random.default_rng(0), 400)
     pins = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
     assert len({tuple(p) for p in pins}) >= 5
     left = prune(ClosureOnly(pose(model)[0]), strata(model.size), small=0.2, most=50_000)
@@ -64,19 +63,19 @@ def test_no_closed_state_is_excluded_by_closure(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_critical_points_are_in_what_is_left(name):
-    model, proof = Model(SCENES[name]), prove(Model(SCENES[name]))
+    model, proof = ReducedVertex(SCENES[name]), prove(ReducedVertex(SCENES[name]))
     left = prune(pose(model)[0], strata(model.size))
     assert not len(left.open)
     for point in proof.points:
         assert_held(left.candidates, np.array(point.x), np.array(point.stratum))
     for minimum in find_minima(model.scene, prove=False, escape=False).minima:
-        x = model.reduce(np.array(minimum.fold_angles))
+        x = model.problem.reduce(np.array(minimum.fold_angles))
         assert_held(
             left.candidates, x, np.where(np.abs(np.abs(x) - math.pi) < 1e-12, np.sign(x), 0)
         )
 
 
 def test_the_time_limit_leaves_the_rest_undecided():
-    proof = prove(Model(family_scene("fold-limits", 2)), until=time.monotonic() + 0.3)
+    proof = prove(ReducedVertex(family_scene("fold-limits", 2)), until=time.monotonic() + 0.3)
     assert not proof.finished and not proof.complete
     assert any("time was up" in c.reason for c in proof.undecided)

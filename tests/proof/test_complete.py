@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+import origami_nlp as o
 from benchmarks import family_scene
 from origami_nlp import Scene, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import Vertex, examples, linear
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
@@ -31,7 +31,7 @@ def states(proof) -> np.ndarray:
 
 @pytest.mark.parametrize("scene", thinned([*DEGREE4, *DEGREE5], 4))
 def test_proved_minima_are_those_of_a_thorough_search(scene):
-    proof = prove(Model(scene))
+    proof = prove(ReducedVertex(scene))
     assert proof.complete and proof.finished and not proof.singular
     found = np.array(
         [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
@@ -42,7 +42,7 @@ def test_proved_minima_are_those_of_a_thorough_search(scene):
 
 
 def test_box_counts_and_the_flat_lemma_stay_small():
-    four, five = prove(Model(DEGREE4[0])), prove(Model(DEGREE5[0]))
+    four, five = prove(ReducedVertex(DEGREE4[0])), prove(ReducedVertex(DEGREE5[0]))
     assert four.boxes < 6_000 and five.boxes < 100_000
     assert four.flat_radius >= 1e-3 and five.flat_radius >= 1e-3
     assert four.flat_is_minimum is False and "no minimum" in four.flat
@@ -51,7 +51,7 @@ def test_box_counts_and_the_flat_lemma_stay_small():
 @pytest.mark.slow
 def test_three_dof_are_proved():
     scene = family_scene("fold-limits", 2)
-    proof = prove(Model(scene))
+    proof = prove(ReducedVertex(scene))
     assert proof.complete and proof.boxes < 1_500_000
     found = np.array(
         [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
@@ -64,7 +64,7 @@ def test_three_dof_are_proved():
 @pytest.mark.parametrize("scene", [DEGREE4[0], DEGREE5[0]])
 def test_points_hold_in_50_digits(scene):
     """Newton in 50 digits on x and m: distance of the root, signs at closed creases, reduced Hessian."""
-    proof = prove(Model(scene))
+    proof = prove(ReducedVertex(scene))
     n = scene.degree
     with mp.workdps(50):
         total = sum(map(mpf, scene.vertex.sector_angles))
@@ -129,7 +129,7 @@ def index_of(k, m, c, free):
 
 def test_there_is_one_root_where_one_is_said_to_be():
     """Newton from random states in the uniqueness box ends at its root, or outside."""
-    model = Model(DEGREE5[0])
+    model = ReducedVertex(DEGREE5[0])
     system = BoxKkt(model)
     rng = np.random.default_rng(0)
     for point in prove(model).points:
@@ -146,11 +146,11 @@ def test_there_is_one_root_where_one_is_said_to_be():
 
 
 def test_what_is_no_root_is_not_certified():
-    model = Model(DEGREE4[0])
+    model = ReducedVertex(DEGREE4[0])
     system = BoxKkt(model)
     point = prove(model).points[0]
     x, pins = np.array([point.x]), np.array([point.stratum])
-    lam = 2 * np.array([point.moment]) / model.scale
+    lam = 2 * np.array([point.moment]) / model.problem.scale
     assert len(certify(system, x, lam, pins)[0]) == 1
     for shift in (1e-6, 1e-4, 0.1):
         moved = x + np.where(pins == 0, shift, 0.0)
@@ -165,7 +165,7 @@ def count(proof):
 
 @pytest.mark.parametrize("scene", thinned([DEGREE4[1], DEGREE5[1]], 2))
 def test_other_ways_to_state_a_scene_have_the_same_points(scene):
-    base = prove(Model(scene))
+    base = prove(ReducedVertex(scene))
     a, k, rest = scene.vertex.sector_angles, scene.stiffness, scene.rest_angles
     n = len(a)
 
@@ -184,7 +184,7 @@ def test_other_ways_to_state_a_scene_have_the_same_points(scene):
         made(range(n), a, factor=1e6),
     ]
     for order, other in zip((turned, back, range(n), range(n), range(n)), others, strict=True):
-        proof = prove(Model(other))
+        proof = prove(ReducedVertex(other))
         assert proof.complete and count(proof) == count(base)
         sign = -1.0 if other is others[2] else 1.0
         expected = sorted(tuple(round(sign * p.x[i], 7) + 0.0 for i in order) for p in base.points)
@@ -202,7 +202,7 @@ def test_morse_sums_do_not_depend_on_the_springs():
     for _ in range(6):
         k, rest = 10 ** rng.uniform(-1, 1, 4), rng.uniform(-3, 3, 4)
         scene = Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits")
-        proof = prove(Model(scene))
+        proof = prove(ReducedVertex(scene))
         assert proof.complete
         pressed = [p for p in proof.points if max(p.pinned_signs) < 1]
         sums.add(sum((-1) ** p.index for p in pressed) - 1)
@@ -213,12 +213,15 @@ def test_morse_sums_do_not_depend_on_the_springs():
 def test_panels_leave_no_box(index):
     """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
     scene = replace(examples.panels()[index], contact="fold-limits")
-    model = Model(scene)
+    model = ReducedVertex(scene)
     proof = prove(model, boxes=20_000)
     assert proof.finished and not proof.undecided
     assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
     boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]
-    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene, escape=False).minima]
+    found = [
+        model.problem.reduce(np.array(m.fold_angles))
+        for m in find_minima(scene, escape=False).minima
+    ]
     for x in found:
         proved = [p for p in proof.points if np.abs(np.array(p.x) - x).max() < 1e-7]
         assert all(p.is_minimum is not False for p in proved)
@@ -240,7 +243,7 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
     rng = np.random.default_rng(5)
     n = len(degrees)
     k, rest = tuple(10 ** rng.uniform(-0.5, 0.5, n)), tuple(rng.uniform(-2, 2, n))
-    model = Model(Scene(Vertex.from_degrees(degrees), k, rest, "none", "fold-limits"))
+    model = ReducedVertex(Scene(Vertex.from_degrees(degrees), k, rest, "none", "fold-limits"))
     proof = prove(model)
     assert proof.finished and not proof.undecided
     for minimum in find_minima(model.scene, effort="thorough", escape=False).minima:
@@ -261,7 +264,7 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
 @pytest.mark.parametrize("contact", ["fold-limits", "full"])
 def test_options_limit_the_boxes_of_a_proof(contact):
     scene = replace(examples.degree6("pi/3", ratio=1), contact=contact)
-    proof = prove(Model(scene), boxes=1)
+    proof = prove(ReducedVertex(scene), boxes=1)
     assert not proof.finished and not proof.complete
 
 
@@ -269,33 +272,30 @@ def test_options_limit_the_boxes_of_a_proof(contact):
 @pytest.mark.parametrize("scene", [DEGREE4[0], examples.degree6("pi/3", 1.0)], ids=["C1", "D1"])
 def test_a_problem_with_a_load_is_proved_with_its_load(scene, contact):
     """The load was dropped: minima of the unloaded vertex were called all of the loaded one."""
-    model = Model(replace(scene, contact=contact))
+    scene = replace(scene, contact=contact)
+    model = o.pose(scene)
     load = 0.3 * np.sin(1.0 + np.arange(model.size))
     loaded, torque = model.loaded(load), load * model.scale / model.multiplicity
-    proof = prove(loaded)
+    proof = prove(ReducedVertex(scene, loaded))
     assert proof.finished and proof.minima
     for p in proof.minima:
         x = np.array(p.x)
         assert classify(State(loaded, x)).verdict == "minimum"
         assert p.energy == pytest.approx(loaded.energy(x), rel=1e-9, abs=1e-12)
-    stated = replace(model.scene, preload=tuple(model.expand(torque).tolist()))
+    stated = replace(scene, preload=tuple(model.expand(torque).tolist()))
     found = np.array(
         [model.reduce(m.fold_angles) for m in find_minima(stated, escape=False).minima]
     )
     far = np.abs(found[:, None] - states(proof)).max(axis=2)
     assert (far.min(axis=0) < 1e-8).all()
-    stiff = prove(model.varied(replace(model.parameters, stiffness=2 * model.parameters.stiffness)))
-    assert np.allclose(
-        [2 * p.energy for p in prove(model).minima], [p.energy for p in stiff.minima]
-    )
-    turned = np.roll(model.parameters.sectors, 1)
-    with pytest.raises(OptionError, match="sectors"):
-        prove(model.varied(replace(model.parameters, sectors=turned)))
+    twice = replace(model.parameters, stiffness=2 * model.parameters.stiffness)
+    one, two = (prove(ReducedVertex(scene, p)).minima for p in (model, model.varied(twice)))
+    assert np.allclose([2 * p.energy for p in one], [p.energy for p in two])
 
 
 def test_hinge_laws_are_refused_and_the_list_says_so():
     scene = replace(DEGREE4[0], laws=tuple(map(linear, (1, 2, 3, 4), (0.1, 0.2, 0.3, 0.4))))
     with pytest.raises(OptionError, match="hinge laws"):
-        prove(Model(scene))
+        prove(ReducedVertex(scene))
     known = find_minima(scene, prove=True, escape=False).completeness
     assert known.status == "not-proved" and "hinge laws" in known.reason

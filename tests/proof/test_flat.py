@@ -9,15 +9,14 @@ from mpmath import mp, mpf
 from benchmarks import family_scene
 from origami_nlp import Scene
 from origami_nlp.pattern import Vertex
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.proof.flat import ClosedDirections, creases_of, flat_lemma, no_minimum
 from origami_nlp.proof.pieces import VertexPiece
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
-    return VertexPiece(Model(scene))
+    return VertexPiece(ReducedVertex(scene))
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
@@ -80,7 +79,7 @@ def test_planted_criticality_is_never_proved(number):
     scene = planted(number)
     lemma = flat_lemma(posed(scene))
     assert lemma.radius == 0.0
-    proof = prove(Model(scene), boxes=200_000)
+    proof = prove(ReducedVertex(scene), boxes=200_000)
     assert not proof.complete and proof.undecided
 
 
@@ -89,4 +88,4 @@ def test_springs_at_rest_in_the_flat_state_are_not_decided_by_the_lemma():
     scene = Scene(vertex, (1, 2, 3, 2), (0.0,) * 4, "none", "fold-limits")
     assert flat_lemma(posed(scene)).radius == 0.0
     assert no_minimum(posed(scene)) is None
-    assert not prove(Model(scene), boxes=200_000).complete
+    assert not prove(ReducedVertex(scene), boxes=200_000).complete

@@ -9,8 +9,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.problem import Model
-from origami_nlp.proof import ProofOptions
+from origami_nlp.proof import ProofOptions, ReducedVertex
 from origami_nlp.proof.touches import contact_strata
 from tests.computed_once import thinned
 from tests.independent.sheet import product_of_folds
@@ -146,14 +145,18 @@ def test_two_touches_of_rays_on_each_others_facets_hold_only_where_a_crease_is_s
 
 
 def test_strata_that_are_left_out_are_those_of_equal_sectors():
-    regular = [s.touches for s in contact_strata(Model(near(5, 0.0, 0)))]
-    other = [s.touches for s in contact_strata(Model(near(5, 1e-3, 0)))]
+    regular = [s.touches for s in contact_strata(ReducedVertex(near(5, 0.0, 0)))]
+    other = [s.touches for s in contact_strata(ReducedVertex(near(5, 1e-3, 0)))]
     pairs = {tuple(t.rays for t in touches) for touches in regular if len(touches) == 2}
     assert len(pairs) == 5
     assert pairs == {tuple(t.rays for t in touches) for touches in other if len(touches) == 2}
-    starts = [len(s.start) for s in contact_strata(Model(near(5, 0.0, 0))) if len(s.touches) == 1]
+    starts = [
+        len(s.start) for s in contact_strata(ReducedVertex(near(5, 0.0, 0))) if len(s.touches) == 1
+    ]
     assert starts == [7] * 5  # two of the five creases, both ways, say it already
-    starts = [len(s.start) for s in contact_strata(Model(near(5, 1e-3, 0))) if len(s.touches) == 1]
+    starts = [
+        len(s.start) for s in contact_strata(ReducedVertex(near(5, 1e-3, 0))) if len(s.touches) == 1
+    ]
     assert starts == [11] * 5
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.problem import Model
-from origami_nlp.proof import boxes, complete, flat, pieces, prove, roots, rows
+from origami_nlp.proof import ReducedVertex, boxes, complete, flat, pieces, prove, roots, rows
 from tests.computed_once import shared
 from tests.independent.scan_four import minima
 from tests.pattern_states.test_completeness import generic
@@ -36,7 +35,7 @@ def scanned(name):
 
 def agrees(name):
     """Whether the minima that are proved are those of the scan; states judged by their cones may be either."""
-    proof = prove(Model(SCENES[name]))
+    proof = prove(ReducedVertex(SCENES[name]))
     assert proof.finished
     proved = np.array([p.x for p in proof.minima]).reshape(-1, 4)
     left = [c for c in (*proof.singular, *proof.undecided)]
@@ -166,4 +165,4 @@ def test_a_touch_left_out_is_seen(monkeypatch):
     scene = family_scene("full-contact", 11)
     monkeypatch.setattr(complete, "contact_strata", lambda model: ())
     found = o.find_minima(scene, prove=False, escape=False).minima
-    assert len(prove(Model(scene)).minima) < len(found)
+    assert len(prove(ReducedVertex(scene)).minima) < len(found)

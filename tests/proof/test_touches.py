@@ -11,8 +11,7 @@ from benchmarks import family_scene
 from origami_nlp import Scene, State, classify, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove, why_not
+from origami_nlp.proof import ReducedVertex, prove, why_not
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.pieces import VertexPiece, piece_of
 from origami_nlp.proof.rows import Triples, pairs, variables
@@ -57,7 +56,7 @@ SCENES = {"touching": TOUCHING, "uneven": uneven(6)}
 
 @shared
 def proof_of(name):
-    return prove(Model(SCENES[name]))
+    return prove(ReducedVertex(SCENES[name]))
 
 
 @pytest.fixture
@@ -119,7 +118,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
         for j in range(5):
             k = (j + 3) % 5
             others = replace(scene, rest_angles=tuple(rest.tolist()), contact="fold-limits")
-            posed = TouchedPiece(VertexPiece(Model(others)), (Row("facet", (k, j), 0),))
+            posed = TouchedPiece(VertexPiece(ReducedVertex(others)), (Row("facet", (k, j), 0),))
             form, _ = posed.rows(lower, upper, np.zeros((5, 1), dtype=int))
             middle, half = variables(lower, upper)
             xi = [
@@ -142,7 +141,7 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
 def test_points_with_touches_hold_in_50_digits(name):
     """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
     proof, scene = proof_of(name), SCENES[name]
-    gaps = Model(scene).structure.gaps
+    gaps = ReducedVertex(scene).gaps
     total = sum(map(mpf, scene.vertex.sector_angles))
     a = [mpf(v) * 2 * mp.pi / total for v in scene.vertex.sector_angles]
     k, rest = list(map(mpf, scene.stiffness)), list(map(mpf, scene.rest_angles))
@@ -220,7 +219,7 @@ def side_of(a, x, k, j, point):
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", thinned([uneven(6), TOUCHING, uneven(1)], 3))
 def test_minima_are_those_of_a_thorough_search(scene):
-    model = Model(scene)
+    model = ReducedVertex(scene)
     proof = prove(model)
     assert proof.finished and not proof.undecided and not proof.singular
     assert all(p.is_minimum is not None for p in proof.points)
@@ -232,7 +231,7 @@ def test_minima_are_those_of_a_thorough_search(scene):
     far = np.abs(found[:, None] - mine).max(axis=2)
     assert (far.min(axis=0) < 1e-8).all() and (far.min(axis=1) < 1e-8).all()
     for point in proof.points:
-        kind = classify(State(model, np.array(point.x))).verdict
+        kind = classify(State(model.problem, np.array(point.x))).verdict
         assert (kind == "minimum") == point.is_minimum
 
 
@@ -241,7 +240,7 @@ def test_a_touch_that_pushes_is_a_minimum(touching):
     """Crease 4 on facet 1; without its touches the proof would lack it."""
     pushed = [p for p in touching.minima if p.touches]
     assert len(pushed) == 1 and pushed[0].forces[0] > 0 and pushed[0].stratum == (0,) * 5
-    limits = prove(Model(replace(TOUCHING, contact="fold-limits")))
+    limits = prove(ReducedVertex(replace(TOUCHING, contact="fold-limits")))
     far = [np.abs(np.array(p.x) - pushed[0].x).max() for p in limits.points]
     assert min(far) > 1e-3
     assert touching.crossing > 0
@@ -249,16 +248,19 @@ def test_a_touch_that_pushes_is_a_minimum(touching):
 
 @pytest.mark.slow
 def test_signs_agree_with_the_test_of_single_states():
-    """Every critical point within fold limits: crossing, or not, by intervals and by `Model.refuses`."""
+    """Every critical point within fold limits: crossing, or not, by intervals and by `ReducedVertex.refuses`."""
     seen = {APART: 0, CROSSED: 0}
     for number in range(4):
         scene = uneven(number)
-        model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
+        model, limits = (
+            ReducedVertex(scene),
+            prove(ReducedVertex(replace(scene, contact="fold-limits"))),
+        )
         x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
         signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
         for i, state in enumerate(x):
             verdict = signs.contacts(i, ()).verdict
-            assert verdict == (CROSSED if model.refuses(state) else APART)
+            assert verdict == (CROSSED if model.problem.refuses(state) else APART)
             seen[verdict] += 1
     assert min(seen.values()) > 10
 
@@ -266,20 +268,23 @@ def test_signs_agree_with_the_test_of_single_states():
 @pytest.mark.parametrize("number", thinned([1, 5, 7, 11, 12, 16], 2))
 def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
     scene = PANELS[number]
-    model, limits = Model(scene), prove(Model(replace(scene, contact="fold-limits")))
+    model, limits = (
+        ReducedVertex(scene),
+        prove(ReducedVertex(replace(scene, contact="fold-limits"))),
+    )
     x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
     signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
     for i, state in enumerate(x):
         verdict = signs.contacts(i, ()).verdict
         if verdict:
-            assert verdict == (CROSSED if model.refuses(state) else APART)
+            assert verdict == (CROSSED if model.problem.refuses(state) else APART)
 
 
 def test_one_dof_has_no_touches():
-    model = Model(family_scene("full-contact", 0))
+    model = ReducedVertex(family_scene("full-contact", 0))
     assert not list(contact_strata(model))
     proof = prove(model)
-    limits = prove(Model(replace(model.scene, contact="fold-limits")))
+    limits = prove(ReducedVertex(replace(model.scene, contact="fold-limits")))
     assert {p.x for p in proof.points} <= {p.x for p in limits.points}
     assert len(proof.points) + proof.crossing == len(limits.points)
 
@@ -298,7 +303,7 @@ def test_labels_turned_and_reflected(touching, turn, way):
         stiffness=tuple(TOUCHING.stiffness[i] for i in perm),
         rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
     )
-    proof = prove(Model(scene))
+    proof = prove(ReducedVertex(scene))
     x = np.array([p.x for p in proof.points])
     y = np.array([p.x for p in touching.points])[:, perm]
     assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
@@ -309,10 +314,10 @@ def test_labels_turned_and_reflected(touching, turn, way):
 def test_minima_of_panels(number):
     """Those of the search are proved, or at a state that is named as judged by its cone, or singular; no others."""
     scene = PANELS[number]
-    model = Model(scene)
+    model = ReducedVertex(scene)
     proof = prove(model)
     assert not proof.undecided
-    found = [model.reduce(np.array(m.fold_angles)) for m in panel_result(scene).minima]
+    found = [model.problem.reduce(np.array(m.fold_angles)) for m in panel_result(scene).minima]
     for p in proof.minima:
         assert min(np.abs(x - p.x).max() for x in found) < 1e-8
     for x in found:
@@ -326,8 +331,8 @@ def test_minima_of_panels(number):
 
 def test_the_axis_row_of_equal_sectors():
     """c_3 . n_1 = 2 sin a cos(phi_2 / 2) times the row, over boxes; slopes by phi_2, and by half the other fold."""
-    model = Model(PANELS[11])
-    piece, a = piece_of(model), model.parameters.sectors[0]
+    model = ReducedVertex(PANELS[11])
+    piece, a = piece_of(model), model.sectors[0]
     rng = np.random.default_rng(1)
     x, r = rng.uniform(-3, 3, (3, 500)), 10 ** rng.uniform(-6, 0, (3, 500))
     kite = Kite(a, 0)
@@ -356,11 +361,11 @@ def test_the_axis_row_of_equal_sectors():
 
 
 def test_what_is_not_proved_says_so():
-    three = Model(family_scene("full-contact", 2))
+    three = ReducedVertex(family_scene("full-contact", 2))
     assert why_not(three) == "3 degrees of freedom: touches are proved for at most 2"
     with pytest.raises(OptionError, match="3 degrees of freedom"):
         prove(three)
-    stopped = prove(Model(TOUCHING), boxes=60_000)  # enough within fold limits
+    stopped = prove(ReducedVertex(TOUCHING), boxes=60_000)  # enough within fold limits
     assert not stopped.finished and not stopped.complete
     assert all("on facet" in c.reason for c in stopped.undecided)
 
@@ -368,7 +373,7 @@ def test_what_is_not_proved_says_so():
 def test_a_wedge_of_two_rays_is_not_proved_and_says_so():
     scene = Scene(Vertex.from_degrees([60] * 6), (1, 2) * 3, (1, -1) * 3, "D3", "full")
     with pytest.raises(OptionError, match="touches of a D3 wedge of 2 rays are not proved"):
-        prove(Model(scene))
+        prove(ReducedVertex(scene))
 
 
 @pytest.mark.slow
@@ -384,8 +389,8 @@ def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
     stiffness = (0.1756061313, 8.870336233, 0.2666658319, 0.4093952788, 1.480418735)
     rest = (-1.205064004, -0.7584188864, -2.486820695, -0.6969875421, -2.983049416)
     scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
-    proof = prove(Model(scene))
+    proof = prove(ReducedVertex(scene))
     assert proof.complete and len(proof.minima) == 2
     near = proof.minima[1]
     assert max(map(abs, near.x)) < 0.04
-    assert classify(State(Model(scene), np.array(near.x))).verdict == "minimum"
+    assert classify(State(ReducedVertex(scene).problem, np.array(near.x))).verdict == "minimum"

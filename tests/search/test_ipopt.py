@@ -11,7 +11,7 @@ from origami_nlp.search.ipopt import BESIDE_OPTIONS, rows_near
 from tests.search.test_fixed_points import PINNED
 
 
-@pytest.mark.parametrize("origami", ["miura:2x2", o.examples.degree6("pi/3", ratio=1.0)])
+@pytest.mark.parametrize("origami", ["miura:2x2", o.examples.degree6("pi/4", ratio=1.0)])
 def test_both_engines_list_the_same_minima(origami):
     asked = {"escape": False, "prove": False, "effort": "quick"}
     ours, theirs = (o.find_minima(origami, method=m, **asked).minima for m in ("batch", "ipopt"))

@@ -1,4 +1,4 @@
-"""The map of the constant internal moment: its derivative, its zeros, and the chain without compiled functions."""
+"""The map of the constant internal moment: its derivative, and the lift."""
 
 import math
 
@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.problem import Model, MomentMap, compile_structure
+from origami_nlp.pattern_problem import pose
+from origami_nlp.search.moment_map import MomentMap
 
 
 def draw(n, seed=0, *, contact="fold-limits", flat=True):
@@ -56,7 +57,7 @@ def rotation_vector(r):
 
 @pytest.mark.parametrize(("n", "flat"), [(6, True), (10, False)])
 def test_miss_and_newtons_step_are_those_of_50_digits(n, flat):
-    model = Model(draw(n, flat=flat))
+    model = pose(draw(n, flat=flat))
     chain, rng = MomentMap(model), np.random.default_rng(1)
     compared = 0
     for m in rng.normal(size=(16, 3)) * 3 * chain.smallest:
@@ -91,7 +92,7 @@ def test_miss_and_newtons_step_are_those_of_50_digits(n, flat):
 
 
 def test_newtons_step_by_differences_the_long_way_too():
-    model, h = Model(draw(8)), 1e-6
+    model, h = pose(draw(8)), 1e-6
     chain, rng = MomentMap(model), np.random.default_rng(2)
     m = rng.normal(size=(200, 3)) * 5 * chain.smallest
     shot = chain.shoot(m)
@@ -109,7 +110,7 @@ def test_newtons_step_by_differences_the_long_way_too():
 
 
 def test_without_slope_nothing_else_changes():
-    chain = MomentMap(Model(draw(7)))
+    chain = MomentMap(pose(draw(7)))
     m = np.random.default_rng(0).normal(size=(5, 3))
     a, b = chain.shoot(m), chain.shoot(m, slope=False)
     assert (a.miss == b.miss).all()
@@ -119,7 +120,7 @@ def test_without_slope_nothing_else_changes():
 
 def test_a_whole_turn_is_no_closed_vertex(monkeypatch):
     """Halves that meet as q = -1 miss each other by 2 pi, exactly there as beside."""
-    chain = MomentMap(Model(draw(6)))
+    chain = MomentMap(pose(draw(6)))
     fold = chain._fold(np.zeros((3, 2)), False)
     for beside in (0.0, 1e-9):
         ends = np.zeros((4, 2, 2))
@@ -132,34 +133,9 @@ def test_a_whole_turn_is_no_closed_vertex(monkeypatch):
 
 @pytest.mark.parametrize("n", [5, 12, 40])
 def test_rounding_of_the_moment_grows_as_said(n):
-    chain = MomentMap(Model(draw(n, contact="none")))
+    chain = MomentMap(pose(draw(n, contact="none")))
     m = np.random.default_rng(0).normal(size=(50, 3)) * 10 * chain.smallest
     h = 1e-7 * chain.smallest
     shot = chain.shoot(m)
     moved = [np.abs(chain.shoot(m + h * e).miss - shot.miss).max(axis=1) / h for e in np.eye(3)]
     assert (np.max(moved, axis=0) <= 20 * shot.growth + 1e-3).mean() > 0.95
-
-
-@pytest.mark.parametrize("n", [25, 40])
-@pytest.mark.parametrize("contact", ["none", "fold-limits"])
-def test_long_chains_have_the_values_of_compiled_functions(n, contact):
-    model, rng = Model(draw(n, contact=contact)), np.random.default_rng(0)
-    compiled = compile_structure(model.structure).evaluators
-    p, x = model.parameters.vector, rng.uniform(-3, 3, (4, n))
-    lam, none = rng.normal(size=3), np.zeros(0)
-    many = model.local(x)
-    hessians = model.hessian(x, np.tile(lam, (4, 1)), np.zeros((4, 0)), 0.7)
-    for state, h in zip(x, hessians, strict=True):
-        grad, g, jac, _, _ = compiled["local"](state, p)
-        local = model.local(state)
-        assert np.abs(local.gradient - grad[:, 0]).max() < 1e-12
-        assert np.abs(local.closure - g[:, 0]).max() < 1e-13
-        assert np.abs(local.closure_jacobian - jac).max() < 1e-13
-        wanted = compiled["hessian"](state, p, 0.7, lam, none)[0]
-        assert np.abs(model.hessian(state, lam, none, 0.7) - wanted).max() < 1e-12
-        assert np.abs(h - wanted).max() < 1e-12
-        assert np.abs(model.rays(state) - compiled["rays"](state, p)[0].T).max() < 1e-13
-        assert model.lifts_to_one(state) == (compiled["lift"](state, p)[0][0, 0] > 0)
-    assert np.abs(many.closure - model.closure(x)[0]).max() == 0
-    assert local.gaps.shape == (0,)
-    assert local.gaps_jacobian.shape == (0, n)

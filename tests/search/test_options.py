@@ -9,7 +9,7 @@ import origami_nlp as o
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, SearchOptions
+from origami_nlp.search import EFFORTS, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(

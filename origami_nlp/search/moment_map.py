@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import NONZERO
-from origami_nlp.problem.posed import PosedProblem
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,44 +54,68 @@ class MomentChain:
 class MomentMap:
     """Fold angles and closure of a vertex without symmetry from its moment vector, for many moments at once.
 
-    Moments are over `PosedProblem.scale`, in the frame of the facet between the last crease and the first: e1 along
+    Moments are over the problem's scale, in the frame of the facet between the last crease and the first: e1 along
     crease 1, e3 the normal of the sheet that counter-clockwise numbering sees.
 
     Parameters
     ----------
-    model
-        Without symmetry; contacts other than fold limits are not seen.
+    problem
+        Of one vertex without symmetry; contacts other than fold limits are not seen.
+    labels
+        They say which crease is the first, which way round the others follow, and the side that folds are seen from;
+        None: crease 1, counter-clockwise.
+
+    Attributes
+    ----------
+    order, sign
+        Variables in the order of the chain, [n], and the sign of their fold angles there.
 
     Examples
     --------
     >>> import numpy as np
     >>> from origami_nlp import Scene, Vertex
-    >>> from origami_nlp.problem import Model, MomentMap
+    >>> import origami_nlp as o
+    >>> from origami_nlp.search.moment_map import MomentMap
     >>> scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
-    >>> shot = MomentMap(Model(scene)).shoot(np.zeros((1, 3)))
+    >>> shot = MomentMap(o.pose(scene)).shoot(np.zeros((1, 3)))
     >>> shot.x.tolist(), bool((abs(shot.miss) < 1e-14).all())
     ([[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]], True)
     """
 
-    def __init__(self, model: PosedProblem) -> None:
-        p, n = model.parameters, model.size
-        if model.equation_count != 3:
-            raise ValueError("one moment is for vertices without symmetry")
-        reach = np.array([model.fold_limits.low, model.fold_limits.high])
-        low, high = reach if model.has_limits else np.copysign(math.inf, reach)
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling | None = None) -> None:
+        p, n = problem.parameters, problem.size
+        (loop,) = problem.pattern.vertices
+        around = np.array(loop.creases)
+        self.sign = 1.0 if labels is None else labels.sign
+        rank = np.arange(n) if labels is None else np.argsort(labels.order)
+        first = int(rank[around].argmin())
+        turn = np.roll(np.arange(n), -first)
+        if labels is not None and rank[around[turn[1]]] > rank[around[turn[-1]]]:
+            turn = np.roll(turn[::-1], 1)
+        self.order = around[turn]
+        rays = (np.array(loop.signs)[:, None] * problem.pattern.directions[around])[turn]
+        after = np.roll(rays, -1, axis=0)
+        sectors = np.arctan2(
+            np.linalg.norm(np.cross(rays, after), axis=1), (rays * after).sum(axis=1)
+        )
+        reach = np.array([problem.fold_limits.low, problem.fold_limits.high])[:, self.order]
+        reach = reach if self.sign > 0 else -reach[::-1]
+        low, high = reach if problem.has_limits else np.copysign(math.inf, reach)
+        stiffness = p.stiffness[self.order]
+        rest = self.sign * (p.rest[self.order] + p.load[self.order] / stiffness)
         half = (n + 1) // 2
         self.size, self._left = n, np.arange(half)
         self._right = np.arange(n - 1, half - 1, -1)
         # both halves side by side, [half, 2, 1]; where N is odd the right one ends with a crease that does not fold
-        self._rest = self._halves(p.rest + p.load / p.stiffness)
-        self._soft = self._halves(1 / p.stiffness)
+        self._rest = self._halves(rest)
+        self._soft = self._halves(1 / stiffness)
         self._low, self._high = self._halves(low), self._halves(high)
-        after, before = p.sectors[self._left], p.sectors[self._right - 1]
+        after, before = sectors[self._left], sectors[self._right - 1]
         before = np.append(before[:-1], np.zeros(half - len(before) + 1))
         turns = np.stack([after, -before], axis=1)[..., None] / 2
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
         # the fixed facet N lies between both ends: the left half starts at crease 1, the right one at crease N
-        last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the lift q = +1
+        last = math.pi - sectors[-1] / 2  # a whole turn less the last sector: on the lift q = +1
         self._start = np.array([[1, 0, 0, 0], [math.cos(last), 0, 0, math.sin(last)]]).T[..., None]
 
     def _halves(self, values: np.ndarray) -> np.ndarray:
@@ -101,7 +125,7 @@ class MomentMap:
 
     @property
     def smallest(self) -> float:
-        """Length of a moment that turns all free creases together by one radian, over `PosedProblem.scale`."""
+        """Length of a moment that turns all free creases together by one radian, over the problem's scale."""
         return 1 / float(self._soft.sum())
 
     @property
@@ -116,7 +140,7 @@ class MomentMap:
         Parameters
         ----------
         m
-            Moments over `PosedProblem.scale`, shape [K, 3].
+            Moments over the problem's scale, shape [K, 3].
         slope
             Whether derivatives are wanted.
 

@@ -8,9 +8,9 @@ import pytest
 from mpmath import matrix, mp, mpf
 
 import origami_nlp as o
-from origami_nlp.problem import Model
-from origami_nlp.starts import flat_foldings
-from origami_nlp.starts.near_flat import NearFolded
+from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_states import list_flat_folded
+from origami_nlp.pattern_states.near_folded import beside_folded
 from tests.proof.fifty_digits import turn_x, turn_z
 
 
@@ -21,6 +21,13 @@ def pair():
     found = o.find_minima(scene, prove=False, seed=2, max_starts=24, escape=False).minima
     half = [m for m in found if beside(m.fold_angles) < 0.1]
     return scene, [np.array(m.fold_angles) for m in half], half
+
+
+def beside_foldings(scene):
+    """Starts beside the foldings of a scene that are not flat."""
+    problem = pose(scene)
+    states = [x for x in list_flat_folded(problem).states if x.any()]
+    return list(beside_folded(problem, states, ()))
 
 
 def beside(angles):
@@ -37,16 +44,14 @@ def test_a_search_lists_the_pair_whatever_its_seed(pair):
 
 def test_second_order_is_close_to_it(pair):
     scene, states, _ = pair
-    model = Model(scene)
-    starts = NearFolded(model, flat_foldings(model)).states()
+    starts = np.array(beside_foldings(scene))
     apart = min(np.abs(starts - state).max(axis=1).min() for state in states)
     assert apart < 2 * beside(states[0]) ** 2
 
 
 def test_nothing_beside_foldings_of_a_generic_vertex():
     scene = o.Scene(o.Vertex.from_degrees((50, 70, 75, 85, 80)), (1,) * 5, (1, 1, -1, 1, 1))
-    model = Model(scene)
-    assert len(NearFolded(model, flat_foldings(model)).states()) == 0
+    assert not beside_foldings(scene)
 
 
 def test_it_is_a_state_in_many_digits(pair):

@@ -9,13 +9,20 @@ from scipy.optimize import minimize
 
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.pattern import panels
-from origami_nlp.problem import Model
-from origami_nlp.starts.near_flat import NearFlat
+from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_states.near_folded import beside_folded
 from tests.independent.rotations import fold, rotation_vector
 from tests.minima.test_single_vertex import drawn
 
 MISSED = [(5, 272), (5, 275), (6, 101), (6, 187), (6, 207)]
 """Degree and seed of scenes, with fold limits, whose minimum next to flat no start of a default search reached."""
+
+
+def near_flat(scene):
+    """Starts beside the flat state, [K, n]."""
+    problem = pose(scene)
+    found = list(beside_folded(problem, [np.zeros(problem.size)], ()))
+    return np.array(found).reshape(-1, problem.size)
 
 
 def polished(scene, x):
@@ -44,7 +51,7 @@ def polished(scene, x):
 @pytest.mark.parametrize(("degree", "seed"), [(5, 275), (6, 101)])
 def test_second_order_is_close_to_the_minimum(degree, seed):
     scene = drawn(seed, degree, "fold-limits")
-    x = NearFlat(Model(scene)).states()
+    x = near_flat(scene)
     (near,) = x[np.abs(x).max(axis=1) < 0.12]
     size = float(np.abs(near).max())
     end, residual = polished(scene, near)
@@ -68,7 +75,7 @@ def test_the_search_lists_all_that_it_missed(degree, seed, contact):
 
 def test_labels_and_sides_change_nothing():
     scene = drawn(101, 6, "fold-limits")
-    x = NearFlat(Model(scene)).states()
+    x = near_flat(scene)
     order = np.roll(np.arange(6), -2)
     other = Scene(
         Vertex(tuple(np.array(scene.vertex.sector_angles)[order].tolist())),
@@ -77,7 +84,7 @@ def test_labels_and_sides_change_nothing():
         "none",
         "fold-limits",
     )
-    y = NearFlat(Model(other)).states()
+    y = near_flat(other)
     assert len(x) == len(y) > 0
     for state in -x[:, order]:
         assert np.abs(y - state).max(axis=1).min() < 1e-9
@@ -85,9 +92,9 @@ def test_labels_and_sides_change_nothing():
 
 def test_nothing_where_the_flat_state_is_none():
     cone = Scene(Vertex((1.2,) * 4, False), (1.0,) * 4, (0.0,) * 4)
-    assert len(NearFlat(Model(cone)).states()) == 0
+    assert len(near_flat(cone)) == 0
     still = Scene(Vertex((math.pi / 3,) * 6), (1.0,) * 6, (0.0,) * 6, "none", "full")
-    assert len(NearFlat(Model(still)).states()) == 0
+    assert len(near_flat(still)) == 0
 
 
 def test_symmetric_springs_have_pairs_or_nothing():
@@ -96,7 +103,7 @@ def test_symmetric_springs_have_pairs_or_nothing():
     found = 0
     for scene in scenes:
         free = replace(scene, symmetry="none", contact="fold-limits")
-        x = NearFlat(Model(free)).states()
+        x = near_flat(free)
         for state in x:
             found += 1
             image = np.roll(state[::-1], 1)  # about crease 1

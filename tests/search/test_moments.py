@@ -8,8 +8,9 @@ import pytest
 
 from origami_nlp import Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
-from origami_nlp.problem import Model, MomentMap
-from origami_nlp.starts.moments import Moments, find_zeros
+from origami_nlp.pattern_problem import find_labels, pose
+from origami_nlp.search.moment_map import MomentMap
+from origami_nlp.search.moments import Moments, find_zeros
 
 
 def draw(n, seed=0, equal=False):
@@ -37,10 +38,11 @@ def test_every_minimum_is_a_zero_of_the_map(n):
 
 def zeros_that_are_minima(scene, count, seed):
     """Minima among the zeros that Newton finds from random moments, judged one by one."""
-    model = Model(scene)
-    starts = Moments(model)
+    model = pose(scene)
+    starts = Moments(model, find_labels(model.pattern))
+    order, sign = starts.map.order, starts.map.sign
     m, miss = find_zeros(starts.map, starts.moments(np.random.default_rng(seed), count))
-    x = starts.map.shoot(m[miss < 1e-9]).x
+    x = sign * starts.map.shoot(m[miss < 1e-9]).x[:, np.argsort(order)]
     x = x[np.unique(np.round(x / 1e-6), axis=0, return_index=True)[1]]
     minima = []
     for state in x:
@@ -101,7 +103,7 @@ def verify(result):
     verified = 0
     for minimum in result.minima:
         x = np.array(minimum.fold_angles)
-        value, jacobian = model.closure(x)
+        value, jacobian = model.constraints(x)
         assert model.lifts_to_one(x)
         assert np.abs(value).max() < 1e-12
         assert (np.abs(x) <= math.pi).all()

@@ -1,4 +1,4 @@
-"""Minima near the flat state, to second order: descents from elsewhere seldom reach them.
+"""Minima beside flat-folded states, to second order: descents from elsewhere seldom reach them.
 
 At the flat state closure c loses rank.  Near it closed states x obey J x = 0 and x'Fx = 0 up to third order, F the
 second derivative of s . c for the one s with s J = 0.  Where rest angles all but cancel on that cone, a minimum is
@@ -12,23 +12,25 @@ which falls between the poles on both sides of lam = 0: the one root there is th
 minima have one negative 1 + lam a at most: their lam lies one interval further.  Where symmetric springs do not pull
 along an axis, lam may be its pole, and states lean to either side of it.
 
-Near flat foldings it is the same with contacts closed.  Where a sheet is folded in half, closed states leave along a
-cone in the null space of closure as far as active constraints allow, A y >= 0.  A minimum near the folding keeps some
-of these rows active; on their null space it is one of the states above, with multipliers >= 0 of the active rows.
+Where closure has several equations of second order beside a state, nothing is predicted.
+
+Beside a state with creases fully folded it is the same with contacts closed.  Where a sheet is folded in half, closed
+states leave along a cone in the null space of closure as far as active constraints allow, A y >= 0.  A minimum near the
+folding keeps some of these rows active; on their null space it is one of the states above, with multipliers >= 0 of the
+active rows.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import NONZERO, RANK, SETTLED, null_space
-from origami_nlp.problem import Model
-from origami_nlp.starts.family import Listed
+from origami_nlp.numerics import NONZERO, RANK, SETTLED, dense, null_space
+from origami_nlp.pattern_problem import PatternProblem
 
 NEAR = 1.0
 """Largest fold angle of a state that second order says something about [rad]."""
@@ -39,33 +41,8 @@ BEYOND = np.logspace(-4, 7, 200)
 HALVINGS = 50
 
 
-class NearFlat(Listed):
-    """The minima of a scene's springs on the second-order cone of closed states at the flat state.
-
-    Parameters
-    ----------
-    model
-        Of any scene; there are none where the flat state is no state of it, or has more than one second-order
-        equation.
-    """
-
-    name = "starts beside the flat state"
-    sentence = "where second order puts a minimum beside the flat state"
-
-    def states(self) -> np.ndarray:
-        """Return them closed to second order, [K, n] [rad]; the tip of the cone is not among them."""
-        model = self._model
-        flat, n = np.zeros(model.size), model.size
-        value, jacobian = model.closure(flat)
-        none = np.zeros((0, n))
-        if np.abs(value).max(initial=0.0) > RANK or not model.lifts_to_one(flat):
-            return none
-        cone = cone_at(model, flat, jacobian)
-        if cone is None or cone.kernel.shape[1] < 2:
-            return none
-        x = on_cone(cone.form, cone.torque)[0] @ cone.kernel.T / cone.root
-        size = np.abs(x).max(axis=1)
-        return np.asarray(x[(size > RANK) & (size <= NEAR)])
+MOST_LOST = 3
+"""Ranks that closure may lose: one loop has no more, and of several the equations of second order are several."""
 
 
 class QuadraticCone(NamedTuple):
@@ -87,19 +64,23 @@ class QuadraticCone(NamedTuple):
     torque: np.ndarray
 
 
-def cone_at(model: Model, x: np.ndarray, jacobian: np.ndarray) -> QuadraticCone | None:
-    """Return the cone of closed states at a state [n] with this Jacobian; None where not one rank is lost."""
-    root = np.sqrt(model.parameters.stiffness)
-    u, sizes, vt = np.linalg.svd(jacobian / root)
+def cone_at(problem: PatternProblem, x: np.ndarray) -> QuadraticCone | None:
+    """Return the cone of closed states at one [n]; None where there is not one equation of second order."""
+    root = np.sqrt(problem.parameters.stiffness)
+    u, sizes, vt = np.linalg.svd(dense(problem.jacobian(x)) / root)
     rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
-    if len(u) - rank != 1:
-        return None
-    # one lost rank: the combination s of closure is unique, and so is the cone;
-    # F: second derivative of s . c alone, without energy and gaps, over sqrt(k) sqrt(k)'
-    form = model.hessian(x, u[:, rank], np.zeros(len(model.structure.gaps)), 0.0)
     kernel = vt[rank:].T
-    torque = kernel.T @ (model.parameters.torque(x) / root)
-    return QuadraticCone(root, kernel, kernel.T @ (form / np.outer(root, root)) @ kernel, torque)
+    if not 0 < len(u) - rank <= MOST_LOST or kernel.shape[1] < 2:
+        return None
+    # second derivatives of s . c without energy; of rows that depend on others by symmetry they vanish on the kernel
+    each = (problem.lagrangian_hessian(x, s, (), 0.0) / np.outer(root, root) for s in u[:, rank:].T)
+    forms = np.array([(kernel.T @ f @ kernel).ravel() for f in each])
+    _, weights, forms = np.linalg.svd(forms, full_matrices=False)
+    if (weights > RANK).sum() != 1:
+        return None
+    form = weights[0] * forms[0].reshape(len(kernel.T), -1)
+    torque = kernel.T @ (problem.parameters.torque(x) / root)
+    return QuadraticCone(root, kernel, form, torque)
 
 
 def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -189,50 +170,47 @@ INSIDE = (1e-3, 2e-2)
 """Starts are moved off the contacts held by these shares of their distance: closing them may push them beyond."""
 
 
-class NearFolded(Listed):
-    """Starts beside flat foldings where second order says that the springs have a minimum.
+def beside_folded(
+    problem: PatternProblem,
+    states: Sequence[np.ndarray],
+    moves: Sequence[Callable[[np.ndarray], np.ndarray]],
+) -> Iterator[np.ndarray]:
+    """Yield starts beside flat-folded states where second order says that the springs have a minimum.
 
     Parameters
     ----------
-    model
-        Of any scene.
-    foldings
-        Its flat foldings, [n] each; of images under its own symmetries only the first is looked at.
+    problem
+        The problem.
+    states
+        Flat-folded states, [n] each.
+    moves
+        Symmetries of states: of images the first is looked at.
+
+    Yields
+    ------
+    numpy.ndarray
+        A state that closes to second order, [n] [rad].
     """
-
-    name = "starts beside flat foldings"
-    sentence = "where second order puts a minimum beside a flat folding"
-
-    def __init__(self, model: Model, foldings: Sequence[np.ndarray]) -> None:
-        super().__init__(model)
-        self._foldings = foldings
-
-    def states(self) -> np.ndarray:
-        """Return them closed to second order, shape [K, n] [rad]."""
-        model = self._model
-        found: list[np.ndarray] = []
-        done: list[np.ndarray] = []
-        for x in self._foldings:
-            if not 0 < np.count_nonzero(x) <= MOST_FOLDED or _known(model, done, x):
-                continue
-            done.append(x)
-            state = State(model, x)
-            if not state.refused:
-                found += _beside(state)
-        return np.array(found).reshape(-1, model.size)
+    done: list[np.ndarray] = []
+    for x in states:
+        if np.count_nonzero(x) > MOST_FOLDED or _known(done, [x, *(move(x) for move in moves)]):
+            continue
+        done.append(x)
+        state = State(problem, x)
+        if not state.refused:
+            yield from _beside(state)
 
 
-def _known(model: Model, done: list[np.ndarray], x: np.ndarray) -> bool:
-    images = [sign * x[order] for order, sign in model.own_symmetries]
+def _known(done: list[np.ndarray], images: list[np.ndarray]) -> bool:
     return any(np.abs(image - other).max() < SETTLED for image in images for other in done)
 
 
 def _beside(state: State) -> Iterator[np.ndarray]:
-    """Yield starts beside one folding."""
-    model: Model = state.problem  # type: ignore[assignment]
-    pieces = state.contacts.combinations()
-    cone = cone_at(model, state.x, state.local.closure_jacobian)
-    if pieces is None or len(pieces) > MOST_PIECES or cone is None:
+    """Yield starts beside one state."""
+    problem: PatternProblem = state.problem  # type: ignore[assignment]
+    cone = cone_at(problem, state.x)
+    pieces = None if cone is None else state.contacts.combinations()
+    if cone is None or pieces is None or len(pieces) > MOST_PIECES:
         return
     root, kernel, form, torque = cone
     for rows in pieces:

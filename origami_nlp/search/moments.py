@@ -1,6 +1,6 @@
 """Starts from moment vectors: Newton in three unknowns, whatever the number of creases, for thousands of moments.
 
-Stationary states of all strata are zeros of `problem.MomentMap`, which is smooth but for corners where creases reach
+Stationary states of all strata are zeros of `MomentMap`, which is smooth but for corners where creases reach
 their limits (Newton is semismooth there: L. Qi and J. Sun, Math. Programming 58, 1993).  Moments are drawn with random
 directions and lengths uniform in their logarithm, from what turns all creases together a little to what shuts the
 stiffest: low states have short moments, states with many creases fully folded long ones.  Newton is damped until the
@@ -15,9 +15,10 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, DECREASE, NONZERO, OUTSIDE
-from origami_nlp.pattern_problem import CanonicalLabelling
-from origami_nlp.problem import Model, MomentMap
-from origami_nlp.search import StartKind, StartState
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.search.descend import StartState
+from origami_nlp.search.moment_map import MomentMap
+from origami_nlp.search.starts import StartKind
 
 STEPS = 30
 """Steps of Newton; most of those that converge do so in ten."""
@@ -29,32 +30,31 @@ SPREAD = (0.3, 10.0)
 """Moments are drawn from this times the smallest to this times the largest that matters."""
 
 
-def is_chain(model: Model) -> bool:
-    """Return whether fold limits are all that can touch in a vertex without symmetry: what `Moments` ask for."""
-    return model.scene.group.is_trivial and not model.structure.gaps
+FEWEST_CREASES = 16
+"""Creases from which moments are started from: with 10 and 12 they found no more in the same time."""
+
+
+def is_chain(problem: PatternProblem) -> bool:
+    """Return whether a problem is a long vertex without symmetry at which fold limits are all that can touch."""
+    pattern = problem.pattern
+    alone = len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell or problem.contact)
+    long = pattern.creases == len(pattern.vertices[0].creases) >= FEWEST_CREASES if alone else False
+    return long and problem.orbits is None and problem.parameters.dead is None
 
 
 class Moments(StartKind):
-    """States near stationary ones, from random moments.
-
-    Parameters
-    ----------
-    model
-        Without symmetry, its only contacts fold limits (`is_chain`).
-    labels
-        Under which it is posed; None: under those of the states.
-    """
+    """States near stationary ones, from random moments; of a problem that `is_chain`."""
 
     name = "moments"
     sentence = "where creases balance a random moment"
     cost = 40
 
-    def __init__(self, model: Model, labels: CanonicalLabelling | None = None) -> None:
-        self.map, self._limits = MomentMap(model), model.fold_limits
-        self._drawn = np.asarray if labels is None else labels.drawn
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        super().__init__(problem, labels)
+        self.map = MomentMap(problem, labels)
 
     def moments(self, rng: np.random.Generator, many: int) -> np.ndarray:
-        """Draw moments over `Model.scale`, shape [many, 3]."""
+        """Draw moments over the problem's scale, shape [many, 3]."""
         u = rng.normal(size=(many, 3))
         low, high = SPREAD[0] * self.map.smallest, SPREAD[1] * self.map.largest
         length = np.exp(rng.uniform(math.log(low), math.log(high), (many, 1)))
@@ -63,10 +63,10 @@ class Moments(StartKind):
     def draw(self, rng: np.random.Generator, count: int) -> list[StartState]:
         """Return states from as many moments, the creases held that are at their limits."""
         m, _ = find_zeros(self.map, self.moments(rng, count))
-        x = self.map.shoot(m, slope=False).x
-        sides = self._limits.near(x, OUTSIDE)
-        pairs = zip(self._drawn(x), self._drawn(sides), strict=True)
-        return [StartState(*pair, drawn=True) for pair in pairs]
+        x = np.empty((count, self.problem.size))
+        x[:, self.map.order] = self.map.sign * self.map.shoot(m, slope=False).x
+        sides = self.problem.fold_limits.near(x, OUTSIDE)
+        return [StartState(*pair, drawn=True) for pair in zip(x, sides, strict=True)]
 
 
 def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
