@@ -61,7 +61,7 @@ class Escape(ShortRepr):
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.miura("pi/3"))
     >>> result.minima[1].escape.method
-    'upper bound (descents)'
+    'exact (traced)'
     """
 
     barrier: float

@@ -196,7 +196,7 @@ class SearchReport(ShortRepr):
         ended = "rule" if self.quiet >= starts else "cap"
         self.stopped_by = "time" if self.left_out else ended
         self.curves, self.ended = len(found), sum(c.complete for c in found)
-        self.unclear = sum(c.stretches.unclear for c in found if c.stretches is not None)
+        self.unclear = sum(int(c.stretches.unclear.sum()) for c in found if c.stretches is not None)
         self.coarse = sum(not c.curve.fits for c in found)
         return tuple(s for s in judged if s.verdict == "minimum")
 

@@ -47,13 +47,13 @@ class Stretches(ShortRepr):
     crosses
         Of bool, [S].
     unclear
-        Parts of steps between states without crossings, the first and the last step aside, in which facets might cross
-        unseen: they touch at both ends, or were not shown to be apart.
+        How many parts of each step of the curve, the first and the last aside, facets might cross in unseen: they touch
+        at both ends, or were not shown to be apart; [T].
     """
 
     states: np.ndarray
     crosses: np.ndarray
-    unclear: int
+    unclear: np.ndarray
 
 
 class Clearance:
@@ -352,7 +352,7 @@ class Clearance:
         if curve.odd:
             crosses = np.concatenate([crosses[:1:-1], crosses])
         if len(c.pieces) > MOST_PIECES or c.cell or not len(self.first):
-            return Stretches(curve.states, crosses, many if len(self.first) else 0)
+            return Stretches(curve.states, crosses, np.full(many, int(len(self.first) > 0)))
         # folded flat at an end of the curve, facets lie on each other
         steps = np.flatnonzero(~crosses[1:-2] & ~crosses[2:-1]) + 1
         steps = steps[steps >= begin]
@@ -373,10 +373,10 @@ class Clearance:
             for i in range(begin):
                 seen = reversed(found.get(many - 1 - i, []))
                 found[i] = [x and (-x[0], x[1]) for x in seen]
-        out, flags, unclear = [curve.states[:1]], [crosses[:1]], 0
+        out, flags, unclear = [curve.states[:1]], [crosses[:1]], np.zeros(many, int)
         for i in range(many):
             inside = [x for x in found.get(i, []) if x is not None]
-            unclear += len(found.get(i, [])) - len(inside)
+            unclear[i] = len(found.get(i, [])) - len(inside)
             out += [*(x[None] for x, _ in inside), curve.states[i + 1 : i + 2]]
             flags += [*(np.array([f]) for _, f in inside), crosses[i + 1 : i + 2]]
         return Stretches(np.concatenate(out), np.concatenate(flags), unclear)

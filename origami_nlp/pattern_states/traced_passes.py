@@ -191,15 +191,17 @@ class _Network:
             if end not in ("limit", "closed"):
                 self.open.add(cut[1])
         seen = traced.stretches
-        clear = curve.fits and (seen is None or not seen.unclear)
+        many = len(curve.control)
+        unclear = np.zeros(many, int) if seen is None else seen.unclear
         flags = None if seen is None else list(_flags(curve, seen))
         for (p, a), (q, b) in itertools.pairwise(cuts):
             if flags is None or self._passes(curve, flags, p, q):
+                step = min(int((p + q) / 2), many - 1)
                 self.edges.append((a, b))
-                self.clear.append(clear)
+                self.clear.append(curve.fits and not unclear[step])
         if "closed" in curve.ends:
             self.edges.append((cuts[0][1], cuts[-1][1]))
-            self.clear.append(clear)
+            self.clear.append(curve.fits)
 
     def _new(self, x: np.ndarray) -> int:
         self.states.append(x)

@@ -21,8 +21,7 @@ from origami_nlp import (
 )
 from origami_nlp.cli import Ended
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.problem import Model
-from origami_nlp.proof import prove
+from origami_nlp.proof import ReducedVertex, prove
 from tests.command_line import run, scene_file
 
 
@@ -126,7 +125,7 @@ def test_a_proof_inside_a_time_limit_keeps_to_wall_time(monkeypatch):
     """Processor time that stands still, as where another process has the processor, ends nothing; the clock does."""
     worked = time.process_time
     monkeypatch.setattr(time, "process_time", lambda: 0.0)
-    model = Model(replace(examples.degree6("pi/4", contact="fold-limits"), symmetry="none"))
+    model = ReducedVertex(replace(examples.degree6("pi/4", contact="fold-limits"), symmetry="none"))
     begin = worked()
     proof = prove(model, until=time.monotonic() + 0.3)
     assert not proof.finished and proof.undecided

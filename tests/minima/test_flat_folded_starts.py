@@ -191,7 +191,7 @@ def test_the_unit_of_length_does_not_part_facets():
         curve = interpolate(problem, follow_curve(problem, phi, tangents(problem, phi)[:, 0], 0.3))
         seen.append(Clearance(problem).along(curve))
     one, other = seen
-    assert one.unclear == other.unclear and (one.states == other.states).all()
+    assert (one.unclear == other.unclear).all() and (one.states == other.states).all()
     assert (one.crosses == other.crosses).all() and one.crosses.any()
 
 

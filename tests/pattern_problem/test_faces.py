@@ -15,10 +15,9 @@ from origami_nlp.pattern_problem import (
     Faces,
     FoldedGeometry,
     PatternProblem,
+    pose,
 )
-from origami_nlp.pattern_states import judge
-from origami_nlp.problem import Model
-from origami_nlp.starts import flat_foldings
+from origami_nlp.pattern_states import judge, list_flat_folded
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -33,7 +32,7 @@ def stacked(seed):
     sectors = parts * 2 * math.pi / unit
     problem, vertex = PatternProblem(wheel(sectors)), Vertex(tuple(sectors.tolist()))
     scene = Scene(vertex, (1.0,) * n, (0.0,) * n, "none", "full")
-    states = flat_foldings(Model(scene))
+    states = list(list_flat_folded(pose(scene)).states)
     for _ in range(40):  # some of them with creases that are open
         phi, held = rng.uniform(-2.5, 2.5, n), rng.random(n) < 0.45
         phi[held] = rng.choice([-math.pi, math.pi, 0.0], held.sum(), p=[0.4, 0.4, 0.2])
@@ -72,8 +71,7 @@ def compare(seed, many=8):
         scene = Scene(
             Vertex(tuple(sectors.tolist())), tuple(k.tolist()), tuple(rest.tolist()), "none", "full"
         )
-        model = Model(scene)
-        one = classify(State(model, model.reduce(phi)))
+        one = classify(State(pose(scene), phi))
         problem = PatternProblem(bare.pattern.with_springs(list(k), list(rest)))
         two = judge(problem, phi)
         what = seed, sectors, phi, one.reason, two.certificate

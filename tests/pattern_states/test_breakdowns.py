@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import examples, find_minima
-from origami_nlp.pattern_states import find, question
+from origami_nlp.pattern_states import find, search as driver
 
 FAILURES = [np.linalg.LinAlgError("Singular matrix"), ZeroDivisionError("division by zero")]
 TWO_DOF = examples.degree6("pi/3")
@@ -26,7 +26,7 @@ def search(**options):
 @pytest.mark.parametrize(
     ("room", "name", "error"),
     [
-        (question.HingeSets, "states", FAILURES[0]),
+        (driver, "list_flat_folded", FAILURES[0]),
         pytest.param(find, "confirm", FAILURES[1], marks=pytest.mark.slow),
     ],
 )

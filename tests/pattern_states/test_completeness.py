@@ -9,7 +9,8 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern_states import judge, question, vertex_proof
+from origami_nlp.pattern_states import find, judge, question, vertex_proof
+from origami_nlp.pattern_states.parts import Places
 from origami_nlp.proof import prove, read_certificate
 from tests.command_line import run, scene_file
 from tests.computed_once import thinned
@@ -31,17 +32,18 @@ def generic(seed, degree, contact="fold-limits"):
 
 def forget(monkeypatch, chosen):
     """Let the search forget the minima that `chosen(minima)` names, before the proof."""
-    true = vertex_proof.prove_each
+    true = find._Answer.prove
     forgotten = []
 
-    def forgetful(models, problem, states, wanted):
-        gone = chosen([s for s in states if s.verdict == "minimum"])
+    def forgetful(search, wanted):
+        gone = chosen([s for s in search.judged if s.verdict == "minimum"])
         forgotten.extend(s.phi for s in gone)
-        known = [s for s in states if not any(s is g for g in gone)]
-        states[:] = known  # as if it had not been found
-        return true(models, problem, known, wanted)
+        # as if it had not been found
+        search.judged = [s for s in search.judged if not any(s is g for g in gone)]
+        search._places = Places(search.problem.size)
+        true(search, wanted)
 
-    monkeypatch.setattr(question, "prove_each", forgetful)
+    monkeypatch.setattr(find._Answer, "prove", forgetful)
     return forgotten
 
 
@@ -107,12 +109,12 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     scene = generic(3, 5)
     true = vertex_proof.prove_each
 
-    def prove_wrong(models, problem, states, wanted):
+    def prove_wrong(models, states, wanted):
         saddle = next(p for p in prove(models[0]).points if p.index and 1 not in p.pinned_signs)
-        state = judge(problem, np.array(saddle.x), False)
+        state = judge(models[0].problem, np.array(saddle.x), False)
         assert state.verdict == "saddle"
         states.append(replace(state, verdict="minimum", kind="interior"))
-        return true(models, problem, states, wanted)
+        return true(models, states, wanted)
 
     with monkeypatch.context() as patch:
         patch.setattr(question, "prove_each", prove_wrong)

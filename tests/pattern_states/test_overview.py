@@ -252,4 +252,4 @@ def test_states_that_the_pattern_gives_come_before_branch_directions(monkeypatch
         find_states("miura:3x3", starts=0)
     found = stop.value.result
     assert {s.kind for s in found.minima} == {"interior"}
-    assert found.search.left_out[0] == "branch directions of the flat state"
+    assert found.search.left_out[0] == search.FLAT_FOLDED
