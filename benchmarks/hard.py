@@ -22,8 +22,7 @@ from origami_nlp.kkt import State, classify, polish, project
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import CLOSURE_TOL, EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
-from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.search import solve_apart
 
 CLOSURE_PULL = 0.3
@@ -50,10 +49,10 @@ class Outcome:
         return self.right and all(value <= bound for value, bound in self.errors.values())
 
 
-def exact_state(model: Model, x: np.ndarray) -> Reference | None:
+def exact_state(problem: PatternProblem, x: np.ndarray) -> Reference | None:
     """Return the 50-digit solution next to a polished state x [n], None where there is none."""
     try:
-        return solve_reference(model, x, State(model, x).pieces[0])
+        return solve_reference(problem, x, State(problem, x).pieces[0])
     except Unsolved:
         return None
 
@@ -78,17 +77,17 @@ def known_state(
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:
     """Compare every minimum of a result whose KKT system is regular with its 50-digit solution."""
-    model = Model(result.scene)
+    problem = pose(result.scene)
     angles, energies, pushes = [0.0], [0.0], [0.0]
     for m in result.minima:
-        x = model.reduce(np.array(m.fold_angles))
-        exact = exact_state(model, x) if m.kind != "degenerate" else None
+        x = problem.reduce(np.array(m.fold_angles))
+        exact = exact_state(problem, x) if m.kind != "degenerate" else None
         if exact is None:
             continue
         angles.append(exact.angle_error(x))
         energies.append(exact.energy_error(m.energy))
         if len(exact.multipliers):
-            ours = State(model, x).on(exact.rows).forces
+            ours = State(problem, x).on(exact.rows).forces
             largest = max(1.0, float(np.abs(exact.multipliers).max()))
             pushes.append(float(np.abs(ours - exact.multipliers).max()) / largest)
     loose = max(1e-13, bound)
@@ -98,9 +97,8 @@ def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outco
     return Outcome(setting, errors, f"{len(result.minima)} minima", right)
 
 
-def _solved(model: Model, start: np.ndarray) -> tuple[Any, Any]:
-    problem = pose(model.scene)
-    state = polish(model, solve_apart(problem, start)[0])
+def _solved(problem: PatternProblem, start: np.ndarray) -> tuple[Any, Any]:
+    state = polish(problem, solve_apart(problem, start)[0])
     return state, classify(State(problem, state.x), polished=state.converged)
 
 
@@ -112,9 +110,9 @@ def flat_starts() -> Iterator[Outcome]:
         examples.degree8("pi/6", 1.0),
         examples.degree6("pi/4", 1.0, symmetry="none"),
     ):
-        model = Model(scene)
-        state, what = _solved(model, np.zeros(model.size))
-        exact = exact_state(model, state.x)
+        problem = pose(scene)
+        state, what = _solved(problem, np.zeros(problem.size))
+        exact = exact_state(problem, state.x)
         errors = {"closure": (state.closure_residual, ROUNDED)}
         if exact is None:
             errors["KKT"] = (state.kkt_residual, 1e-11)
@@ -139,7 +137,7 @@ def flat_answers() -> Iterator[Outcome]:
         result = find_minima(scene)
         m, far = nearest(result, np.zeros(n))
         alone = sum(other.energy <= 1e-20 for other in result.minima) == 1
-        right = m.kind == "degenerate" and alone and m.local_dimension == Model(scene).dof
+        right = m.kind == "degenerate" and alone and m.local_dimension == pose(scene).dof
         errors = {"angles": (far, ROUNDED), "energy": (m.energy, 1e-25)}
         yield Outcome(f"degree {n}, {scene.group.name}", errors, str(m.kind), right)
 
@@ -188,16 +186,16 @@ def next_to_pi() -> Iterator[Outcome]:
 def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     """A degree-5 scene at rest in an admissible state of full rank whose third fold angle is given."""
     vertex = Vertex((1.0, 1.3, 1.4, 1.2, 2 * math.pi - 4.9))
-    model = Model(Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none"))
+    problem = pose(Scene(vertex, (1.0,) * 5, (0.3,) * 5, "none"))
     x = np.random.default_rng(3).uniform(-2.5, 2.5, (64, 5))
     x[:, 2] = angle
     frozen = np.zeros_like(x, dtype=bool)
     frozen[:, 2] = True
-    x, residual = project(model, x, frozen=frozen)
+    x, residual = project(problem, x, frozen=frozen)
     for state in x[residual <= CLOSURE_TOL]:
         state[2] = angle
-        rank = np.linalg.svd(model.closure(state)[1], compute_uv=False).min()
-        if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and not model.refuses(state):
+        rank = np.linalg.svd(problem.constraints(state)[1], compute_uv=False).min()
+        if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and not problem.refuses(state):
             return Scene(vertex, (1.0,) * 5, tuple(state.tolist()), "none"), state
     raise AssertionError("no regular state with this fold angle")
 
@@ -263,13 +261,13 @@ def rest_states() -> Iterator[Outcome]:
         sectors = np.random.default_rng(seed).dirichlet(np.full(degree, 8.0)) * 2 * math.pi
         vertex = Vertex(tuple(sectors.tolist()))
         trial = Scene(vertex, (1.0,) * degree, (0.0,) * degree, "none", "fold-limits")
-        model = Model(trial)
+        problem = pose(trial)
         drawn = np.random.default_rng(seed).uniform(-3.0, 3.0, (64, degree))
-        closed, residual = project(model, drawn)
+        closed, residual = project(problem, drawn)
         x = next(
             x
             for x, left in zip(closed, residual, strict=True)
-            if left <= CLOSURE_TOL and not model.refuses(x) and np.abs(x).max() < 3.0
+            if left <= CLOSURE_TOL and not problem.refuses(x) and np.abs(x).max() < 3.0
         )
         scene = replace(trial, rest_angles=tuple(x.tolist()))
         yield known_state(f"degree {degree}, random sectors", scene, x, bound=1e-13)
@@ -286,16 +284,16 @@ def weakly_active() -> Iterator[Outcome]:
     Rest angles are linear in the moment: with k = 1, x - J' lam - a mu make x stationary, a = -e_3.
     """
     trial, x = regular_at_pi(math.pi)
-    jac = Model(trial).closure(x)[1]
+    jac = pose(trial).constraints(x)[1]
     lam = CLOSURE_PULL * jac[:, 2] / (jac[:, 2] @ jac[:, 2])
     for moment in (1e-2, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-13, 0.0):
         rest = x - jac.T @ lam
         rest[2] += moment
-        model = Model(replace(trial, rest_angles=tuple(rest.tolist())))
-        state, what = _solved(model, x + np.array([0.1, -0.1, -0.2, 0.1, 0.1]))
+        problem = pose(replace(trial, rest_angles=tuple(rest.tolist())))
+        state, what = _solved(problem, x + np.array([0.1, -0.1, -0.2, 0.1, 0.1]))
         pushes = [c.multiplier for c in what.contacts if c.type == "fold-limit"]
-        # the rest angle is rounded to 4e-16: so is the moment
-        errors = {"angles": (float(np.abs(state.x - x).max()), ROUNDED)}
+        # the rest angle is rounded to 4e-16: so is the moment; Newton knows the state to that over its condition
+        errors = {"angles": (float(np.abs(state.x - x).max()), 1e-13)}
         errors["multiplier"] = (abs(pushes[0] - moment) if pushes else math.inf, 1e-12)
         wanted = "contact-pinned" if moment >= 1e-10 else "contact-touching" if not moment else ""
         right = what.verdict == "minimum" and what.kind in (wanted or what.kind,)

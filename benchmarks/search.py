@@ -27,8 +27,8 @@ from origami_nlp.io import Unbounded, from_plain, save_figure, to_plain
 from origami_nlp.kkt import Solve, State, classify, exact_beside, polish
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, ENDPOINT_TOL
-from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import PatternProblem, pose
 
 SCHEMA = "origami-nlp/coverage/1"
 RECORD = Path(__file__).with_name("records") / "search.json"
@@ -78,30 +78,30 @@ class Covered:
     runs: dict[str, list[Searched]] = field(default_factory=dict)
 
 
-def minimum_near(model: Model, x: np.ndarray) -> np.ndarray | None:
+def minimum_near(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
     """Polish and classify the end [n] of any search: the minimum there, or None.
 
     The bound forces that the polish starts from balance the pull of the springs at x.
     """
-    local = model.local(x)
-    free = np.abs(x) < model.bound - ANSWERED
+    local = problem.local(x)
+    free = np.abs(x) < problem.bound - ANSWERED
     lam = np.linalg.lstsq(local.closure_jacobian.T[free], local.gradient[free], rcond=None)[0]
     pull = np.where(free, 0.0, local.gradient - local.closure_jacobian.T @ lam)
     residual = float(np.abs(local.closure).max())
-    state = polish(model, Solve(x, "Solve_Succeeded", 0, residual, pull, None))
+    state = polish(problem, Solve(x, "Solve_Succeeded", 0, residual, pull, None))
     if not state.converged:
-        state = exact_beside(model, state)
+        state = exact_beside(problem, state)
     if state.closure_residual > CLOSURE_TOL:
         return None
-    what = classify(State(model, state.x), polished=state.converged)
+    what = classify(State(problem, state.x), polished=state.converged)
     return state.x if what.verdict == "minimum" else None
 
 
 class Known:
     """The minima of a scene [K, n] that anything found."""
 
-    def __init__(self, model: Model) -> None:
-        self.model, self.states = model, np.zeros((0, model.size))
+    def __init__(self, problem: PatternProblem) -> None:
+        self.problem, self.states = problem, np.zeros((0, problem.size))
 
     def nearest(self, x: np.ndarray) -> tuple[int, float]:
         """Return the nearest minimum (-1 without any), and how far it is [rad]."""
@@ -122,14 +122,14 @@ class Known:
 
     def claimed(self, ends: Ends) -> tuple[np.ndarray, int]:
         """Return which ends are states and claimed [a], and how many distinct ones are no minima; new are filed."""
-        good, false, seen = ends.claims.copy(), 0, np.zeros((0, self.model.size))
+        good, false, seen = ends.claims.copy(), 0, np.zeros((0, self.problem.size))
         if good.any():
-            good[good] = self.model.admissible(ends.x[good], ANSWERED)
+            good[good] = self.problem.admissible(ends.x[good], ANSWERED)
         for x in ends.x[good]:
             if self.nearest(x)[1] <= FOUND or (np.abs(seen - x).max(axis=1) <= FOUND).any():
                 continue
             seen = np.vstack([seen, x])
-            minimum = minimum_near(self.model, x)
+            minimum = minimum_near(self.problem, x)
             false += minimum is None
             if minimum is not None:
                 self.add([minimum])
@@ -162,18 +162,20 @@ class Known:
 
 def largest_error(result: MinimaResult) -> float:
     """Return the largest error of a fold angle against 50 digits [rad], of minima that have a reference."""
-    model, errors = Model(result.scene), [0.0]
+    problem, errors = pose(result.scene), [0.0]
     for m in result.minima:
-        x = model.reduce(np.array(m.fold_angles))
+        x = problem.reduce(np.array(m.fold_angles))
         try:
-            reference = solve_reference(model, x, State(model, x).pieces[0])
+            reference = solve_reference(problem, x, State(problem, x).pieces[0])
         except Unsolved:
             continue
         errors.append(reference.angle_error(x))
     return max(errors)
 
 
-def run_ours(model: Model, known: Known, seed: int, **options: Any) -> Searched:
+def run_ours(
+    scene: Scene, problem: PatternProblem, known: Known, seed: int, **options: Any
+) -> Searched:
     """Run the main job once, without proof and escapes."""
     curve: list[tuple[float, int]] = []
 
@@ -183,9 +185,9 @@ def run_ours(model: Model, known: Known, seed: int, **options: Any) -> Searched:
 
     begin = time.process_time()
     given = {"prove": False, "escape": False, "progress": progress, **options}
-    result = find_minima(model.scene, seed=seed, **given)
+    result = find_minima(scene, seed=seed, **given)
     seconds = time.process_time() - begin
-    found = known.add(model.reduce(np.array(m.fold_angles)) for m in result.minima)
+    found = known.add(problem.reduce(np.array(m.fold_angles)) for m in result.minima)
     curve.append((seconds, len(result.minima)))
     error = math.inf if options else largest_error(result)
     return Searched(seed, seconds, found, tuple(curve), error=error)
@@ -200,14 +202,14 @@ def measure_search(
     out = []
     for family, number in scenes:
         scene = family_scene(family, number)
-        model = Model(scene)
-        known = Known(model)
+        problem = pose(scene)
+        known = Known(problem)
         progress(scene.name or "")
         find_minima(scene, max_starts=1, prove=False, escape=False)  # warm-up
-        runs = {OURS: [run_ours(model, known, seed) for seed in range(SEEDS)]}
+        runs = {OURS: [run_ours(scene, problem, known, seed) for seed in range(SEEDS)]}
         for seed in range(SEEDS, SEEDS + KNOWN):
-            run_ours(model, known, seed, effort="thorough")
-        ends = [run_rival(rival, pose(scene), 1, budget) for rival in rivals()]
+            run_ours(scene, problem, known, seed, effort="thorough")
+        ends = [run_rival(rival, problem, 1, budget) for rival in rivals()]
         claims = [known.claimed(e) for e in ends]
         for e, (good, false) in zip(ends, claims, strict=True):
             runs[e.name] = [known.judge(e, 1, good, false)]

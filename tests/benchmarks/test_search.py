@@ -11,7 +11,6 @@ from benchmarks.rivals import Program, rivals
 from benchmarks.search import OURS, Known, rows, scenes_of, share_at
 from origami_nlp import examples, find_minima
 from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
 from tests.documentation.pages import ROOT
 
 PAGE = (ROOT / "docs" / "validation" / "speed.md").read_text()
@@ -49,7 +48,7 @@ def test_what_is_measured():
 
 
 def test_known_minima_are_told_apart():
-    known = Known(Model(family_scene("fold-limits", 0)))
+    known = Known(pose(family_scene("fold-limits", 0)))
     assert known.nearest(np.zeros(4)) == (-1, math.inf)
     assert known.add([np.zeros(4), np.full(4, 1e-9), np.ones(4)]) == (0, 1)
 
