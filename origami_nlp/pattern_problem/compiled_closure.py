@@ -133,6 +133,14 @@ class CompiledClosure:
         """Where the loops, and room for what is computed, stand: for C that goes on from `source`."""
         return self._given
 
+    def _state(self, phi: np.ndarray) -> np.ndarray:
+        """Return one state [n] as C reads it: of several it would read, and write, beyond the first."""
+        if np.shape(phi) != (self._loops.n,):
+            raise ValueError(
+                f"one state has {self._loops.n} variables: its shape is {np.shape(phi)}"
+            )
+        return np.ascontiguousarray(phi, np.float64)
+
     def project(
         self, phi: np.ndarray, held: np.ndarray | None, steps: int, near: np.ndarray | None = None
     ) -> tuple[np.ndarray, float, bool]:
@@ -147,7 +155,7 @@ class CompiledClosure:
         lifts : bool
             Whether all loops end with q0 > 0.
         """
-        phi = np.array(phi, np.float64)
+        phi = self._state(phi).copy()
         stays = self._kept["none"] if held is None else held.astype(np.int64)
         loops, place = self._given
         begin = None if near is None else np.ascontiguousarray(near, np.float64)
@@ -160,8 +168,7 @@ class CompiledClosure:
 
     def equations(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
         """Evaluate closure [m] and its Jacobian [m, n] at a state [n], and whether all loops end with q0 > 0."""
-        phi = np.ascontiguousarray(phi, np.float64)
-        m = self._loops.m
+        phi, m = self._state(phi), self._loops.m
         values, jacobian = np.empty(m), np.zeros((m, len(phi)))
         loops, place = self._given
         at = address(phi), place, address(values), address(jacobian)
@@ -170,7 +177,7 @@ class CompiledClosure:
 
     def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
-        phi, multipliers = (np.ascontiguousarray(x, np.float64) for x in (phi, multipliers))
+        phi, multipliers = self._state(phi), np.ascontiguousarray(multipliers, np.float64)
         (loops, place), h = self._given, np.zeros((len(phi), len(phi)))
         self._library.bend(loops, address(phi), place, address(multipliers), address(h))
         return h
@@ -195,8 +202,7 @@ class CompiledClosure:
             That over its length, and the curvature, [n].  None in place of all where corrections stall.
         """
         tangent, bend, size = np.array(along, np.float64), np.empty(len(phi)), ctypes.c_double()
-        phi = np.ascontiguousarray(phi)
-        loops, place = self._given
+        phi, (loops, place) = self._state(phi), self._given
         made = self._library.follow(
             loops,
             phi.ctypes.data,

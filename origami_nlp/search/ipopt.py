@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -230,7 +231,7 @@ def solver_for(
     if key not in symbols.solvers:
         nlp = symbols.program(ca.SX.sym("U", symbols.closure.shape[0], rank), gaps)
         form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
-        asked = {"print_time": False, "error_on_fail": False, "ipopt": ipopt}
+        asked: dict[str, Any] = {"print_time": False, "error_on_fail": False, "ipopt": ipopt}
         symbols.solvers[key] = nlp, ca.nlpsol("origami", "ipopt", form, asked)
     return symbols.solvers[key]
 

@@ -14,7 +14,7 @@ from origami_nlp.critical import find_critical_points
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import once, panel_result, thinned
 from tests.independent.search_manifold import Piece
 
@@ -124,7 +124,7 @@ def test_contact_saddle_is_a_maximum_along_its_wall(contact_barriers):
 @pytest.mark.parametrize("which", thinned(["saddle_barriers", "contact_barriers"], 2))
 def test_paths_can_be_replayed(which, request):
     found = request.getfixturevalue(which)
-    model = Model(found.scene)
+    model = pose(found.scene)
     for p in found.passes:
         ends = [found.result.minima[k - 1].fold_angles for k in (p.from_state, p.to_state)]
         assert np.allclose(p.path[[0, -1]], ends, atol=1e-6)
@@ -150,7 +150,7 @@ def test_merges_are_the_saddles_among_the_critical_points(which, request):
 
 def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
     """States near a pass are looked at with contacts up to the mesh spacing: only layers that touch have an order."""
-    model = Model(examples.degree6("5*pi/12", ratio=100))
+    model = pose(examples.degree6("5*pi/12", ratio=100))
     rng = np.random.default_rng(0)
     x, residual = project(model, rng.uniform(-np.pi, np.pi, (400, model.size)))
     x = x[(residual <= 1e-12) & (np.abs(x) <= np.pi).all(axis=1)]

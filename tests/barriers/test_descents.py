@@ -7,7 +7,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.barriers.bounds import PROVED
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.independent.links import corners, crosses
 
 
@@ -63,7 +63,7 @@ def by_hand(scene):
 )
 def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
     found = o.find_barriers(scene, o.find_minima(scene, prove=False, escape=False))
-    assert Model(scene).dof in (3, 4)
+    assert pose(scene).dof in (3, 4)
     sums = [sum(m.fold_angles) for m in found.result.minima]
     assert checked(found, crossing=False)
     exact = [p for p in found.passes if sums[p.from_state - 1] * sums[p.to_state - 1] < 0]

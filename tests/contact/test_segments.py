@@ -23,7 +23,8 @@ from origami_nlp.display import METASTABLE
 from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import FOLLOWED
-from origami_nlp.problem import Contact, Model
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.problem import Contact
 from tests.computed_once import panel_result, shared, thinned
 
 SCENES = {
@@ -49,7 +50,7 @@ def pinned_number(name: str) -> int:
     return next(n for n, m in enumerate(search(name).minima, 1) if m.kind == "contact-pinned")
 
 
-def curve_of(name: str) -> tuple[Model, BoundaryCurve]:
+def curve_of(name: str) -> tuple[PatternProblem, BoundaryCurve]:
     """The boundary of the pinned state."""
     report = segments(name)
     number = pinned_number(name)
@@ -57,7 +58,7 @@ def curve_of(name: str) -> tuple[Model, BoundaryCurve]:
     return search(name).model, curve
 
 
-def points(model: Model, curve: BoundaryCurve, count: int = 5) -> list[Point]:
+def points(model: PatternProblem, curve: BoundaryCurve, count: int = 5) -> list[Point]:
     """Some regular points of a curve, away from its ends, with the tangent towards growing s."""
     out = []
     inside = np.linspace(curve.s[0], curve.s[-1], count + 2)[1:-1]
@@ -71,7 +72,9 @@ def points(model: Model, curve: BoundaryCurve, count: int = 5) -> list[Point]:
     return out
 
 
-def errors(model: Model, point: Point, rows: tuple[Contact, ...], h: float) -> tuple[float, float]:
+def errors(
+    model: PatternProblem, point: Point, rows: tuple[Contact, ...], h: float
+) -> tuple[float, float]:
     """Errors of dU/ds and d2U/ds2 at a point against energies at arclength -h, 0 and h."""
     sides = []
     for sign in (1.0, -1.0):

@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex, check_admissible
-from origami_nlp.problem import Model
-from tests.computed_once import thinned
 from tests.independent.admissible import admissible
 from tests.independent.arcs import crossing_margin, nearest_touch
 from tests.independent.neighbours import Problem
 from tests.independent.rotations import fold, project
-from tests.independent.scenes import SHAPES, build
 from tests.independent.stationary import Stratum, retract
 
 BAND = 1e-9
@@ -197,30 +194,3 @@ def flap_agreement(seed, count):
 def test_flaps_folded_flat_on_a_facet():
     verdicts = flap_agreement(5, 80)
     assert 0.02 * len(verdicts) < sum(verdicts) < 0.98 * len(verdicts)
-
-
-def wedge_agreement(scene, rng, count):
-    """Compare the model's own constraints with full admissibility; returns own verdicts."""
-    model, p = Model(scene), Problem.of(scene)
-    first = [int(np.flatnonzero(model.variable_of_crease == v)[0]) for v in range(model.size)]
-    x, residual = project(p.sectors, p.orbit, rng.uniform(-3.2, 3.2, (count, p.size)))
-    x = x[(residual <= 1e-13) & (np.abs(x) < 3.5).all(axis=1)]
-    phi = x[:, p.orbit]
-    creases, _ = fold(p.sectors, phi)
-    clear = (np.abs(crossing_margin(creases)) > BAND) & (nearest_touch(creases) > BAND)
-    clear &= (np.abs(np.abs(phi) - math.pi) > BAND).all(axis=1)
-    phi = phi[clear]
-    own = admissible(p.sectors, phi)
-    for state, verdict in zip(phi, own, strict=True):
-        y = state[first]
-        closed = np.abs(model.closure(y)[0]).max() <= 1e-10 and model.lifts_to_one(y)
-        holds = closed and bool(model.admissible(y[None])[0])
-        assert holds == verdict, (scene, state)
-    return own
-
-
-@pytest.mark.parametrize("shape", thinned([(s,) for s in SHAPES], 3), ids=str)
-def test_constraints_of_the_piece_are_those_of_the_whole_vertex(shape):
-    rng = np.random.default_rng(7)
-    verdicts = np.concatenate([wedge_agreement(build(rng, shape), rng, 60) for _ in range(3)])
-    assert verdicts.any()

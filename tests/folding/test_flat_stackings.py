@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.independent.flat_stackings import assignments
 
 VERTICES = {
@@ -29,11 +29,11 @@ def scene(sectors, seed: int) -> Scene:
     return Scene(vertex, 10 ** rng.uniform(-0.5, 0.5, n), rng.uniform(-3, 3, n), "none", "full")
 
 
-def flat_states(model: Model) -> list[np.ndarray]:
+def flat_states(model: PatternProblem) -> list[np.ndarray]:
     return [math.pi * np.array(s) for s in itertools.product((1.0, -1.0), repeat=model.size)]
 
 
-def admissible(model: Model) -> set[tuple[int, ...]]:
+def admissible(model: PatternProblem) -> set[tuple[int, ...]]:
     good = (x for x in flat_states(model) if not model.refuses(x))
     return {tuple(np.sign(x).astype(int).tolist()) for x in good}
 
@@ -42,7 +42,7 @@ def admissible(model: Model) -> set[tuple[int, ...]]:
 def test_admissible_flat_foldings_are_those_that_some_stacking_has(name: str) -> None:
     expected = assignments(VERTICES[name])
     assert len(expected) == COUNTS[name]
-    assert admissible(Model(scene(VERTICES[name], 0))) == expected
+    assert admissible(pose(scene(VERTICES[name], 0))) == expected
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -57,4 +57,4 @@ def test_so_they_are_for_random_vertices_that_fold_flat(seed: int) -> None:
         return np.diff([0, *cuts, whole]).tolist()
 
     sectors = [Fraction(a, whole) for pair in zip(parts(), parts(), strict=True) for a in pair]
-    assert admissible(Model(scene(sectors, seed))) == assignments(sectors)
+    assert admissible(pose(scene(sectors, seed))) == assignments(sectors)

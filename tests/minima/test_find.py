@@ -9,7 +9,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, check_admissible, examples, find_minima
 from origami_nlp.minima.stopping import chao1, unseen_share
-from origami_nlp.problem import Model, compile_structure
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import panel_result, thinned
 
 CLOSURE = 1e-14  # closure of regular states
@@ -97,7 +97,7 @@ def test_a_flat_sheet_at_rest_stays_flat():
         best = find_minima(scene, max_starts=32, prove=False, escape=False).minima[0]
         assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
         assert best.kind == "degenerate"  # closure loses rank at the flat state
-        assert best.local_dimension == Model(scene).dof
+        assert best.local_dimension == pose(scene).dof
 
 
 SLOW = pytest.mark.slow
@@ -122,17 +122,8 @@ def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
     # D6: one fold angle, one equation; the only state of the wedge next to the flat one is the flat one
     scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.3,) * 6)
     result = find_minima(scene, prove=False, escape=False)
-    assert scene.group.name == "D6" and Model(scene).dof == 0
+    assert scene.group.name == "D6" and pose(scene).dof == 0
     assert all(np.abs(m.fold_angles).max() <= 1e-6 for m in result.minima)
-
-
-def test_one_structure_is_compiled_once():
-    first = Model(examples.degree8("pi/6", 1.0))
-    _ = first.functions
-    before = compile_structure.cache_info().misses
-    for alpha, ratio in (("pi/12", 1.0), ("pi/4", 100.0), ("pi/5", 3.0)):
-        assert Model(examples.degree8(alpha, ratio)).functions is first.functions
-    assert compile_structure.cache_info().misses == before
 
 
 def test_what_is_said_of_the_unseen():

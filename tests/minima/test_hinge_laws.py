@@ -31,7 +31,7 @@ from origami_nlp.pattern import (
     table,
     well,
 )
-from origami_nlp.problem import Model, compile_structure
+from origami_nlp.pattern_problem import pose
 
 EPS = np.finfo(float).eps
 
@@ -122,28 +122,17 @@ def test_far_origins_and_stiff_hinges_change_no_list():
 def test_casadi_has_the_same_pieces():
     v = Vertex.from_degrees((70, 80, 120, 90))
     laws = (double_well(1.0, 1.0), None, detent(0.3, 6), one_sided(4.0, 1.0))
-    model = Model(Scene(v, (1,) * 4, (0.2,) * 4, "none", laws=laws))
-    functions = compile_structure(model.structure)
-    # the pieces where a state is, and whole laws for solvers that go elsewhere
-    whole = o.pose(model.scene).symbols()
+    model = pose(Scene(v, (1,) * 4, (0.2,) * 4, "none", laws=laws))
+    whole = model.symbols()
     p = ca.vertcat(whole.springs, ca.vec(whole.corners))
-    solved = ca.Function("energy", [whole.y, p], [ca.gradient(whole.energy, whole.y)])
+    h, g = ca.hessian(whole.energy, whole.y)
+    solved = ca.Function("energy", [whole.y, p], [g, h])
     rng = np.random.default_rng(0)
     for x in rng.uniform(-math.pi, math.pi, (50, 4)):
-        p = model.parameters.at(x)
-        local = functions.evaluators["local"](x, p)
-        assert np.allclose(local[0].ravel(), model.parameters.torque(x), atol=1e-12)
-        torque = np.array(solved(x, whole.values)).ravel()
-        assert np.allclose(torque, model.parameters.torque(x), atol=1e-12)
-        bent = functions.evaluators["hessian"](
-            x, p, 1.0, np.zeros(3), np.zeros(len(model.structure.gaps))
-        )
-        assert np.allclose(bent[0], model.parameters.hessian(x), atol=1e-11)
-        assert model.energy(x) == pytest.approx(model.scene.energy(x), rel=1e-13)
-    # other laws are other numbers of the same functions
-    other = Model(replace(model.scene, laws=(detent(1.0, 4), None, *(linear(1.0),) * 2)))
-    before = compile_structure.cache_info().misses
-    assert other.functions is functions and compile_structure.cache_info().misses == before
+        torque, bent = (np.array(v) for v in solved(x, whole.values))
+        assert np.allclose(torque.ravel(), model.parameters.torque(x), atol=1e-12)
+        assert np.allclose(bent, model.parameters.hessian(x), atol=1e-11)
+        assert model.energy(x) == pytest.approx(model.pattern.energy(x), rel=1e-13)
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
@@ -215,7 +204,7 @@ def test_no_top_of_wells_is_a_minimum():
     for _ in range(30):
         law = double_well(rng.uniform(0.1, 5), rng.uniform(0.3, 2.5))
         scene = Scene(four, (1,) * 4, (0,) * 4, "none", laws=(law,) * 4)
-        at_flat = o.classify(State(Model(scene), np.zeros(4)))
+        at_flat = o.classify(State(pose(scene), np.zeros(4)))
         assert at_flat.verdict != "minimum"
         sheet = two.with_laws([law, linear(1.0)])
         assert o.classify(sheet, [0.0, 0.0]).verdict != "minimum"
@@ -357,7 +346,7 @@ def test_what_does_not_know_laws_says_so():
     loaded = replace(scene, symmetry="none", preload=(0.1,) * 6)
     x = np.linspace(-0.5, 0.6, 6)
     assert loaded.energy(x) == pytest.approx(scene.energy(x) - 0.1 * x.sum())
-    assert Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
+    assert pose(loaded).energy(x) == pytest.approx(loaded.energy(x))
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
@@ -369,7 +358,7 @@ def test_symmetric_minima_with_laws():
     )
     assert scene.group.name != "none"
     kept = o.find_minima(scene, escape=False)
-    whole = Model(replace(scene, symmetry="none"))
+    whole = pose(replace(scene, symmetry="none"))
     again = [o.classify(State(whole, np.array(m.fold_angles))).verdict for m in kept.minima]
     assert "minimum" in again and "undecided" not in again
     with pytest.raises(o.OrigamiError):

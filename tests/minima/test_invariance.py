@@ -9,7 +9,7 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.kkt import project
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import shared
 
 SAME_MINIMUM = 1e-6
@@ -125,11 +125,11 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     """Closure, sheet and energies of closed states agree: the maps are right, whatever a search finds."""
     description, scene = DESCRIPTIONS[name], family_scene("full-contact", number)
     other, rng = description.of(scene), np.random.default_rng(number)
-    x, residual = project(Model(scene), rng.uniform(-3, 3, (40, scene.degree)))
+    x, residual = project(pose(scene), rng.uniform(-3, 3, (40, scene.degree)))
     x = x[residual <= 1e-13]
     y = description.sided(description.ordered(x))
     assert len(x) >= 20 and (description.back(y) == x).all()
-    ours, theirs = Model(scene), Model(other)
+    ours, theirs = pose(scene), pose(other)
     assert np.abs(theirs.closure(y)[0]).max() <= 1e-12
     assert (theirs.lifts_to_one(y) == ours.lifts_to_one(x)).all()
     assert (theirs.admissible(y) == ours.admissible(x)).all()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import find_minima
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent.admissible import admissible
 from tests.independent.neighbours import Problem, look_around
@@ -67,7 +67,7 @@ def test_every_minimum_of_a_random_vertex_is_one(seed):
 def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
     for seed in range(1):
         scene = build(np.random.default_rng(seed), shape)
-        assert Model(scene).dof == 0
+        assert pose(scene).dof == 0
         (flat,) = find_minima(scene, prove=False, escape=False).minima
         assert flat.local_dimension == 0 and not any(flat.fold_angles)
         # own look: from anywhere near, closure leads back to the flat state, or nowhere

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent.scenes import SHAPES, build
 
 PI = math.pi
-ONE = [s for s in SHAPES if Model(build(np.random.default_rng(0), s)).dof == 1]
+ONE = [s for s in SHAPES if pose(build(np.random.default_rng(0), s)).dof == 1]
 PLANTED = Scene(
     Vertex((0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)),
     (0.022816280794769387, 0.03205546964080397, 0.04387824855836886, 0.0012500010060577914),

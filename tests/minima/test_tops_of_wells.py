@@ -10,7 +10,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, State, Vertex
 from origami_nlp.pattern import detent, double_well, linear, polynomial, sum_of, well
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent import scan_four
 
@@ -50,7 +50,7 @@ def some_state(rng, where, a, states):
         folded = np.abs(np.abs(states) - math.pi) < 1e-9
         some = np.sign(states[folded.all(axis=1)]) * math.pi
     springs = Scene(Vertex(tuple(a.tolist())), (1,) * 4, (0,) * 4, "none", "fold-limits")
-    good = [x for x in rng.permutation(some)[:50] if not Model(springs).refuses(x)]
+    good = [x for x in rng.permutation(some)[:50] if not pose(springs).refuses(x)]
     return good[0] if good else np.zeros(4)
 
 
@@ -71,7 +71,7 @@ def wrongly_called_minima(rng, where, count):
         laws, energies = zip(*(balanced(rng, c, hills) for c in x), strict=True)
         vertex = Vertex(tuple(a.tolist()))
         scene = Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits", laws=laws)
-        verdict = o.classify(State(Model(scene), x)).verdict
+        verdict = o.classify(State(pose(scene), x)).verdict
 
         def energy(y, energies=energies):
             return sum(f(y[..., i]) for i, f in enumerate(energies))

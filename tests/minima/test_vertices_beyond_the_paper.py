@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent.rotations import fold, spin_sign
 from tests.minima.test_minima_of_random_vertices import check
@@ -224,7 +224,7 @@ def test_noise_within_the_tolerance_leaves_the_symmetry(seed):
     scene = Scene(Vertex(tuple(noisy)), (1,) * 6, rest, "D1", mirror=1, symmetry_tolerance=1e-4)
     assert scene.group.name == "D1" and 0 < scene.adjusted < 1e-4
     assert parse_scene(format_scene(scene)) == scene
-    assert "averaged" in str(Model(scene))
+    assert "averaged" in str(pose(scene))
     a, b = (
         find_minima(exact, prove=False, escape=False),
         find_minima(scene, prove=False, escape=False),

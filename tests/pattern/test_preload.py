@@ -19,7 +19,7 @@ from origami_nlp import (
 )
 from origami_nlp.errors import FoldFileError, SceneError, SymmetryError
 from origami_nlp.pattern import PRELOAD_KEY, canonical_labels, scene_from_dict, scene_to_dict
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from origami_nlp.proof import ReducedVertex, prove
 from origami_nlp.sweep import parse_sweep
 
@@ -35,9 +35,9 @@ def test_the_energy_is_that_of_springs_and_torque_up_to_the_constant_that_is_sta
     k, rest, m = (np.array(v) for v in (WOUND.stiffness, WOUND.rest_angles, WOUND.preload))
     springs = 0.5 * (k * (phi - rest) ** 2).sum(axis=1) - phi @ m
     stated = m @ rest + (m**2 / (2 * k)).sum()
-    for energy in (WOUND.energy(phi), Model(WOUND).energies(phi)):
+    for energy in (WOUND.energy(phi), pose(WOUND).energies(phi)):
         assert np.abs(energy - springs - stated).max() < 1e-13 * stated
-    gradient = Model(WOUND).scale * Model(WOUND).local(phi).gradient
+    gradient = pose(WOUND).scale * pose(WOUND).local(phi).gradient
     assert np.abs(gradient - (k * (phi - rest) - m)).max() < 1e-14
 
 
@@ -45,7 +45,7 @@ def test_a_preload_that_a_rest_angle_gives_too_is_the_same_spring():
     rest = Scene(FOUR, (1, 0.5, 0.5, 0.25), (2, -1, 0.5, 1), "none", "fold-limits")
     both = replace(rest, rest_angles=(1, -1, -0.5, 0), preload=(1, 0, 0.5, 0.25))
     assert both.wound_angles == rest.rest_angles and both != rest
-    assert (Model(both).parameters.vector == Model(rest).parameters.vector).all()
+    assert (pose(both).parameters.vector == pose(rest).parameters.vector).all()
     assert canonical_labels(both) == canonical_labels(rest)
 
 

@@ -11,7 +11,6 @@ from origami_nlp.kkt import Solve, polish
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import judge, judgement
-from origami_nlp.problem import Model
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 
@@ -113,7 +112,7 @@ def unclosed():
 
 def test_the_polish_sees_a_fold_limit_that_newton_went_beyond():
     """It set the fold angle back to the limit, 4 degrees, and called what did not close any more converged."""
-    model = Model(UNCLOSED)
+    model = pose(UNCLOSED)
     end = np.radians([57.50944478, -68.70722067, -135.17040217, -3.83283704, -180.0])
     for guess in (None, ()):
         state = polish(model, Solve(end, "", 0, math.nan, np.zeros(5), None), guess)
@@ -161,7 +160,7 @@ def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypa
 
 
 def test_a_minimum_that_is_handed_over_is_listed():
-    assert classify(State(Model(LOST), GUESS)).verdict == "minimum"
+    assert classify(State(pose(LOST), GUESS)).verdict == "minimum"
     for guess in (GUESS, np.round(GUESS, 4)):
         result = find_minima(LOST, guesses=[guess], max_starts=8, prove=False, escape=False)
         assert holds(result, GUESS)
