@@ -10,8 +10,8 @@ from origami_nlp.pattern_problem import PatternProblem
 
 CHEAP, CHEAPER = 15, 24
 """Creases of a problem below which starts cost so little that more are made; of one whose facets may cross."""
-MOST_DOF = 12
-"""Degrees of freedom that count."""
+MOST_DOF, MOST_MORE = 12, 5
+"""Degrees of freedom that count, and up to which each counts the more the more there are, from three on."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
-        there are few creases.
+        there are few creases, most so with three degrees of freedom and more.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -86,11 +86,9 @@ class SearchOptions:
         """
         if starts is None:
             cheap = CHEAP if problem.contact else CHEAPER
-            starts = int(
-                self.in_a_row
-                * min(max(problem.dof, 1), MOST_DOF)
-                * max(1.0, cheap / problem.pattern.creases)
-            )
+            dof, share = min(max(problem.dof, 1), MOST_DOF), cheap / problem.pattern.creases
+            more = share * max(1.0, min(dof, MOST_MORE) / 2) if share > 1.0 else 1.0
+            starts = int(self.in_a_row * dof * more)
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
