@@ -36,8 +36,8 @@ ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
 VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics MomentMap".split())
 """What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("chart critical landscape paper pattern_states problem proof starts".split())
-"""Rooms that read it: the list only shrinks (paper when the search is one, proof when the prover is)."""
+READERS = frozenset("chart critical landscape pattern_states problem proof starts".split())
+"""Rooms that read it: the list only shrinks (proof when the prover is one)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 
 

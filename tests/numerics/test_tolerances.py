@@ -63,7 +63,7 @@ BESIDE_THE_TABLE = {
     """,
     "what is shown, or said in words": """
  chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
-        critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
+        critical/result.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
         pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,

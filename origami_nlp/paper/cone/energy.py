@@ -274,7 +274,7 @@ class EnergyAt:
         odd, even = self.curvatures
         return odd + ratio * even
 
-    def slope_scale(self, ratio: float) -> Any:
+    def slope_scale(self, ratio: Any) -> Any:
         """Size of the terms that F = A' + r B' sums: rounding is eps of it."""
         c = self.creases
         odd = self._odd((c.size + np.abs(c.pull)) * c.first)

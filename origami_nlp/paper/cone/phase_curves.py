@@ -67,11 +67,6 @@ class PhaseBoundary:
     ratio: np.ndarray = field(repr=False)
     elevation: np.ndarray = field(repr=False)
 
-    @property
-    def label(self) -> str:
-        """Label of the class, for matplotlib."""
-        return self.branches.label
-
 
 def phase_boundaries(
     cone: Cone | int, *, depth: float = 0.0, lines: int = LINES

@@ -7,9 +7,10 @@ import pytest
 
 from origami_nlp.errors import OrigamiError
 from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.kkt import State
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene, tangent_slope
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.command_line import run
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
@@ -102,7 +103,7 @@ def test_arrangements_of_one_class_have_one_energy_but_their_own_slope():
     assert len(words) == 2
     states = [cone.ConeBranch(w, 1).fold_angles(m.elevation[row]) for w in words]
     assert scene.energy(states[0]) == pytest.approx(scene.energy(states[1]), rel=1e-13)
-    slopes = [tangent_slope(Model(scene), x) for x in states]
+    slopes = [tangent_slope(State(pose(scene), x)) for x in states]
     assert abs(slopes[0] - slopes[1]) > 1e-4
 
 

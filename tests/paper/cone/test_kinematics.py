@@ -12,7 +12,8 @@ from hypothesis import given, settings, strategies as st
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import cone
-from origami_nlp.paper.cone.necklaces import symmetry_of
+from origami_nlp.paper.cone.branches import cone_sheet
+from origami_nlp.paper.cone.flaps import symmetry_of
 from origami_nlp.paper.cone.rules import END_RULES
 from tests.command_line import run
 
@@ -65,10 +66,10 @@ def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
     branch = cone.ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
     share = data.draw(st.floats(0.01, 0.999))
     phi = branch.fold_angles(direction * share * branch.end)
-    state = check_admissible(branch.vertex, phi)
+    state = check_admissible(cone_sheet(branch.degree).vertex, phi)
     assert state.admissible, state.reason
     assert state.closure_residual < 1e-13
-    creases, _ = fold_vertex(branch.vertex, phi)
+    creases, _ = fold_vertex(cone_sheet(branch.degree).vertex, phi)
     odd = creases[::2]
     axis = np.cross(odd[1] - odd[0], odd[2] - odd[0])
     heights = odd @ (axis / np.linalg.norm(axis))  # all odd creases at the same elevation
@@ -85,8 +86,8 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
         branch = cone.ConeBranch(folding.flaps, direction, "contact")
         before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
         after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
-        assert check_admissible(branch.vertex, before).admissible
-        assert not check_admissible(branch.vertex, after).admissible
+        assert check_admissible(cone_sheet(branch.degree).vertex, before).admissible
+        assert not check_admissible(cone_sheet(branch.degree).vertex, after).admissible
 
 
 def test_only_a_single_steep_flap_goes_past_the_contracts_end():
@@ -224,7 +225,7 @@ def test_branch_gives_fold_angles_in_degrees(tmp_path):
     assert data["edges_foldAngle"][1] == pytest.approx(-40, rel=1e-14)
     assert run(*asked, "--elevation", 0.2).code == 0
     with pytest.raises(AngleError, match="past the end"):
-        cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
+        cone.FoldedCone(cone.ConeBranch((1, 1, -1), 1), 0.6)
 
 
 def test_foldings_are_listed(tmp_path):
@@ -236,6 +237,6 @@ def test_foldings_are_listed(tmp_path):
     many = run(*asked, 1000, "-o", "-")
     assert json.loads(many.out)["necklaces"] == str(cone.number_of_foldings(1000))
     assert run(*asked, 34, "--list").code == 2
-    assert len(cone.draw_foldings(6, 0.7).axes) == 4
+    assert len(cone.Foldings(6, listed=True).draw().axes) == 4
     with pytest.raises(OptionError, match="to draw"):
-        cone.draw_foldings(18, 0.3)
+        cone.Foldings(18, listed=False).draw()
