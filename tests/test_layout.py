@@ -26,8 +26,8 @@ ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
     "pattern_problem search starts continuation display hinges chart proof "
-    "minima pattern_states contact critical barriers space landscape bifurcation inverse_design "
-    "loading sweep validity results verbs paper cli __main__"
+    "minima pattern_states contact barriers paper bifurcation inverse_design "
+    "loading sweep validity results verbs cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks")
@@ -36,7 +36,7 @@ ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
 VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics MomentMap".split())
 """What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("chart critical landscape pattern_states problem proof starts".split())
+READERS = frozenset("pattern_states problem proof starts".split())
 """Rooms that read it: the list only shrinks (proof when the prover is one)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 

@@ -20,15 +20,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_type, check_whole
-from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
-from origami_nlp.chart.grid import allowed
+from origami_nlp.chart.chart import Chart, admissible, allowed, chart_of, family_of
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, CROSSING, NONZERO, OUTSIDE
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Model, Problem
+from origami_nlp.pattern_problem import PatternProblem, pose
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,8 +75,6 @@ class Landscape(ShortRepr):
     coordinates: names, such as ``("phi_2", "phi_3")``; creases are numbered as in the scene.
     branches: at least one, unless kind is ``"none"``.
     reason: why there is no landscape, in words; empty otherwise.
-    handles: curves [m, 2] in the coordinates, along which states exist only at a fold angle of +-pi
-        exactly (the paper's 1-handles; looked for on the border of the degree-6 chart).
     """
 
     scene: Scene
@@ -85,7 +82,6 @@ class Landscape(ShortRepr):
     coordinates: tuple[str, ...]
     branches: tuple[EnergyBranch, ...]
     reason: str = ""
-    handles: tuple[np.ndarray, ...] = ()
 
     @property
     def one_plane(self) -> bool:
@@ -164,32 +160,7 @@ def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) ->
 def _degree6(chart: Chart, size: int) -> Landscape:
     axis = cells(-math.pi, math.pi, size)
     branch = _area(chart, 0, "", (axis, axis))
-    handles = _handles(chart, branch) if chart.scene.contact == "full" else ()
-    return Landscape(chart.scene, "area", chart.coordinates, (branch,), handles=handles)
-
-
-def _handles(chart: Chart, branch: EnergyBranch) -> tuple[np.ndarray, ...]:
-    """Stretches of the chart's border with admissible states and none beside them, inside."""
-    scene, size = chart.scene, branch.energy.shape[0]
-    t = np.linspace(-math.pi, math.pi, 65)
-    cell = np.minimum(((t + math.pi) / (2 * math.pi) * size).astype(int), size - 1)
-    found = []
-    for side, edge in ((-math.pi, 0), (math.pi, size - 1)):
-        border = np.full_like(t, side)
-        for x, y, inside in (
-            (border, t, branch.energy[cell, edge]),
-            (t, border, branch.energy[edge, cell]),
-        ):
-            states = chart.fold_angles(0, x, y)
-            # a 1-handle: the border point is admissible, the cell inside of it is not
-            alone = np.isnan(inside) & admissible(scene, states)
-            # facets lie on each other there: the layers decide
-            alone[alone] = [check_admissible(scene.vertex, phi).admissible for phi in states[alone]]
-            for kept, run in itertools.groupby(range(len(t)), key=alone.__getitem__):
-                k = list(run)
-                if kept and len(k) > 2:
-                    found.append(np.stack([x[k], y[k]], axis=-1))
-    return tuple(found)
+    return Landscape(chart.scene, "area", chart.coordinates, (branch,))
 
 
 def _wedge(chart: Chart, size: int) -> Landscape:
@@ -297,10 +268,10 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     -------
     curves
         Each a list of states [m, n] in the model's variables, in order along the curve.  Curves
-        may cross (at the flat state they do): each goes straight through.  For contact ``"full"``
-        states beyond a mirror or axis contact, or on the lift q = -1, are cut away.
+        may cross (at the flat state they do): each goes straight through.  States on the lift q = -1 are cut
+        away.
     """
-    model = Model(scene)
+    model = pose(scene)
     curves: list[np.ndarray] = []
     any_angles = np.random.default_rng(0).uniform(-math.pi, math.pi, (STARTS, model.size))
     for start in project(model, any_angles)[0]:
@@ -319,14 +290,16 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
 
 
-def _correct(model: Problem, x: np.ndarray, still: int | None = None) -> tuple[np.ndarray, float]:
+def _correct(
+    model: PatternProblem, x: np.ndarray, still: int | None = None
+) -> tuple[np.ndarray, float]:
     """Move a state onto closure; variable `still` stays.  Returns state and residual."""
     frozen = None if still is None else np.arange(model.size) == still
     y, residual = project(model, x, frozen=frozen, steps=NEWTON)
     return y, float(residual)
 
 
-def _tangent(model: Problem, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
+def _tangent(model: PatternProblem, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
     """Unit tangent at x; where curves cross, the one most nearly along `before`."""
     _, s, vt = np.linalg.svd(model.closure(x)[1])
     null = vt[int((s > CROSSING).sum()) :]
@@ -339,7 +312,7 @@ def _tangent(model: Problem, x: np.ndarray, before: np.ndarray | None) -> np.nda
 
 
 def _walk(
-    model: Problem, x: np.ndarray, tangent: np.ndarray, step: float
+    model: PatternProblem, x: np.ndarray, tangent: np.ndarray, step: float
 ) -> tuple[list[np.ndarray], bool]:
     """Follow the curve from x until it leaves |phi| <= pi; return whether it came back to x."""
     start, points = x, []
@@ -365,7 +338,7 @@ def _walk(
     return points, False
 
 
-def _end_point(model: Problem, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
+def _end_point(model: PatternProblem, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
     """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
     # share of the step at which each fold angle reaches the limit that it is moving to
     room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), NONZERO)
@@ -379,11 +352,11 @@ def _end_point(model: Problem, x: np.ndarray, y: np.ndarray) -> np.ndarray | Non
     return np.clip(z, -math.pi, math.pi)
 
 
-def _keep(model: Problem, curve: np.ndarray) -> list[np.ndarray]:
-    """Cut a curve where it leaves the lift q = +1 or passes a mirror or axis contact."""
-    good = [model.lifts_to_one(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
+def _keep(model: PatternProblem, curve: np.ndarray) -> list[np.ndarray]:
+    """Cut a curve where it leaves the lift q = +1."""
+    good = model.lifts_to_one(curve)
     pieces = []
-    for value, run in itertools.groupby(range(len(curve)), key=lambda k: good[k]):
+    for value, run in itertools.groupby(range(len(curve)), key=good.__getitem__):
         indices = list(run)
         if value and len(indices) > 1:
             pieces.append(curve[indices])

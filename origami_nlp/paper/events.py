@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.chart import HalfChain, chain_of
 from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
-from origami_nlp.space import HalfChain, chain_of
 
 STARTS = 12
 """Random starts for each set of walls."""

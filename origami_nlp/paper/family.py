@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from origami_nlp.display import Report, Section, Table, Words
 from origami_nlp.paper.events import Event
+from origami_nlp.paper.space import angle_words
 from origami_nlp.pattern import format_angle
-from origami_nlp.space import angle_words
 
 TOPOLOGY = ("components", "holes", "euler_characteristic", "pinch_points", "handle_ends", "handles")
 """Names of the numbers in `Signature.topology`."""

@@ -19,13 +19,14 @@ from collections.abc import Callable
 
 import numpy as np
 
+from origami_nlp.chart import MeshError, chain_of
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RANK, RESOLVED, ROUNDED, SETTLED
 from origami_nlp.paper.events import ContactKkt, Event, find_events, walls_of
 from origami_nlp.paper.family import Signature, Transition, TransitionSweep, Witness
+from origami_nlp.paper.space import Space, find_space
 from origami_nlp.pattern import Scene, degree6, degree8
-from origami_nlp.space import MeshError, Space, chain_of, find_space
 
 FAMILIES: dict[str, Callable[[float], Scene]] = {"degree6": degree6, "degree8": degree8}
 """The paper's families of vertices, by name; sector angle alpha_1 in (0, pi/2)."""

@@ -8,11 +8,12 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
-from origami_nlp.chart import chart_of, landscape, wedge_elevation
+from origami_nlp.chart import chart_of, landscape
 from origami_nlp.chart.axes import fill_outwards
+from origami_nlp.chart.chart import wedge_elevation
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.closed_states import closed_states
 from tests.computed_once import panel_result, thinned
 
@@ -115,7 +116,7 @@ def near_finite(branch, x, y):
 )
 def test_no_admissible_state_is_left_white(scene):
     """States found without the chart (random angles projected onto closure) lie on it, on its area."""
-    chart, model = landscape(scene, 201), Model(scene)
+    chart, model = landscape(scene, 201), pose(scene)
     # states at +-pi exactly may lie on handles, which take no area
     stream = itertools.cycle(closed_states(model, np.random.default_rng(7), 2000, at_limits=False))
     seen = 0
@@ -160,21 +161,12 @@ def test_minima_lie_in_the_wells():
             assert np.nanmin(branch.energy[close]) >= m.energy * (1 - 1e-9)
 
 
-def test_families_and_handles():
+def test_families():
     scene = o.examples.degree6("pi/3", 1)
     chart = landscape(scene, SIZE)
     closed_book = chart.place([-math.pi, 0, 0, -math.pi, 0, 0])
     assert closed_book.point == (0.0, 0.0) and "straight line" in closed_book.family
     assert not chart.place([0.3, 0.2, 0.4, 0.1, 0.4, 0.2]).family
-    # paper, section 3.1: {-pi} x (~pi/2, pi] and [-pi, ~-pi/2) x {pi}, and their mirror images
-    assert chart.handles
-    for line in chart.handles:
-        assert (np.abs(np.abs(line).max(axis=1) - math.pi) < 1e-12).all()
-        assert (line[:, 0] * line[:, 1] < 0).all()
-        assert np.abs(line).min() == pytest.approx(math.pi / 2, abs=0.15)
-    # the paper sees none for pi/4, and open regions in their place for 5 pi/12
-    assert not landscape(o.examples.degree6("pi/4", 1), SIZE).handles
-    assert not landscape(o.examples.degree6("5*pi/12", 1), SIZE).handles
 
 
 def test_contact_only_removes():
@@ -214,7 +206,7 @@ def test_curves(name):
     assert all(check_admissible(scene.vertex, phi).admissible for phi in every[::25])
     for b in chart.branches:
         np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
-    model = Model(scene)
+    model = pose(scene)
     starts = closed_states(model, np.random.default_rng(11), 200, at_limits=False)
     free = [model.expand(x) for x in starts if np.abs(x).max() < 3.1]
     inside = [phi for phi in free if check_admissible(scene.vertex, phi).admissible]

@@ -10,8 +10,8 @@ import pytest
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.critical import compare_minima
 from origami_nlp.display import Result
+from origami_nlp.paper import compare_minima
 from tests.computed_once import (
     PANELS,
     panel_barriers,

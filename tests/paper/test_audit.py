@@ -13,7 +13,7 @@ from origami_nlp.kkt import project
 from origami_nlp.paper import audit_candidates, audit_table, read_candidates
 from origami_nlp.paper.audit import CAUSES, PanelAudit, chart_ends, chart_point
 from origami_nlp.pattern import examples
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.command_line import run
 from tests.computed_once import minima_once, panel_result
 from tests.independent import rotations
@@ -69,7 +69,7 @@ def states_at(alpha: float, v: float, fold: float) -> list[np.ndarray]:
 def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not() -> None:
     alpha, fold = math.pi / 6, 1.1
     scene = examples.degree8(alpha, 1.0)
-    model = Model(scene)
+    model = pose(scene)
     for v in (-0.7, 0.6):
         for x in states_at(alpha, v, 0.5):
             assert chart_point(scene, model.expand(x)) == pytest.approx((v, 0.5), abs=1e-9)
@@ -83,19 +83,19 @@ def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not(
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ...], list[str]]:
     """Candidates made so that each must have one cause, audited; and these causes."""
     scene = examples.degree6("pi/4", 0.01)
-    model = Model(scene)
+    model = pose(scene)
     x = model.reduce(np.array(panel_result(scene).minima[0].fold_angles))
 
     def closed(phi2: float, phi3: float, guess: float) -> list[float]:
         y = np.array([guess, phi2, phi3, guess])
-        for _ in range(50):  # phi_1 and phi_4 from the two equations, the chart coordinates held
+        for _ in range(50):  # phi_1 and phi_4 from closure, the chart coordinates held
             f, jac = model.closure(y)
             y[[0, 3]] -= np.linalg.lstsq(jac[:, [0, 3]], f, rcond=None)[0]
         assert np.abs(model.closure(y)[0]).max() < 1e-12
         return y.tolist()
 
     at = [round(v / STEP) * STEP for v in x[1:3]]
-    other = Model(examples.degree6("pi/3", 1.0))
+    other = pose(examples.degree6("pi/3", 1.0))
     crossing, _ = project(other, np.array([-1.65, 2.27, 2.27, -1.65]), ())
     rows = [
         (closed(at[0], at[1], x[0]), "pi/4", "exact"),

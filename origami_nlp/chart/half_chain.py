@@ -23,7 +23,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.chart import chart_of, crease_number
+from origami_nlp.chart.chart import chart_of, crease_number
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene

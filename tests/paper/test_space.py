@@ -5,11 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.chart import admissible, chart_of
+from origami_nlp.chart import (
+    admissible,
+    chart_of,
+    edges_of,
+    handles,
+    parts,
+    spots,
+    surface_pieces,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.paper import find_space
 from origami_nlp.pattern import degree6, degree8
-from origami_nlp.space import find_space, topology
 from tests.computed_once import once
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -58,15 +66,6 @@ def test_vertices_on_walls_are_exactly_there(spaces, name):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_neighbours_on_the_mesh_are_close_states(spaces, name):
-    """Edges join states between which a straight line stays near X: no jump from phi = +pi to -pi."""
-    mesh = spaces[name].mesh
-    length = np.abs(mesh.wedge[mesh.edges[:, 0]] - mesh.wedge[mesh.edges[:, 1]]).max(axis=1)
-    assert length.max() <= 16 / 16 + 0.2  # those along curved walls are not divided
-    assert np.median(length) < 0.35
-
-
-@pytest.mark.parametrize("name", SCENES)
 def test_chart_coordinates_lead_back_to_the_states(spaces, name):
     mesh, chart = spaces[name].mesh, chart_of(SCENES[name])
     free = mesh.on == 0
@@ -88,12 +87,12 @@ def test_space_is_two_discs_that_touch_in_the_flat_state(spaces, name):
     assert np.abs(pinch[0].fold_angles).max() < 1e-12
     assert [d for d, _ in pinch[0].branches] == [2, 2]
     triangles = space.mesh.triangles
-    pieces = topology.surface_pieces(triangles)
+    pieces = surface_pieces(triangles)
     sizes = np.bincount(pieces)
     assert len(sizes) == 2
     for k in (0, 1):
         mine = triangles[pieces == k]
-        edges = topology.edges_of(mine)[0]
+        edges = edges_of(mine)[0]
         assert len(np.unique(mine)) - len(edges) + len(mine) == 1  # a disc
 
 
@@ -154,22 +153,10 @@ def test_picture_joins_states_that_are_apart(spaces):
     assert spaces["6, pi/4"].picture_holes == 0
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_states_negate(spaces, name):
-    """Turning the sheet over maps X to itself: phi -> -phi."""
-    space = spaces[name]
-    corners = dict(space.corners)
-    swap = str.maketrans("+-", "-+")
-    for contacts, count in corners.items():
-        turned = tuple(sorted(c.translate(swap) if c.startswith("phi_") else c for c in contacts))
-        if not space.handles:
-            assert corners[turned] == count
-
-
 def test_topology_of_known_complexes():
     tetrahedron = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
     none = np.empty((0, 2), dtype=int)
-    (sphere,) = topology.parts(4, tetrahedron, none)
+    (sphere,) = parts(4, tetrahedron, none)
     assert (sphere.euler, sphere.holes, sphere.closed_surfaces) == (2, 0, 1)
     i = np.arange(4)
     grid = lambda a, b: (a % 4) * 4 + b % 4  # noqa: E731
@@ -180,19 +167,19 @@ def test_topology_of_known_complexes():
             np.stack([grid(a, b), grid(a + 1, b + 1), grid(a, b + 1)], axis=1),
         ]
     )
-    (part,) = topology.parts(16, torus, none)
+    (part,) = parts(16, torus, none)
     assert (part.euler, part.holes, part.closed_surfaces) == (0, 2, 1)
     # two triangles that touch at a vertex, joined by a handle; a whisker; a lone vertex
     bow = np.array([[0, 1, 2], [0, 3, 4]])
     extra = np.array([[1, 5], [5, 3], [2, 6]])
-    found = topology.parts(8, bow, extra)
+    found = parts(8, bow, extra)
     assert [(p.dimension, p.holes, p.euler) for p in found] == [(2, 1, 0), (0, 0, 1)]
-    kinds = {s.vertex: s.dimensions for s in topology.spots(8, bow, extra)}
+    kinds = {s.vertex: s.dimensions for s in spots(8, bow, extra)}
     assert kinds == {0: (2, 2), 1: (2, 1), 3: (2, 1), 2: (2, 1)}
-    arcs = sorted(path.tolist() for path in topology.handles(8, bow, extra))
+    arcs = sorted(path.tolist() for path in handles(8, bow, extra))
     assert arcs in ([[1, 5, 3], [2, 6]], [[2, 6], [3, 5, 1]], [[1, 5, 3], [6, 2]])
     ring = np.array([[0, 1], [1, 2], [2, 0]])
-    (loop,) = topology.handles(3, np.empty((0, 3), dtype=int), ring)
+    (loop,) = handles(3, np.empty((0, 3), dtype=int), ring)
     assert loop[0] == loop[-1]
     assert len(loop) == 4
 

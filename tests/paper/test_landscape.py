@@ -9,12 +9,21 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.chart import with_energy
 from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.landscape.figure import joining_passes
-from origami_nlp.space import find_space
+from origami_nlp.paper import find_landscape, find_space
+from origami_nlp.paper.landscape import metastable_stretches
+from origami_nlp.paper.landscape_figure import joining_passes
 from tests import computed_once
 from tests.command_line import run, scene_file
-from tests.computed_once import minima_once, shared
+from tests.computed_once import (
+    PANELS,
+    minima_once,
+    panel_boundary,
+    panel_contacts,
+    panel_result,
+    shared,
+)
 
 SCENE = o.examples.degree6("pi/4", 0.01)
 
@@ -29,8 +38,8 @@ def folder_written():
     options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 31]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("origami_nlp.pattern_states.find_states", minima_once)  # a panel
-        # meshes of tests/space, which find the same on them as on finer ones
-        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=8))
+        # coarse meshes, which find the same on them as on finer ones
+        patch.setattr("origami_nlp.paper.find_space", lambda s: find_space(s, rings=8))
         assert run("landscape", path, *options).code == 0
     return folder
 
@@ -124,3 +133,36 @@ def test_scenes_without_a_landscape(scene, options, complaint, tmp_path):
     path = scene_file(tmp_path, scene)
     code, out, err = run("landscape", path, *options)
     assert code == 2 and complaint in err and not out
+
+
+OCTAGON = o.examples.degree8("pi/12", 0.01)
+
+
+def boundary():
+    return panel_boundary(PANELS.index(OCTAGON))
+
+
+def test_metastable_stretches_are_those_of_the_segments():
+    """Lines traced for the picture have the same metastable parts as boundaries followed from states."""
+    result = panel_result(OCTAGON)
+    (part,) = metastable_stretches(result, boundary())
+    (segment,) = panel_contacts().segments.segments
+    assert part.length == pytest.approx(segment.length, rel=1e-3)
+    assert not part.hidden and part.contacts == ("phi = -pi at creases 1, 5",)
+    line = next(ln for ln in boundary().lines if ln.contacts == part.contacts)
+    curve = with_energy(result.model, line)
+    slope = np.gradient(curve.energy, curve.s)
+    assert np.abs(slope - curve.slope)[5:-5].max() < 2e-3 * np.abs(curve.slope).max()
+
+
+def test_map_under_the_pointer_has_the_exact_lines():
+    result = panel_result(OCTAGON)
+    panel = find_landscape(result, size=41)
+    drawn = [line for shown in panel.view_content().panels for line in shown.lines]
+    seen = [line for line in boundary().lines if not line.hidden]
+    assert len(drawn) == len(seen) + sum(not part.hidden for part in panel.metastable)
+    for line in seen:
+        shown = next(one for one in drawn if np.array_equal(one.points, line.points))
+        assert shown.look == ("handle" if line.thin else "contact")
+        assert "; ".join(line.contacts) in shown.name
+    assert sum(line.look == "metastable" for line in drawn) == 1

@@ -9,28 +9,34 @@ foldings).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart import admissible
-from origami_nlp.folding import check_admissible
-from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
-from origami_nlp.space.mesh import (
+from origami_nlp.chart.chart import admissible
+from origami_nlp.chart.half_chain import chain_of
+from origami_nlp.chart.mesh import (
     CUT,
-    HEIGHT,
     SEAM,
     DoubleCover,
     MeshError,
     beside,
-    curved_walls,
     edges_of,
+    exact_states,
     has,
-    pull,
+    mesh_cover,
+    pulled,
     several,
     straight_walls,
 )
+from origami_nlp.folding import check_admissible
+from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
+from origami_nlp.pattern import Scene
 
+ATTEMPTS = (0, 1, 3, 5, 9)
+"""Rings added where a mesh turns out too coarse."""
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
 RADIUS = 1e-4
@@ -52,6 +58,48 @@ class Cells:
     origin: np.ndarray
     triangles: np.ndarray
     extra_edges: np.ndarray
+
+    @property
+    def rings(self) -> int:
+        """Of the mesh."""
+        return self.cover.rings
+
+
+def cells_of(scene: Scene, rings: int) -> Cells:
+    """Return the admissible cells of a scene, of a mesh of so many rings or a few more where it is too coarse.
+
+    Raises
+    ------
+    OptionError
+        If the scene has not two symmetric degrees of freedom of a known kind, or does not ask for full contact.
+    MeshError
+        If the mesh is too coarse to decide.
+    """
+    return _cells_of(geometry(scene), rings)
+
+
+@lru_cache(maxsize=32)
+def _cells_of(scene: Scene, rings: int) -> Cells:
+    chain = chain_of(scene)
+    # walls may pass a mesh of one size so closely that another one is needed
+    for attempt in ATTEMPTS:
+        try:
+            cells = admissible_cells(mesh_cover(chain, rings + attempt))
+            check_lower_dimensional(cells)
+        except MeshError:
+            if attempt == ATTEMPTS[-1]:
+                raise
+            continue
+        break
+    return cells
+
+
+def geometry(scene: Scene) -> Scene:
+    """Return a scene without what does not bound its states: springs, loads and its name."""
+    n = scene.degree
+    plain: dict[str, Any] = {"stiffness": (1.0,) * n, "rest_angles": (0.0,) * n, "name": None}
+    plain |= {"preload": (), "laws": (), "loads": (), "symmetry": scene.group.name}
+    return replace(scene, **plain)
 
 
 def admissible_cells(cover: DoubleCover) -> Cells:
@@ -175,15 +223,10 @@ def _edges_alone(
     edges = edges[(common & ~(1 << SEAM)) != 0]
     leaf = _farthest(cover.leaf[edges])
     common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
-    middle = cover.base[edges].mean(axis=1)
-    for bit in (*curved_walls(cover.chain), SEAM):
-        # a straight border stays straight
-        free = has(common, bit) & (common & straight_walls(cover.chain) == 0)
-        middle[free] = pull(cover.chain, middle[free], leaf[free], bit)
-    points = cover.chain.points(middle, leaf)
-    wedge = points.wedge
-    flat = has(common, HEIGHT)
-    wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
+    # a straight border stays straight
+    free = np.where(common & straight_walls(cover.chain) == 0, common, 0)
+    middle = pulled(cover.chain, cover.base[edges].mean(axis=1), leaf, free)
+    wedge = exact_states(cover.chain, middle, leaf, common)
     used = _edge_keys(
         np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [2, 0]]]),
         np.concatenate([corner_sign[:, [0, 1]], corner_sign[:, [1, 2]], corner_sign[:, [2, 0]]]),
@@ -191,7 +234,7 @@ def _edges_alone(
     found, signs = [], []
     for s in (-1, 1):
         cut = has(common, CUT)
-        mine = cut | (np.sign(wedge[:, -2]) == s)
+        mine = cut | ((wedge[:, -2] >= 0) == (s > 0))
         state = _with_sign(wedge, np.where(cut, s, 0))
         ends = np.where(has(cover.on[edges], CUT), s, 0)
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)

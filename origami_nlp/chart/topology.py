@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.chart.mesh import beside, edges_of
 from origami_nlp.numerics import groups
-from origami_nlp.space.mesh import beside, edges_of
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,7 @@ class Spot:
 
 def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
     """Every edge of the complex once, [E, 2], smaller vertex first."""
-    edges = np.sort(extra, axis=1).reshape(-1, 2)
-    if len(triangles):
-        edges = np.vstack([edges_of(triangles)[0], edges])
+    edges = np.vstack([edges_of(triangles)[0], np.sort(extra, axis=1).reshape(-1, 2)])
     return np.unique(edges, axis=0)
 
 
@@ -126,29 +124,39 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
     return found
 
 
+def borders(triangles: np.ndarray, extra: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edges of one triangle and those of none, [B, 2], and which are the latter, [B]."""
+    edges, of_triangle = edges_of(triangles)
+    edges = edges[np.bincount(of_triangle.ravel(), minlength=len(edges)) == 1]
+    alone = np.repeat([False, True], [len(edges), len(extra)])
+    return np.vstack([edges, extra.reshape(-1, 2)]), alone
+
+
 def handles(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[np.ndarray]:
     """Maximal arcs of edges that border no triangle, each as its vertices in order (a loop repeats the first)."""
     # vertices of two such edges and of no triangle: an arc goes on through them
     inner = np.bincount(extra.ravel(), minlength=count) == 2
-    if len(triangles):
-        inner[np.unique(triangles)] = False
+    inner[np.unique(triangles)] = False
+    return arcs(extra, inner)
+
+
+def arcs(edges: np.ndarray, inner: np.ndarray) -> list[np.ndarray]:
+    """Maximal arcs of edges [E, 2] that go on through vertices `inner` [V], each as its vertices in order."""
     around: dict[int, list[int]] = {}
-    for k, (a, b) in enumerate(extra.tolist()):
+    for k, (a, b) in enumerate(edges.tolist()):
         around.setdefault(a, []).append(k)
         around.setdefault(b, []).append(k)
-    left = set(range(len(extra)))
+    left = set(range(len(edges)))
     found = []
 
     def walk(v: int, k: int) -> np.ndarray:
         path = [v]
         while True:
             left.discard(k)
-            a, b = extra[k].tolist()
+            a, b = edges[k].tolist()
             v = b if v == a else a
             path.append(v)
-            if not inner[v]:
-                return np.array(path)
-            onward = [m for m in around[v] if m in left]
+            onward = [m for m in around[v] if m in left] if inner[v] else []
             if not onward:
                 return np.array(path)
             k = onward[0]
@@ -157,5 +165,5 @@ def handles(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[np.nda
         found += [walk(v, k) for k in around[v] if k in left]
     while left:  # loops without an end
         k = min(left)
-        found.append(walk(int(extra[k, 0]), k))
+        found.append(walk(int(edges[k, 0]), k))
     return found

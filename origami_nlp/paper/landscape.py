@@ -1,13 +1,13 @@
 """A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
 
 The energy is evaluated on a grid (`chart.landscape`); what bounds it is not: the admissible region is put together from
-contact boundaries traced to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
+contact boundaries exact to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
 are and nothing else.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,21 +17,21 @@ from origami_nlp.arguments import check_type
 from origami_nlp.chart import (
     Boundary,
     Landscape,
-    Outline,
     Place,
-    admissible_region,
     landscape,
     outline_of,
-    trace_boundary,
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
 from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
+from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers
+    from origami_nlp.paper.morse import CriticalPoints
+    from origami_nlp.paper.space import Space
 
 PIECE = 0.01
 """Spacing [rad of arclength] of the points of a metastable stretch."""
@@ -80,9 +80,7 @@ class ExactLandscape(Report, Viewable):
     chart
         The energy on a grid over the coordinates of the chart.
     boundary
-        Contact boundaries; None where they are not traced (contact other than full, stops).
-    regions
-        Admissible region of each branch of the chart (`shapely.MultiPolygon`); () where the boundary is not traced.
+        Contact boundaries, and the regions that they bound; None where they are not traced (contact other than full).
     places
         Of the minima on the chart.
     metastable
@@ -93,14 +91,13 @@ class ExactLandscape(Report, Viewable):
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
     >>> exact = o.find_landscape(result, size=21)
-    >>> exact.counts, len(exact.regions)
-    ((2, 2, 2), 1)
+    >>> exact.counts, len(exact.boundary.lines)
+    ((2, 2, 2), 8)
     """
 
     result: MinimaResult
     chart: Landscape = field(metadata={"plain": False})
     boundary: Boundary | None
-    regions: tuple[Any, ...] = field(metadata={"plain": False})
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
@@ -119,18 +116,6 @@ class ExactLandscape(Report, Viewable):
         # the paper's triplet N_sym -> N_nr -> N_full: undecided ones are not ruled out
         stable = verdicts.count("stable")
         return len(verdicts), stable + verdicts.count("undecided"), stable
-
-    @property
-    def one_plane(self) -> bool:
-        """Whether all branches fit into one picture, each on its own side of zero."""
-        return self.chart.one_plane
-
-    @property
-    def outline(self) -> Outline:
-        """What bounds the states of each branch; found now where the boundary is not traced."""
-        if self.boundary is None:
-            return outline_of(self.chart.scene)
-        return Outline(self.regions, self.boundary)
 
     def table(self) -> Table:
         """Return one row a minimum: energy, place on the landscape, kind and verdict."""
@@ -154,15 +139,11 @@ class ExactLandscape(Report, Viewable):
             else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
         )
         if self.boundary is None:
-            why = "there are stops" if self.result.scene.limits else "contact is not 'full'"
-            yield f"boundary not traced: {why}"
+            yield "boundary not traced: contact is not 'full', or contacts meet too closely"
             return
         lines = self.boundary.lines
-        handles, missed = sum(line.thin for line in lines), sum(map(len, self.boundary.missed))
-        yield (
-            f"{len(lines)} contact boundaries, {sum(line.length for line in lines):.2f} rad; "
-            f"{handles} of them 1-handles; boundary points of the grid on no line: {missed}"
-        )
+        total, thin = sum(line.length for line in lines), sum(line.thin for line in lines)
+        yield f"{len(lines)} contact boundaries, {total:.2f} rad; {thin} of them 1-handles"
         for part in self.metastable:
             where = "on one chart point, " if part.hidden else ""
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
@@ -187,27 +168,24 @@ class ExactLandscape(Report, Viewable):
 
             content = add_passes(content, self.result.scene, barriers.passes, self.chart)
             reported = [*barriers.report_sections(), *reported]
-        if self.boundary is not None:
-            content = add_boundary(
-                content, self.boundary, [*map(self._stretches, range(len(content.panels)))]
-            )
-        return replace(content, pieces=tuple(reported))
-
-    def _stretches(self, branch: int) -> list[Line]:
-        return [
-            Line(
-                part.points,
-                f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}",
-                "metastable",
-            )
-            for part in self.metastable
-            if part.branch == branch and not part.hidden
+        panels = [
+            replace(panel, lines=tuple(self._lines(k))) for k, panel in enumerate(content.panels)
         ]
+        return replace(content, panels=tuple(panels), pieces=tuple(reported))
+
+    def _lines(self, branch: int) -> Iterator[Line]:
+        """Contact boundaries, 1-handles and metastable stretches on one panel."""
+        for line in self.boundary.lines if self.boundary else ():
+            if line.branch == branch and not line.hidden:
+                look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
+                yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)
+        for part in self.metastable:
+            if part.branch == branch and not part.hidden:
+                words = f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}"
+                yield Line(part.points, words, "metastable")
 
 
-def find_landscape(
-    result: MinimaResult, *, size: int = 401, boundary: Boundary | None = None
-) -> ExactLandscape:
+def find_landscape(result: MinimaResult, *, size: int = 401) -> ExactLandscape:
     """Put a landscape together: energy over the chart, exact boundaries and minima (the paper's figures 3 and 4).
 
     Parameters
@@ -216,13 +194,11 @@ def find_landscape(
         Minima of the scene, judged in the full space if verdicts are wanted.
     size
         Cells along each coordinate at which the energy is evaluated.
-    boundary
-        Of a scene with the same vertex, symmetry and contact, to save tracing it again.
 
     Returns
     -------
     ExactLandscape
-        Without boundary where the scene's contact is not ``"full"``, and where it has stops.
+        Without boundary where the scene's contact is not ``"full"``.
 
     Raises
     ------
@@ -238,8 +214,6 @@ def find_landscape(
     (('phi_2', 'phi_3'), 2)
     """
     check_type("result", result, MinimaResult)
-    if boundary is not None:
-        check_type("boundary", boundary, Boundary)
     scene = result.scene
     chart = landscape(scene, size)
     places = (
@@ -247,24 +221,20 @@ def find_landscape(
         if chart.branches
         else ()
     )
-    if chart.kind != "area" or scene.contact != "full" or scene.limits:
-        return ExactLandscape(result, chart, None, (), places, ())
-    boundary = boundary or trace_boundary(scene)
-    # the grid colours; what it colours is cut by these polygons
-    regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
-    return ExactLandscape(
-        result, chart, boundary, regions, places, metastable_stretches(result, boundary)
-    )
+    # the grid colours; what it colours is cut by the regions of the boundary
+    boundary = outline_of(scene) if chart.kind == "area" else None
+    stretches = metastable_stretches(result, boundary) if boundary else ()
+    return ExactLandscape(result, chart, boundary, places, stretches)
 
 
 def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stretch, ...]:
     """Find the metastable stretches of every boundary line, with the thresholds of `find_segments`."""
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
-    out, model = [], Model(result.scene)
+    out, problem = [], pose(result.scene)
     for number, line in enumerate(boundary.lines):
         # the line is geometry; energy, slope and stiffness along it are the scene's
-        curve = with_energy(model, line)
+        curve = with_energy(problem, line)
         if len(curve.s) < 3:
             continue
         for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
@@ -295,7 +265,7 @@ def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.landscape import to_arrays
+    >>> from origami_nlp.paper import to_arrays
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
     >>> to_arrays(o.find_landscape(result, size=21))["energy_0"].shape
     (21, 21)
@@ -332,34 +302,22 @@ def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
     return arrays
 
 
-def add_boundary(
-    content: Content, boundary: Boundary, stretches: Sequence[Sequence[Line]]
-) -> Content:
-    """Put contact boundaries, 1-handles and metastable stretches on the map of a scene.
+def landscape_to_dict(
+    exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
+) -> dict[str, Any]:
+    """Return everything known of a landscape as plain JSON data.
 
     Parameters
     ----------
-    content
-        Of `MinimaResult.view_content`: a panel for each branch of the chart.
-    boundary
-        Of the scene.
-    stretches
-        Metastable ones, for each branch.
+    exact, space, critical, barriers
+        Of `find_landscape`, `find_space`, `find_critical_points` and `find_barriers`, of one scene.
 
     Returns
     -------
-    Content
-        With these lines instead of the grid's.
+    dict
+        ``exact.to_dict()`` and, under their names, the plain data of the others.
     """
-    panels = [
-        replace(panel, lines=(*_lines(boundary, k), *stretches[k]))
-        for k, panel in enumerate(content.panels)
-    ]
-    return replace(content, panels=tuple(panels))
-
-
-def _lines(boundary: Boundary, branch: int) -> Iterator[Line]:
-    for line in boundary.lines:
-        if line.branch == branch and not line.hidden:
-            look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
-            yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)
+    judged = replace(critical, morse=critical.verdict(space.euler_characteristic))
+    parts = to_plain({"space": space, "critical": judged, "barriers": barriers})
+    del parts["barriers"]["result"]
+    return {**exact.to_dict(), **parts}

@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.chart.half_chain import HalfChain
 from origami_nlp.errors import OrigamiError
 from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED
-from origami_nlp.space.chain import HalfChain
 
 ON = 1000 * ROUNDED
 """Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
@@ -45,7 +45,7 @@ class MeshError(OrigamiError):
 
 @dataclass(frozen=True)
 class DoubleCover:
-    """A triangulated surface of closed states.
+    """A triangulated surface of closed states, of so many `rings`.
 
     base [V, 2], leaf [V] (0 on the seam): coordinates of the vertices on the chain.
     on [V]: bit mask of the walls (and the seam) that pass through a vertex.
@@ -53,6 +53,7 @@ class DoubleCover:
     """
 
     chain: HalfChain
+    rings: int
     base: np.ndarray
     leaf: np.ndarray
     on: np.ndarray
@@ -107,16 +108,35 @@ def mesh_cover(chain: HalfChain, size: int) -> DoubleCover:
     for _ in range(SHORTENINGS):
         surface = _shorten(chain, surface, LONGEST / size)
     base, on, leaf, triangles = _compact(surface)
-    points = chain.points(base, leaf)
-    values, wedge = points.walls, points.wedge
+    values = chain.points(base, leaf).walls
     for column, bit in enumerate(curved_walls(chain)):
         on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
         values[has(on, bit), column] = 0.0
+    wedge = exact_states(chain, base, leaf, on)
+    return DoubleCover(chain, size, base, leaf, on, triangles, values, wedge)
+
+
+def exact_states(
+    chain: HalfChain, base: np.ndarray, leaf: np.ndarray, on: np.ndarray
+) -> np.ndarray:
+    """Return the states of base points on walls, [V, k], with the fold angles that walls fix exactly there."""
+    wedge = chain.points(base, leaf).wedge
     flat = has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
     for bit, (v, at) in enumerate(chain.stops, start=OTHER + 1):
         wedge[has(on, bit), v] = at
-    return DoubleCover(chain, base, leaf, on, triangles, values, wedge)
+    return wedge
+
+
+def pulled(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, on: np.ndarray) -> np.ndarray:
+    """Move base points between two vertices onto the curved walls that pass through both, `on` [V]."""
+    straight = straight_walls(chain)
+    base = np.array(base)
+    for bit in (*curved_walls(chain), SEAM):
+        here = has(on, bit)
+        if not straight >> bit & 1 and here.any():
+            base[here] = pull(chain, base[here], leaf[here], bit)
+    return base
 
 
 def curved_walls(chain: HalfChain) -> range:
@@ -302,16 +322,9 @@ def _find_roots(
 ) -> np.ndarray:
     """Bisect between base points a and b [E, 2]; edges that follow curved walls stay on them."""
     low, high = np.zeros(len(a)), np.ones(len(a))
-    straight = straight_walls(chain)
-    curved = [bit for bit in (*curved_walls(chain), SEAM) if not straight >> bit & 1]
-    curved = [bit for bit in curved if has(common, bit).any()]
 
     def at(t: np.ndarray) -> np.ndarray:
-        point = a + t[:, None] * (b - a)
-        for bit in curved:
-            here = has(common, bit)
-            point[here] = pull(chain, point[here], leaf[here], bit)
-        return point
+        return pulled(chain, a + t[:, None] * (b - a), leaf, common)
 
     for _ in range(BISECTIONS):
         t = 0.5 * (low + high)

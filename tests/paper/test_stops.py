@@ -85,7 +85,7 @@ def test_critical_points_count_the_euler_characteristic():
     scene = stopped(8)
     found = check_count(scene)
     search = o.find_minima(scene, escape=False, prove=False, full=False)
-    assert o.critical.compare_minima(found, search).comparison.agree
+    assert o.paper.compare_minima(found, search).comparison.agree
     held = [p for p in found.minima if any("(stop)" in name for name in p.contacts)]
     assert held and all(min(p.multipliers) > 0 for p in held)
 

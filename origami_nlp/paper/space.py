@@ -15,12 +15,29 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.arguments import check_whole
+from origami_nlp.chart import (
+    Cells,
+    ComplexComponent,
+    HalfChain,
+    Spot,
+    all_edges,
+    branches_of,
+    cells_of,
+    chart_of,
+    chart_points,
+    handles,
+    parts,
+    several,
+    spots,
+)
 from origami_nlp.display import Report, Section, angle_columns
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import OUTSIDE, SETTLED, groups
-from origami_nlp.pattern import Scene, format_angle
-from origami_nlp.space.mesh import several
+from origami_nlp.pattern import Scene, as_scene, format_angle
 
+SIZE, SIZES = 64, (8, 1025)
+"""Rings of the mesh around the flat state, by default and at least and most."""
 EXTENDED = 1e-3
 """Handles that span less [rad] are points of a picture."""
 NEARBY = 0.5
@@ -321,6 +338,116 @@ def _picture_joins(
 def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
     return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
+
+
+def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
+    """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
+
+    Parameters
+    ----------
+    scene
+        What is folded; its springs play no part.
+    rings
+        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 rings^2 vertices.  A few more are
+        taken where that mesh is too coarse (see `Space.size`).
+
+    Returns
+    -------
+    Space
+        Components, holes, pinch points and handles, with the mesh.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such space, or `rings` is out of range.
+    MeshError
+        If the mesh is too coarse to decide.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
+    >>> len(space.components), space.holes, space.euler_characteristic
+    (1, 0, 1)
+    """
+    scene = as_scene(
+        scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
+    )
+    cells = cells_of(scene, check_whole("rings", rings, *SIZES))
+    chain, mesh = cells.cover.chain, _mesh(cells)
+    count = len(cells.wedge)
+    pieces = parts(count, cells.triangles, cells.extra_edges)
+    components = tuple(
+        Component(
+            part.dimension, part.euler, part.holes, part.closed_surfaces, _sample(chain, mesh, part)
+        )
+        for part in pieces
+    )
+    pinch = tuple(
+        _pinch_point(mesh, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
+    )
+    kinds = {p.vertex: p.kind for p in pinch}
+    arcs = tuple(
+        _handle(mesh, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
+    )
+    holes = sum(c.holes for c in components)
+    euler = sum(c.euler_characteristic for c in components)
+    return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
+
+
+def _mesh(cells: Cells) -> SpaceMesh:
+    chain, chart = cells.cover.chain, chart_of(cells.cover.chain.scene)
+    assert chart is not None
+    phi = cells.wedge[:, chain.orbit]
+    return SpaceMesh(
+        phi,
+        cells.wedge,
+        cells.triangles,
+        all_edges(cells.triangles, cells.extra_edges),
+        chart_points(chart, phi),
+        branches_of(cells)[0],
+        cells.on,
+        chain.walls,
+        cells.extra_edges,
+    )
+
+
+def _sample(chain: HalfChain, mesh: SpaceMesh, part: ComplexComponent) -> tuple[float, ...]:
+    """The state of a component that keeps farthest from fold limits and from the flat state."""
+    wedge = mesh.wedge[part.vertices]
+    # any state of the component would do: one far from contacts and from flat can be distinguished in a picture
+    room = np.minimum(chain.limits.room(wedge).min(axis=1), np.abs(wedge).max(axis=1))
+    free = mesh.on[part.vertices] == 0
+    best = part.vertices[np.argmax(np.where(free, room, room - 2 * math.pi))]
+    return tuple(mesh.fold_angles[best].tolist())
+
+
+def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
+    dimensions = spot.dimensions
+    if dimensions.count(2) >= 2:
+        kind = "pinch point"
+    elif 2 in dimensions:
+        kind = "handle end"
+    else:
+        kind = "handle junction"
+    branches = []
+    for dimension, around in spot.branches:
+        # the neighbour on fewest contacts, in the middle of the branch
+        fewest = around[np.argmin([int(mesh.on[v]).bit_count() for v in around])]
+        branches.append(LocalBranch(dimension, tuple(mesh.fold_angles[fewest].tolist())))
+    v = spot.vertex
+    phi = tuple(mesh.fold_angles[v].tolist())
+    return PinchPoint(kind, phi, tuple(branches), mesh.contacts(v), v)
+
+
+def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:
+    common = int(np.bitwise_and.reduce(mesh.on[path]))
+    contacts = tuple(name for k, name in enumerate(mesh.walls) if common >> k & 1)
+    length = float(np.linalg.norm(np.diff(mesh.wedge[path], axis=0), axis=1).sum())
+    ends = tuple(kinds.get(int(v), "free") for v in (path[0], path[-1]))
+    if path[0] == path[-1]:
+        ends = ("loop", "loop")
+    return Handle(contacts, path, mesh.fold_angles[path], length, (ends[0], ends[1]))
 
 
 def angle_words(values: Iterable[float]) -> str:
