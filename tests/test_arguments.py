@@ -152,7 +152,6 @@ CASES = [
     case(find_critical_points, "scene", SCENES),
     case(find_critical_points, "result", (SCENE, *SCENES[1:]), "scene"),
     case(find_critical_points, "rings", (7, 1026, *WHOLES), "scene"),
-    case(find_critical_points, "all_links", FLAGS, "scene"),
     case(landscape, "scene", SCENES),
     case(landscape, "size", (7, 10_000, *WHOLES), "scene"),
     case(landscape(SCENE, 8).place, "fold_angles", STATES),

@@ -29,16 +29,11 @@ class ComplexComponent:
 class Spot:
     """A vertex whose link is disconnected: a pinch point, or where a handle begins.
 
-    vertex: its number.  branches: for each piece of the link (dimension of the branch 1 or 2, vertices of the piece).
+    vertex: its number.  dimensions: of the branches that meet, one for each piece of the link, largest first.
     """
 
     vertex: int
-    branches: tuple[tuple[int, np.ndarray], ...]
-
-    @property
-    def dimensions(self) -> tuple[int, ...]:
-        """Dimensions of the branches that meet, largest first."""
-        return tuple(sorted((d for d, _ in self.branches), reverse=True))
+    dimensions: tuple[int, ...]
 
 
 def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
@@ -111,17 +106,8 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
     first = np.unique(fan, return_index=True)[1]
     fans = np.bincount(corner_vertex[first], minlength=count)
     ends = np.bincount(extra.ravel(), minlength=count)
-    found = []
-    for v in np.flatnonzero((fans + ends > 1) & ~((fans == 0) & (ends == 2))):
-        branches: list[tuple[int, np.ndarray]] = []
-        mine = np.flatnonzero(corner_vertex == v)
-        for name in np.unique(fan[mine]):
-            here = mine[fan[mine] == name]
-            branches.append((2, np.unique(np.concatenate([after[here], before[here]]))))
-        for edge in extra[(extra == v).any(axis=1)]:
-            branches.append((1, edge[edge != v]))
-        found.append(Spot(int(v), tuple(branches)))
-    return found
+    where = np.flatnonzero((fans + ends > 1) & ~((fans == 0) & (ends == 2)))
+    return [Spot(int(v), (2,) * int(fans[v]) + (1,) * int(ends[v])) for v in where]
 
 
 def borders(triangles: np.ndarray, extra: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,6 @@ from .audit import (
 from .candidates import Candidate as Candidate, read_candidates as read_candidates
 from .critical import compare_minima as compare_minima, find_critical_points as find_critical_points
 from .events import Event as Event
-from .family import Transition as Transition, TransitionSweep as TransitionSweep
 from .landscape import (
     ExactLandscape as ExactLandscape,
     find_landscape as find_landscape,
@@ -19,4 +18,8 @@ from .landscape_figure import draw_landscape as draw_landscape
 from .morse import CriticalPoints as CriticalPoints
 from .space import Space as Space, angle_words as angle_words, find_space as find_space
 from .space_figure import draw_space as draw_space
-from .transitions import find_transitions as find_transitions
+from .transitions import (
+    Transition as Transition,
+    TransitionSweep as TransitionSweep,
+    find_transitions as find_transitions,
+)

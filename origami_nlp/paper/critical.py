@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_type, check_whole
+from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.chart import (
     BoundaryLine,
     all_edges,
@@ -37,7 +37,6 @@ from origami_nlp.numerics import (
     BALANCED,
     FIRM,
     NEAR_SINGULAR_TOL,
-    RISES,
     SETTLED,
     STATIONARY,
     distinct,
@@ -55,8 +54,10 @@ from origami_nlp.paper.morse import (
 from origami_nlp.paper.newton import NEAR, approach, settle
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.problem import Contact, Parameters
+from origami_nlp.problem import Contact
 
+KINDS: tuple[Kind, ...] = ("minimum", "saddle", "maximum")
+"""Of a regular point, by its index."""
 HALVINGS = 8
 """Of the step between two points of an edge, before Newton."""
 THINNED = 3
@@ -70,7 +71,6 @@ def find_critical_points(
     result: MinimaResult | None = None,
     *,
     rings: int = RINGS,
-    all_links: bool = False,
 ) -> CriticalPoints:
     """Find every critical point of the energy on the contact-admissible symmetric set X.
 
@@ -84,8 +84,6 @@ def find_critical_points(
         Of `find_minima` on the same scene; the lists of minima are then compared.
     rings
         Of the mesh of X whose vertices are starts of Newton, 8 to 1025.
-    all_links
-        Also count the sampled link of every regular point, and report disagreement as a doubt.
 
     Returns
     -------
@@ -112,7 +110,6 @@ def find_critical_points(
     if result is not None:
         check_type("result", result, MinimaResult)
     check_whole("rings", rings, *SIZES)
-    check_flag("all_links", all_links)
     problem = pose(scene)
     if problem.dof != 2:
         raise OptionError(
@@ -123,7 +120,7 @@ def find_critical_points(
         raise OptionError(
             f"contact = {scene.contact!r}: critical points are found with contact = 'full'"
         )
-    search = _Search(scene, problem, rings, all_links)
+    search = _Search(scene, problem, rings)
     points = [*search.vertices(), *search.edges(), *search.interior()]
     search.warn_of_neighbours(points)
     points.sort(key=lambda p: rank(p.energy / problem.scale, p.fold_angles))
@@ -165,8 +162,8 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
 class _Search:
     """The search for the critical points of one energy; `doubts` are what it cannot decide, in words."""
 
-    def __init__(self, scene: Scene, problem: PatternProblem, rings: int, all_links: bool) -> None:
-        self.scene, self.problem, self.all_links = geometry(scene), problem, all_links
+    def __init__(self, scene: Scene, problem: PatternProblem, rings: int) -> None:
+        self.scene, self.problem = geometry(scene), problem
         self.cells = cells_of(scene, rings)
         self.lines = trace_boundary(self.scene).lines
         self.corners = stratum_vertices(self.scene, rings)
@@ -217,16 +214,12 @@ class _Search:
     def _interior(self, state: State, plane: Stratum) -> CriticalPoint:
         curvature = np.linalg.eigvalsh(plane.tangent.T @ plane.hessian @ plane.tangent)
         regular = np.abs(curvature).min() > self.firm
-        if not regular or self.all_links:
-            index, contribution, kind, how = self.count_links(self.links(state))
-        if regular:
+        if regular:  # Morse: a nondegenerate interior point of index k adds (-1)^k
             index = int((curvature < 0).sum())
-            # Morse: a nondegenerate interior point of index k adds (-1)^k
-            if self.all_links and contribution != (-1) ** index:
-                self.doubts.append(f"link and index disagree at {in_degrees(state.x)}")
-            contribution, how = (-1) ** index, f"reduced Hessian, index {index}"
-            kind = ("minimum", "saddle", "maximum")[index]
-        return _point(plane, index, contribution, "interior", kind, (), (), how)
+            kind, how = KINDS[index], f"reduced Hessian, index {index}"
+            return _point(plane, index, (-1) ** index, "interior", kind, (), (), how)
+        contribution, kind, how = self.count_links(self.links(state))
+        return _point(plane, None, contribution, "interior", kind, (), (), how)
 
     def edges(self) -> list[CriticalPoint]:
         """Critical points along the edges, handles included."""
@@ -283,16 +276,17 @@ class _Search:
         # a handle is held from two sides: its multipliers are not unique
         moment = () if line.thin else (push * self.problem.scale / self.problem.weight(row),)
         by_formula = not line.thin and index is not None and abs(push) > self.firm
-        if not by_formula or self.all_links:
-            _, contribution, kind, how = self.count_links(self.links(state))
-        if by_formula:
-            # mu < 0: U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
-            expected = (-1) ** index if push > 0 else 0  # type: ignore[operator]
-            if self.all_links and contribution != expected:
-                self.doubts.append(f"link and multiplier disagree at {in_degrees(state.x)}")
-            contribution = expected
-            kind = "regular" if push < 0 else ("minimum", "saddle")[index]  # type: ignore[index]
-            how = f"multiplier {'> 0' if push > 0 else '< 0: not essential'}, index {index} along the edge"
+        kind: Kind
+        if not by_formula:
+            contribution, kind, how = self.count_links(self.links(state))
+        elif (
+            push < 0
+        ):  # U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
+            contribution, kind = 0, "regular"
+            how = f"multiplier < 0: not essential, index {index} along the edge"
+        else:
+            contribution, kind = 1 - 2 * int(curvature < 0), KINDS[int(curvature < 0)]
+            how = f"multiplier > 0, index {index} along the edge"
         names = _names(state) or line.contacts
         return _point(held, index, contribution, part, kind, names, moment, how)
 
@@ -310,13 +304,11 @@ class _Search:
             multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
         if vertex.reason:
             self.doubts.append(f"the link of {in_degrees(vertex.x)} is not known: {vertex.reason}")
-        _, contribution, kind, how = self.count_links(vertex.links)
+        contribution, kind, how = self.count_links(vertex.links)
         smooth = bool(vertex.links) and all(
             len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links
         )
         part: Part = "corner" if smooth else "singular"
-        if not smooth and vertex.links:
-            how += "; " + shape_of(vertex.links[-1])
         names = tuple(dict.fromkeys(problem.name(r) for r in rows))
         return _point(state.on(), None, contribution, part, kind, names, multipliers, how)
 
@@ -328,32 +320,25 @@ class _Search:
                 if np.abs(self.at_corners - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
                     self.doubts.append(f"{in_degrees(x)} lies inside the sampled link of a vertex")
 
-    def count_links(self, links: tuple[Link, ...]) -> tuple[None, int, Kind, str]:
-        """Return (no index, contribution, kind, how) from the links of a state at several radii."""
+    def count_links(self, links: tuple[Link, ...]) -> tuple[int, Kind, str]:
+        """Return contribution, kind and how from the links of a state at several radii."""
         if not links:
-            return None, 0, "undecided", "link not known"
-        hinges = self.problem.parameters
-        counts = [link.lower(hinges) for link in links]
+            return 0, "undecided", "link not known"
+        counts = [link.lower(self.problem.parameters) for link in links]
         chi, empty, whole = counts[-1]
         # 1 for a minimum (chi 0), -1 for a saddle (two lower arcs), 1 for a maximum (a whole circle has chi 0), 0 for
         # regular
         contribution = 1 - chi
         radii = " and ".join(f"{link.radius:g}" for link in links)
-        how = f"sampled link at radii {radii} rad"
         if len(set(counts)) > 1:
             where = in_degrees(links[0].center)
             self.doubts.append(f"links of {where} disagree between radii {radii}")
-        elif links[-1].pieces == 0:
-            how = "the link is empty"
-        elif _first_order(links, hinges):
-            how = "first order: slopes of U along the link"
+        how = f"sampled link at radii {radii} rad, {links[-1].pieces} pieces"
         if empty:
-            return None, contribution, "minimum", how
-        if contribution == 0:
-            return None, 0, "regular", how
-        if contribution < 0:
-            return None, contribution, "saddle", how
-        return None, contribution, "maximum" if whole else "pinch", how
+            return contribution, "minimum", how
+        if contribution > 0:
+            return contribution, "maximum" if whole else "pinch", how
+        return contribution, "saddle" if contribution else "regular", how
 
 
 def _descriptions(state: State) -> tuple[Contact, ...]:
@@ -403,38 +388,6 @@ def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoint
         tuple(j for j in range(len(minima.minima)) if j not in {p[1] for p in pairs}),
     )
     return replace(found, comparison=lists)
-
-
-def _first_order(links: tuple[Link, ...], hinges: Parameters) -> bool:
-    """Return whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
-    for link in links:
-        pull = hinges.torque(link.center)
-        firm = RISES * float(np.linalg.norm(pull))
-        for circle in link.circles:
-            # where the slope decides, the sign of U - U(p) on the link is that of its part of first order in the radius
-            slope = (circle.x - link.center) @ pull / link.radius
-            change = hinges.energy_change(link.center, circle.x)
-            ends = circle.inside & ~(np.roll(circle.inside, 1) & np.roll(circle.inside, -1))
-            if (np.abs(slope[ends]) <= firm).any() or np.abs(slope).max() <= firm:
-                return False
-            if (np.diff(np.sign(slope[circle.inside])) != 0).sum() != (
-                np.diff(np.sign(change[circle.inside])) != 0
-            ).sum():
-                return False
-    return True
-
-
-def shape_of(link: Link) -> str:
-    """Describe what the link of a singular state is."""
-    if link.pieces == 0:
-        return "isolated state"
-    parts = []
-    full = sum(bool(c.inside.all()) for c in link.circles)
-    arcs = link.pieces - full - link.thin
-    for count, one in ((full, "circle"), (arcs, "arc"), (link.thin, "point")):
-        if count:
-            parts.append(f"{count} {one}{'s' * (count > 1)}")
-    return "link: " + ", ".join(parts)
 
 
 def in_degrees(x: np.ndarray) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 
@@ -45,40 +45,35 @@ NEARBY = 0.5
 
 
 @dataclass(frozen=True)
-class SpaceMesh:
-    """X as a complex; vertices on contacts are exact states (rounding).
+class SpaceMesh(Cells):
+    """X as a complex (`chart.Cells`); vertices on contacts are exact states (rounding)."""
 
-    Attributes
-    ----------
-    fold_angles
-        States, [V, N] [rad].
-    wedge
-        Fold angles of the modelled piece, [V, k] [rad].
-    triangles
-        [F, 3] vertices.
-    edges
-        [E, 2] vertices: all edges, handles included.
-    chart
-        [V, 2] coordinates of the scene's chart.
-    branch
-        [V] branch of that chart.
-    on
-        [V] bit mask of the walls that pass through a vertex.
-    walls
-        Their names.
-    extra_edges
-        [H, 2] the edges of handles, which border no triangle.
-    """
+    @cached_property
+    def fold_angles(self) -> np.ndarray:
+        """States, [V, N] [rad]."""
+        return np.asarray(self.wedge[:, self.cover.chain.orbit])
 
-    fold_angles: np.ndarray = field(repr=False)
-    wedge: np.ndarray = field(repr=False)
-    triangles: np.ndarray = field(repr=False)
-    edges: np.ndarray = field(repr=False)
-    chart: np.ndarray = field(repr=False)
-    branch: np.ndarray = field(repr=False)
-    on: np.ndarray = field(repr=False)
-    walls: tuple[str, ...]
-    extra_edges: np.ndarray = field(repr=False)
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls that `on` is a bit mask of."""
+        return self.cover.chain.walls
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """[E, 2] vertices: all edges, handles included."""
+        return all_edges(self.triangles, self.extra_edges)
+
+    @cached_property
+    def chart(self) -> np.ndarray:
+        """[V, 2] coordinates of the scene's chart."""
+        chart = chart_of(self.cover.chain.scene)
+        assert chart is not None
+        return chart_points(chart, self.fold_angles)
+
+    @cached_property
+    def branch(self) -> np.ndarray:
+        """[V] branch of that chart."""
+        return branches_of(self)[0]
 
     def contacts(self, vertex: int) -> tuple[str, ...]:
         """Name the contacts that are closed at a vertex."""
@@ -120,21 +115,6 @@ class Component(ShortRepr):
     fold_angles: tuple[float, ...]
 
 
-class LocalBranch(NamedTuple):
-    """One of the pieces that meet in a state.
-
-    Attributes
-    ----------
-    dimension
-        Of the piece.
-    fold_angles
-        A state close by on it, all N [rad].
-    """
-
-    dimension: int
-    fold_angles: tuple[float, ...]
-
-
 @dataclass(frozen=True, repr=False)
 class PinchPoint(ShortRepr):
     """A state without which its neighbourhood in X falls apart.
@@ -145,8 +125,8 @@ class PinchPoint(ShortRepr):
         ``"pinch point"`` (surfaces touch), ``"handle end"`` (a handle meets a surface) or ``"handle junction"``.
     fold_angles
         All N [rad].
-    branches
-        The pieces that meet there.
+    dimensions
+        Of the pieces that meet there, largest first.
     contacts
         Closed there, in words.
     vertex
@@ -155,7 +135,7 @@ class PinchPoint(ShortRepr):
 
     kind: str
     fold_angles: tuple[float, ...]
-    branches: tuple[LocalBranch, ...]
+    dimensions: tuple[int, ...]
     contacts: tuple[str, ...]
     vertex: int = field(metadata={"plain": False})
 
@@ -285,7 +265,7 @@ class Space(Report):
                 f"{part.holes} hole(s), such as {angle_words(part.fold_angles)}"
             )
         for pinch in self.pinch_points:
-            dimensions = " + ".join(str(b.dimension) for b in pinch.branches)
+            dimensions = " + ".join(map(str, pinch.dimensions))
             contacts = f", {'; '.join(pinch.contacts)}" if pinch.contacts else ""
             yield f"  {pinch.kind} ({dimensions}): {angle_words(pinch.fold_angles)}{contacts}"
         for handle in self.handles:
@@ -374,7 +354,8 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
     cells = cells_of(scene, check_whole("rings", rings, *SIZES))
-    chain, mesh = cells.cover.chain, _mesh(cells)
+    mesh = SpaceMesh(**vars(cells))
+    chain = mesh.cover.chain
     count = len(cells.wedge)
     pieces = parts(count, cells.triangles, cells.extra_edges)
     components = tuple(
@@ -395,23 +376,6 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
 
 
-def _mesh(cells: Cells) -> SpaceMesh:
-    chain, chart = cells.cover.chain, chart_of(cells.cover.chain.scene)
-    assert chart is not None
-    phi = cells.wedge[:, chain.orbit]
-    return SpaceMesh(
-        phi,
-        cells.wedge,
-        cells.triangles,
-        all_edges(cells.triangles, cells.extra_edges),
-        chart_points(chart, phi),
-        branches_of(cells)[0],
-        cells.on,
-        chain.walls,
-        cells.extra_edges,
-    )
-
-
 def _sample(chain: HalfChain, mesh: SpaceMesh, part: ComplexComponent) -> tuple[float, ...]:
     """The state of a component that keeps farthest from fold limits and from the flat state."""
     wedge = mesh.wedge[part.vertices]
@@ -430,14 +394,9 @@ def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
         kind = "handle end"
     else:
         kind = "handle junction"
-    branches = []
-    for dimension, around in spot.branches:
-        # the neighbour on fewest contacts, in the middle of the branch
-        fewest = around[np.argmin([int(mesh.on[v]).bit_count() for v in around])]
-        branches.append(LocalBranch(dimension, tuple(mesh.fold_angles[fewest].tolist())))
     v = spot.vertex
     phi = tuple(mesh.fold_angles[v].tolist())
-    return PinchPoint(kind, phi, tuple(branches), mesh.contacts(v), v)
+    return PinchPoint(kind, phi, dimensions, mesh.contacts(v), v)
 
 
 def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:

@@ -24,7 +24,8 @@ BESIDE_THE_TABLE = {
         bifurcation/boundary.AROUND continuation/line.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/passes.OFF
-        chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE cli/timed.SHORTEST contact/margin.ASIDE
+        chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
+        cli/timed.SHORTEST contact/margin.ASIDE
         paper/links.RADII paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
