@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.chart.boundary import Boundary
 from origami_nlp.chart.chart import chart_limits, chart_of
-from origami_nlp.chart.energy_map import EnergyBranch, Landscape
+from origami_nlp.chart.energy_map import Landscape
 from origami_nlp.display import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 from origami_nlp.numerics import NONZERO
 
@@ -76,10 +76,15 @@ def draw_area(
     matplotlib.image.AxesImage
         The energies, for a colour bar.
     """
-    image = None
+    image, whole = None, chart_of(chart.scene)
+    assert whole is not None
     for k in branches:
         region = boundary.regions[k] if boundary and boundary.regions else None
-        image = _draw_energy(axes, chart.branches[k], region, norm, line)
+        energy = chart.branches[k].energy
+        if region is not None:  # which cuts: states beyond it have energies too
+            phi = whole.fold_angles(k, *np.meshgrid(*chart.branches[k].axes))
+            energy = np.asarray(chart.scene.energy(phi))
+        image = _draw_energy(axes, chart.branches[k].axes, energy, region, norm, line)
     for one in boundary.lines if boundary else ():
         if one.branch in branches and not one.hidden:
             look: dict[str, Any] = {"color": INK, "linewidth": line, "zorder": 3}
@@ -88,8 +93,6 @@ def draw_area(
             axes.plot(*one.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
     for spine in axes.spines.values():
         spine.set(color="#8A8A8A", linewidth=0.6, zorder=0)
-    whole = chart_of(chart.scene)
-    assert whole is not None
     x0, x1, y0, y1 = chart_limits(whole)
     axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_xlabel(coordinate_label(chart.coordinates[0]))
@@ -123,17 +126,19 @@ def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) 
     return [*entries, patch("white", white)]
 
 
-def _draw_energy(axes: Any, branch: EnergyBranch, region: Any, norm: Normalize, line: float) -> Any:
+def _draw_energy(
+    axes: Any, at: Any, energy: np.ndarray, region: Any, norm: Normalize, line: float
+) -> Any:
     """Draw the colours and contour lines of one branch, cut at its exact boundary."""
-    energy = np.ma.masked_invalid(branch.energy if region is None else fill_outwards(branch))
+    energy = np.ma.masked_invalid(energy)
     # pixels around the middles of cells
-    half = [(v[1] - v[0]) / 2 for v in branch.axes]
-    extent = [e for v, h in zip(branch.axes, half, strict=True) for e in (v[0] - h, v[-1] + h)]
+    half = [(v[1] - v[0]) / 2 for v in at]
+    extent = [e for v, h in zip(at, half, strict=True) for e in (v[0] - h, v[-1] + h)]
     look: dict[str, Any] = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
     image = axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
     levels = [norm.inverse(v) for v in np.linspace(0.0, 1.0, 12)[1:-1]]
     look = {"levels": levels, "colors": "white", "linewidths": 0.4 * line, "alpha": 0.7}
-    lines = axes.contour(*branch.axes, energy, **look, zorder=2)
+    lines = axes.contour(*at, energy, **look, zorder=2)
     if region is not None:
         # vector files hold what cuts in full, and twice; the lines over its edge are exact
         path = region_path(region.simplify(UNSEEN))
@@ -155,25 +160,6 @@ def region_path(region: Any) -> Path:
         for ring in (polygon.exterior, *polygon.interiors)
     ]
     return Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
-
-
-def fill_outwards(branch: EnergyBranch, steps: int = 6) -> np.ndarray:
-    """Carry the energy on over the edge by linear extrapolation, for cells that the boundary cuts."""
-    energy = branch.energy.copy()
-    for _ in range(steps):
-        padded = np.pad(energy, 2, constant_values=np.nan)
-        rows, columns = energy.shape
-        guesses = []
-        for dr, dc in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)):
-            near = padded[2 + dr : 2 + dr + rows, 2 + dc : 2 + dc + columns]
-            far = padded[2 + 2 * dr : 2 + 2 * dr + rows, 2 + 2 * dc : 2 + 2 * dc + columns]
-            guesses.append(np.where(np.isfinite(far), 2 * near - far, near))
-        every = np.array(guesses)
-        known = np.isfinite(every)
-        count = known.sum(axis=0)
-        mean = np.where(known, every, 0.0).sum(axis=0) / np.maximum(count, 1)
-        energy = np.where(np.isnan(energy) & (count > 0), np.maximum(mean, 0.0), energy)
-    return energy
 
 
 def draw_curves(axes: Any, chart: Landscape) -> list[Any]:

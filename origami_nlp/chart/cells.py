@@ -32,6 +32,7 @@ from origami_nlp.chart.mesh import (
     straight_walls,
 )
 from origami_nlp.folding import check_admissible
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
 from origami_nlp.pattern import Scene
 
@@ -43,8 +44,8 @@ RADIUS = 1e-4
 """How close to handles other states are looked for, in base coordinates [rad]."""
 
 
-@dataclass(frozen=True)
-class Cells:
+@dataclass(frozen=True, repr=False)
+class Cells(ShortRepr):
     """The admissible cells, as a complex of triangles, edges and vertices in the space of wedge fold angles.
 
     wedge [V, k], on [V]: vertices (those on the cut appear once for each sign of the inner fold angle they have).

@@ -45,8 +45,7 @@ class Chart:
     def fold_angles(self, branch: int, x: Any, y: Any) -> np.ndarray:
         """All N fold angles at coordinates x, y (broadcast to shape S), shape S + (N,).
 
-        NaN where the branch has no closed state and, with contact, where mirror creases of a wedge
-        are on the wrong side of the axis.  Admissibility is not looked at: see `admissible`.
+        NaN where the branch has no closed state.  Admissibility is not looked at: see `admissible`.
         """
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         rays = self.scene.group.rays
@@ -54,10 +53,7 @@ class Chart:
             value = degree6(rays[0].sector, rays[1].sector, x, y).value
             piece = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
         else:
-            point = wedge_point(self.scene, y, x, self.signs[branch])
-            value = point.value
-            if self.scene.contact == "full":  # mirror creases past the axis cross their images
-                value = np.where(point.own_side[..., None], value, np.nan)
+            value = wedge_point(self.scene, y, x, self.signs[branch]).value
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 

@@ -172,8 +172,8 @@ def _wedge(chart: Chart, size: int) -> Landscape:
         # a coarse look first: each branch fills only a part of the elevations
         coarse = cells(-reach, reach, 81)
         # broadcast: phi_2 along columns, elevations along rows
-        look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
-        rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
+        look = allowed(chart, k, cells(-math.pi, math.pi, 81), coarse[:, None])[0]
+        rows = np.flatnonzero(look.any(axis=1))
         low, high = -reach, reach
         if rows.size:
             cell = 2 * reach / 81

@@ -25,13 +25,14 @@ import numpy as np
 
 from origami_nlp.chart.chart import chart_of, crease_number
 from origami_nlp.errors import OptionError
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import FoldLimits
 
 
-@dataclass(frozen=True)
-class HalfChain:
+@dataclass(frozen=True, repr=False)
+class HalfChain(ShortRepr):
     """The half-chain of a scene; see the module.
 
     Attributes

@@ -16,6 +16,7 @@ import numpy as np
 
 from origami_nlp.chart.half_chain import HalfChain
 from origami_nlp.errors import OrigamiError
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED
 
 ON = 1000 * ROUNDED
@@ -43,8 +44,8 @@ class MeshError(OrigamiError):
     """The mesh is too coarse for this scene."""
 
 
-@dataclass(frozen=True)
-class DoubleCover:
+@dataclass(frozen=True, repr=False)
+class DoubleCover(ShortRepr):
     """A triangulated surface of closed states, of so many `rings`.
 
     base [V, 2], leaf [V] (0 on the seam): coordinates of the vertices on the chain.

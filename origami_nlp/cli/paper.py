@@ -103,15 +103,13 @@ def verify(out: Output, only: list[str] | None = o.CLAIM) -> int:
 
 
 @writes("json")
-def audit(out: Output, file: str = o.CANDIDATES, seed: int = o.SEED) -> None:
+def audit(file: str = o.CANDIDATES, seed: int = o.SEED) -> Any:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
-    from origami_nlp.paper import audit_candidates, audit_table, audit_to_dict, read_candidates
+    from origami_nlp.paper import audit_candidates, read_candidates
 
     candidates = read_candidates(file)
     with progress("audit", len(candidates)) as report:
-        found = audit_candidates(candidates, seed=seed, progress=report)
-    out.say(audit_table(found))
-    out.write("json", audit_to_dict, found)
+        return audit_candidates(candidates, seed=seed, progress=report)
 
 
 @writes("json")
@@ -161,12 +159,9 @@ def count(
         return cones.full_space(cone, ratio, nu, progress=report)
 
 
-@writes("json", "figure")
+@writes("json")
 def foldings(degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> Any:
-    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets); -o FILE.png draws them.
-
-    Drawn they are up to degree 14.
-    """
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
     from origami_nlp.paper import cone as cones
 
     cones.check_degree(degree, MOST_DIGITS)

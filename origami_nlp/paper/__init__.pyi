@@ -1,10 +1,5 @@
 from . import cone as cone
-from .audit import (
-    PanelAudit as PanelAudit,
-    audit_candidates as audit_candidates,
-    audit_table as audit_table,
-    audit_to_dict as audit_to_dict,
-)
+from .audit import Audit as Audit, audit_candidates as audit_candidates
 from .candidates import Candidate as Candidate, read_candidates as read_candidates
 from .critical import compare_minima as compare_minima, find_critical_points as find_critical_points
 from .events import Event as Event

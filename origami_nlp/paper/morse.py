@@ -98,7 +98,7 @@ class MinimaComparison:
 
 @dataclass(frozen=True)
 class MorseVerdict:
-    """The identity sum of contributions = Euler characteristic of X, and what it says of the minima.
+    """The identity sum of contributions = Euler characteristic of X.
 
     Attributes
     ----------
@@ -107,15 +107,18 @@ class MorseVerdict:
     euler_characteristic
         Of X, obtained without the energy.
     closes
-        Whether the identity holds.
-    text
-        One sentence for people.
+        Whether the identity holds; if not, at least one critical point is missing or misjudged.
     """
 
     morse_sum: int
     euler_characteristic: int
     closes: bool
-    text: str
+
+    @property
+    def text(self) -> str:
+        """What it says."""
+        words = "closes" if self.closes else "does not close: a point is missing or misjudged"
+        return f"Euler characteristic {self.euler_characteristic}: the count {words}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -138,8 +141,8 @@ class CriticalPoints(Report):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), samples=16)
-    >>> found.count(kind="minimum"), found.verdict(euler_characteristic=1).closes
+    >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), rings=12)
+    >>> len(found.minima), found.verdict(euler_characteristic=1).closes
     (2, True)
     """
 
@@ -162,26 +165,6 @@ class CriticalPoints(Report):
         """Points with an empty lower link."""
         return tuple(p for p in self.points if p.kind == "minimum")
 
-    def count(self, kind: str | None = None, stratum: str | None = None) -> int:
-        """Count points.
-
-        Parameters
-        ----------
-        kind
-            Only of this kind, see `CriticalPoint`.
-        stratum
-            Only on this stratum.
-
-        Returns
-        -------
-        int
-            How many there are.
-        """
-        return sum(
-            (kind is None or p.kind == kind) and (stratum is None or p.stratum == stratum)
-            for p in self.points
-        )
-
     def verdict(self, euler_characteristic: int) -> MorseVerdict:
         """Compare with the Euler characteristic of X, obtained without the energy.
 
@@ -196,92 +179,40 @@ class CriticalPoints(Report):
             Whether the contributions sum to it.
         """
         total = self.morse_sum
-        closes = total == euler_characteristic
-        identity = f"Morse sum {total}, Euler characteristic {euler_characteristic}"
-        if not closes:
-            text = f"{identity}: at least one critical point is missing or misjudged"
-        elif self.doubts:
-            text = f"{identity}: the count closes, but with doubts ({'; '.join(self.doubts)})"
-        elif self.comparison is None:
-            text = f"{identity}: the count closes"
-        elif self.comparison.agree:
-            text = (
-                f"{identity}: the count closes and both lists hold the same "
-                f"{len(self.minima)} minima, complete up to this identity"
-            )
-        else:
-            text = (
-                f"{identity}: the count closes, but the lists of minima differ: "
-                f"{len(self.comparison.only_critical)} only among the critical points, "
-                f"{len(self.comparison.only_search)} only in the search"
-            )
-        return MorseVerdict(total, euler_characteristic, closes, text)
+        return MorseVerdict(total, euler_characteristic, total == euler_characteristic)
 
-    def table(self, verbose: bool = False) -> Table:
-        """Return one row a critical point.
-
-        Parameters
-        ----------
-        verbose
-            Also those that are not essential.
-
-        Returns
-        -------
-        Table
-            Number, energy, stratum, kind, index, contribution and residual.
-        """
-        shown = self._shown(verbose)
-        hidden = len(self.points) - len(shown)
+    def table(self) -> Table:
+        """Return one row for each point that is essential, or undecided, with the fold angles of a piece."""
+        creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
+        shown = [p for p in self.points if p.essential or p.kind == "undecided"]
         title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(shown)} critical points"
-        title += f" ({hidden} more are not essential)" if hidden else ""
+        if hidden := len(self.points) - len(shown):
+            title += f" ({hidden} more are not essential)"
         rows = [
             (
                 str(number),
                 f"{p.energy:.9g}",
                 p.stratum,
                 p.kind,
-                "-" if p.index is None else str(p.index),
-                f"{p.contribution:+d}" if p.contribution else "0",
+                f"{p.contribution:+d}",
                 residual_words(p.residual),
+                ", ".join(f"{round(math.degrees(p.fold_angles[c]), 3) + 0.0:.3f}" for c in creases),
+                "; ".join(p.contacts) or "nothing touches",
+                p.how + "".join(f"; {v:.4g} N m" for v in p.multipliers),
             )
             for number, p in enumerate(shown, start=1)
         ]
-        heads = ("#", "energy [J]", "stratum", "kind", "index", "adds", "residual")
-        return Table(heads, rows, title, "rrllrrr")
-
-    def lines(self, verbose: bool = False) -> list[str]:
-        """Return two lines a point: where it is, and what touches and decides there.
-
-        Parameters
-        ----------
-        verbose
-            Also those that are not essential.
-
-        Returns
-        -------
-        list of str
-            The lines, below a first that says what they hold.
-        """
-        creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
-        numbers = ", ".join(str(c + 1) for c in creases)
-        lines = [f"fold angles of creases {numbers} [deg], contacts, and what decides:"]
-        for number, p in enumerate(self._shown(verbose), start=1):
-            angles = " ".join(f"{math.degrees(p.fold_angles[c]):8.3f}" for c in creases)
-            contacts = "; ".join(p.contacts) if p.contacts else "nothing touches"
-            lines.append(f"#{number}  {angles.replace('-0.000', ' 0.000')}  {contacts}")
-            moments = ", ".join(f"{v:.4g}" for v in p.multipliers)
-            lines.append(f"    {p.how}" + (f"; moment {moments} N m" if moments else ""))
-        return lines
-
-    def _shown(self, verbose: bool) -> list[CriticalPoint]:
-        """Return the points that a person wants to see: the essential ones, or all of them."""
-        return [p for p in self.points if verbose or p.essential or p.kind == "undecided"]
+        angles = f"fold angles {', '.join(str(c + 1) for c in creases)} [deg]"
+        heads = ("#", "energy [J]", "stratum", "kind", "adds", "residual", angles)
+        return Table((*heads, "contacts", "how"), rows, title, "rrllrrlLL")
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table, the points and the Morse sum."""
+        """Return the table, the Morse sum, and what is said of it."""
         yield self.table()
-        yield from self.lines()
-        yield f"Morse sum {self.morse_sum}"
+        yield f"Morse sum {self.morse_sum}" + (f", {self.morse.text}" if self.morse else "")
+        if self.comparison and not self.comparison.agree:
+            here, there = map(len, (self.comparison.only_critical, self.comparison.only_search))
+            yield f"minima: {here} are not in the list of the search, {there} only there"
         yield from (f"doubt: {doubt}" for doubt in self.doubts)
 
     def _rows(self) -> Iterator[dict[str, object]]:

@@ -44,7 +44,7 @@ NEARBY = 0.5
 """Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SpaceMesh(Cells):
     """X as a complex (`chart.Cells`); vertices on contacts are exact states (rounding)."""
 

@@ -9,7 +9,6 @@ from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
 from origami_nlp.chart import chart_of, landscape
-from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.chart.chart import wedge_elevation
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import check_admissible, fold_vertex
@@ -228,14 +227,6 @@ def test_bad_size(size):
 def test_place_wants_all_fold_angles():
     with pytest.raises(o.OrigamiError, match="all 6"):
         landscape(o.examples.degree6(), 8).place([0.0, 0.1])
-
-
-def test_colours_go_on_beyond_the_edge_and_not_inside():
-    branch = landscape(o.examples.degree6("pi/4", 1.0), SIZE).branches[0]
-    known = np.isfinite(branch.energy)
-    filled = fill_outwards(branch, 2)
-    assert (filled[known] == branch.energy[known]).all()
-    assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
 
 
 def test_scenes_without_a_chart_say_why():

@@ -10,8 +10,8 @@ import pytest
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.kkt import project
-from origami_nlp.paper import audit_candidates, audit_table, read_candidates
-from origami_nlp.paper.audit import CAUSES, PanelAudit, chart_ends, chart_point
+from origami_nlp.paper import Audit, audit_candidates, read_candidates
+from origami_nlp.paper.audit import CAUSES, chart_ends, chart_point
 from origami_nlp.pattern import examples
 from origami_nlp.pattern_problem import pose
 from tests.command_line import run
@@ -80,7 +80,7 @@ def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not(
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ...], list[str]]:
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Audit, list[str]]:
     """Candidates made so that each must have one cause, audited; and these causes."""
     scene = examples.degree6("pi/4", 0.01)
     model = pose(scene)
@@ -117,20 +117,22 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[tuple[PanelAudit, ..
         return audit_candidates(read_candidates(file)), [cause for *_, cause in rows]
 
 
-def test_every_artefact_is_named(made: tuple[tuple[PanelAudit, ...], list[str]]) -> None:
-    panels, causes = made
+def test_every_artefact_is_named(made: tuple[Audit, list[str]]) -> None:
+    found, causes = made
     assert [
         a.cause
-        for a in sorted((a for p in panels for a in p.audited), key=lambda a: a.candidate.number)
+        for a in sorted(
+            (a for p in found.panels for a in p.audited), key=lambda a: a.candidate.number
+        )
     ] == causes
-    total = [int(cell) for cell in audit_table(panels).rows[-1][1:]]
+    total = [int(cell) for cell in found.table().rows[-1][1:]]
     assert total[0] == len(causes) == sum(total[1 : 1 + len(CAUSES)])
 
 
 def test_descents_lose_energy_and_end_at_listed_minima(
-    made: tuple[tuple[PanelAudit, ...], list[str]],
+    made: tuple[Audit, list[str]],
 ) -> None:
-    for p in made[0]:
+    for p in made[0].panels:
         model = p.result.model
         for a in p.audited:
             if a.cause not in ("exact", "on a handle", "grid jag", "chart edge"):
@@ -158,6 +160,6 @@ def test_thirty_rows_do_not_close() -> None:
 @known
 @pytest.mark.slow
 def test_all_published_candidates() -> None:
-    panels = audit_candidates(read_candidates(REFERENCE))
-    total = [int(cell) for cell in audit_table(panels).rows[-1][1:]]
+    found = audit_candidates(read_candidates(REFERENCE))
+    total = [int(cell) for cell in found.table().rows[-1][1:]]
     assert total == [659, 29, 179, 46, 162, 79, 30, 133, 0, 1, 0, 43, 29, 37]

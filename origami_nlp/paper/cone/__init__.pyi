@@ -17,7 +17,6 @@ from .minima import ConeCount as ConeCount, ConeMinima as ConeMinima, count as c
 from .necklaces import (
     Folding as Folding,
     Foldings as Foldings,
-    draw_foldings as draw_foldings,
     foldings as foldings,
     number_of_foldings as number_of_foldings,
 )

@@ -297,21 +297,6 @@ class EnergyAt:
         well, flat = self.wells, self.flat
         return (well[0] + ratio * well[1]) / (flat[0] + ratio * flat[1])
 
-    def over(self, depth: float) -> Pair:
-        """(A, B) of how much deeper than a relative depth the state is."""
-        well, flat = self.wells, self.flat
-        return well[0] - depth * flat[0], well[1] - depth * flat[1]
-
-    def ratio_of_depth(self, depth: float) -> np.ndarray:
-        """Return r at which the state has the relative depth, stationary or not; nan if none."""
-        return finite_quotient(*self.over(depth))
-
-    def depth_gap(self, depth: float) -> Any:
-        """Zero where a stationary point has the relative depth (times -B', so that it is smooth)."""
-        (over_a, over_b), (da, db) = self.over(depth), self.slopes
-        # both A' + r B' = 0 and over_a + r over_b = 0 have the same r
-        return over_b * da - over_a * db
-
 
 def finite_quotient(odd: Any, even: Any) -> np.ndarray:
     """Return r with odd + r even = 0; nan where no finite r does it."""

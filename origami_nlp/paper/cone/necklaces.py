@@ -13,25 +13,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import gcd
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
-from origami_nlp.display import Report, Section, Table, draw_states
-from origami_nlp.errors import OptionError
-from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.paper.cone.flaps import Flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.numbers import exact, number_words
 from origami_nlp.paper.cone.rules import check_degree
-from origami_nlp.pattern import format_angle
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-LARGEST_LISTED, LARGEST_DRAWN = 32, 14
-"""Largest degree whose different foldings are listed one by one (4,116 necklaces), and drawn (20)."""
-DRAWN_AT = 0.45
-"""Elevation [rad] at which they are drawn; branches that end before it at their end."""
+LARGEST_LISTED = 32
+"""Largest degree whose different foldings are listed one by one (4,116 necklaces)."""
 
 
 @dataclass(frozen=True)
@@ -188,7 +178,7 @@ class Foldings(Report):
     degree: int
     listed: bool
 
-    SCHEMA, READS, PICTURE = "origami-nlp/paper/1", False, "draw_foldings"
+    SCHEMA, READS = "origami-nlp/paper/1", False
 
     def __post_init__(self) -> None:
         check_degree(self.degree, LARGEST_LISTED if self.listed else None)
@@ -229,34 +219,3 @@ class Foldings(Report):
                 for f in foldings(self.degree, mirrors_differ=differ)
             ]
         return data
-
-
-def draw_foldings(found: Foldings) -> Figure:
-    """Draw every folding that differs by more than a rotation.
-
-    Parameters
-    ----------
-    found
-        Of a degree up to `LARGEST_DRAWN`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Folded cones side by side.
-
-    Raises
-    ------
-    OptionError
-        If there are too many.
-    """
-    degree = found.degree
-    if degree > LARGEST_DRAWN:
-        raise OptionError(f"degree = {degree}: too many foldings to draw: draw a branch")
-    states: list[tuple[str, np.ndarray]] = []
-    for f in foldings(degree):
-        branch = ConeBranch(f.flaps, 1)
-        copies = f"{f.copies} cop{'y' if f.copies == 1 else 'ies'}"
-        ends = f", ends at {format_angle(branch.end)}" * (branch.end < DRAWN_AT)
-        at = branch.fold_angles(min(DRAWN_AT, branch.end))
-        states.append((f"{write_flaps(f.flaps)}, {f.symmetry}\n{copies}{ends}", at))
-    return draw_states(cone_sheet(degree), states, f"degree {degree}, elevation {DRAWN_AT} up")

@@ -16,7 +16,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.map import CountMap, count_map
 from origami_nlp.paper.cone.numbers import exact
-from origami_nlp.paper.cone.phase_curves import PhaseBoundary, phase_boundaries
+from origami_nlp.paper.cone.phase_curves import KINDS, PhaseBoundary, phase_boundaries
 from origami_nlp.paper.cone.rules import Cone, check_depth, check_ratio
 
 RATIOS = (1e-2, 1e2)
@@ -123,11 +123,7 @@ class PhaseDiagram(Report):
         tuple of PhaseBoundary
             Of the kinds that change it.
         """
-        kinds = {
-            "all": ("start", "fold", "depth", "depth-at-end"),
-            "interior": ("start", "end", "fold", "depth"),
-            "at end": ("end", "depth-at-end"),
-        }[counted]
+        kinds = {"all": ("start", "fold"), "interior": KINDS, "at end": ("end",)}[counted]
         return tuple(b for b in self.boundaries if b.kind in kinds)
 
     @property
@@ -159,7 +155,7 @@ def phase_diagram(
     rest_elevations
         Lowest and highest nu_0 [rad]; default: all before contact (for the printed rest formula, the paper's).
     depth
-        Count only minima with (U_flat - U)/U_flat > depth; see `count`.
+        Count only minima with (U_flat - U)/U_flat > depth, see `count`; boundaries are those of all minima.
     contact
         Whether minima at the end of a branch count.
     progress
@@ -199,7 +195,7 @@ def phase_diagram(
     nu = low + (high - low) * cells
     nu = nu[nu != 0]  # on that line no branch has a minimum but the flat state
     counts = count_map(cone, r, nu, depth=check_depth(depth), progress=progress)
-    curves = phase_boundaries(cone, depth=depth)
+    curves = phase_boundaries(cone)
     inside = [b for b in curves if _within(b, (low, high), (bottom, top))]
     return PhaseDiagram(counts, contact, tuple(inside))
 

@@ -20,8 +20,6 @@ STYLES: dict[str, tuple[Any, str]] = {
     "start": ("-", "slope at the flat state"),
     "end": ("--", "slope at the end (minimum inside / at the end)"),
     "fold": (":", "fold: minimum meets maximum"),
-    "depth": ((0, (8, 2)), "depth threshold"),
-    "depth-at-end": ("-.", "depth threshold, at the end"),
 }
 """Of boundaries, by kind: the line, and what it means."""
 MOST_TICKS = 12
@@ -60,7 +58,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     figure = Figure(figsize=(4.1 * panels, 4.5), layout="constrained", dpi=110)
     *grid, last = figure.subplots(1, panels)
     for axes, (title, numbers, of) in zip(grid, maps, strict=True):
-        _draw_map(axes, diagram, numbers, diagram.bounding(of))
+        _draw_map(axes, diagram, numbers, diagram.bounding(of) if counts.depth == 0 else ())
         axes.set_title(title, fontsize=9)
     _draw_boundaries(last, diagram.boundaries)
     for axes in (*grid, last):

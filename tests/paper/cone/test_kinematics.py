@@ -237,6 +237,3 @@ def test_foldings_are_listed(tmp_path):
     many = run(*asked, 1000, "-o", "-")
     assert json.loads(many.out)["necklaces"] == str(cone.number_of_foldings(1000))
     assert run(*asked, 34, "--list").code == 2
-    assert len(cone.Foldings(6, listed=True).draw().axes) == 4
-    with pytest.raises(OptionError, match="to draw"):
-        cone.Foldings(18, listed=False).draw()
