@@ -240,11 +240,9 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
         the flat state.
     """
     problem = pose(scene)
-    inside = (
-        problem.fold_limits
-        if problem.has_limits
-        else FoldLimits(*math.pi * np.outer((-1, 1), np.ones(problem.size)))
-    )
+    reach = np.full(problem.size, math.pi)
+    inside = problem.fold_limits if problem.has_limits else FoldLimits(-reach, reach)
+    any_angles = np.random.default_rng(0).uniform(-math.pi, math.pi, (STARTS, problem.size))
     steps = ContinuationOptions(first=step / 4, longest=step, together=12, most=6000)
 
     def before(points: Sequence[Point]) -> int:
