@@ -36,7 +36,7 @@ from .energy_map import (
 from .half_chain import HalfChain as HalfChain, chain_of as chain_of
 from .mesh import MeshError as MeshError, edges_of as edges_of, several as several
 from .topology import (
-    ComplexComponent as ComplexComponent,
+    Component as Component,
     Spot as Spot,
     all_edges as all_edges,
     borders as borders,

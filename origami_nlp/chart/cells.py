@@ -239,10 +239,7 @@ def _edges_alone(
         state = _with_sign(wedge, np.where(cut, s, 0))
         ends = np.where(has(cover.on[edges], CUT), s, 0)
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
-        phi = cover.chain.limits.clip(state)[:, cover.chain.orbit]
-        alone &= cover.chain.limits.inside(state, CONTACT_TOL).all(axis=1)
-        alone[alone] = admissible(cover.chain.scene, phi[alone])
-        alone[alone] = [_passes(cover, p) for p in phi[alone]]
+        alone[alone] = _stand_alone(cover, state[alone])
         found.append(edges[alone])
         signs.append(ends[alone])
     return np.concatenate(found), np.concatenate(signs)
@@ -284,9 +281,17 @@ def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:
     return ends[:, 0] * (1 << 31) + ends[:, 1]
 
 
-def _passes(cover: DoubleCover, fold_angles: np.ndarray) -> bool:
-    scene = cover.chain.scene
-    return check_admissible(scene.vertex, fold_angles, elements=scene.group.elements).admissible
+def _stand_alone(cover: DoubleCover, wedge: np.ndarray) -> np.ndarray:
+    """Return which states [K, k] are admissible by themselves, their layers ordered with the symmetry."""
+    chain, scene = cover.chain, cover.chain.scene
+    good = chain.limits.inside(wedge, CONTACT_TOL).all(axis=1)
+    phi = chain.limits.clip(wedge)[:, chain.orbit]
+    good[good] = admissible(scene, phi[good])
+    elements = scene.group.elements
+    good[good] = [
+        check_admissible(scene.vertex, one, elements=elements).admissible for one in phi[good]
+    ]
+    return np.asarray(good)
 
 
 def _vertices_alone(cover: DoubleCover, used: np.ndarray) -> np.ndarray:
@@ -297,9 +302,6 @@ def _vertices_alone(cover: DoubleCover, used: np.ndarray) -> np.ndarray:
         key = who * 3 + s + 1
         who = who[~np.isin(key, used)]
         state = _with_sign(cover.wedge[who], np.full(len(who), s))
-        inside = cover.chain.limits.inside(state, CONTACT_TOL).all(axis=1)
-        phi = cover.chain.limits.clip(state)[:, cover.chain.orbit]
-        inside[inside] = admissible(cover.chain.scene, phi[inside])
-        inside[inside] = [_passes(cover, p) for p in phi[inside]]
+        inside = _stand_alone(cover, state)
         keys.append(who[inside] * 3 + s + 1)
     return np.concatenate(keys)

@@ -2,27 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.chart.mesh import beside, edges_of
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import groups
 
 
-@dataclass(frozen=True)
-class ComplexComponent:
+@dataclass(frozen=True, repr=False)
+class Component(ShortRepr):
     """One connected component of a complex.
 
-    vertices: their numbers.  dimension: of its largest cell.  euler: V - E + F.  closed_surfaces: second Betti number
-    (modulo 2).  holes: first Betti number, 1 + closed_surfaces - euler.
+    Attributes
+    ----------
+    vertices
+        Their numbers.
+    dimension
+        Of its largest cell.
+    euler_characteristic
+        V - E + F.
+    closed_surfaces
+        Second Betti number (modulo 2).
     """
 
-    vertices: np.ndarray
+    vertices: np.ndarray = field(metadata={"plain": False})
     dimension: int
-    euler: int
+    euler_characteristic: int
     closed_surfaces: int
-    holes: int
+
+    ALSO = ("holes",)
+
+    @property
+    def holes(self) -> int:
+        """First Betti number."""
+        # b_0 - b_1 + b_2 = chi with b_0 = 1
+        return 1 + self.closed_surfaces - self.euler_characteristic
 
 
 @dataclass(frozen=True)
@@ -42,7 +58,7 @@ def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
     return np.unique(edges, axis=0)
 
 
-def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[ComplexComponent]:
+def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Component]:
     """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
     edges = all_edges(triangles, extra)
     of = groups(count, edges)
@@ -55,11 +71,7 @@ def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[ComplexC
     for k in range(number):
         euler = int(v[k] - e[k] + f[k])
         dimension = 2 if f[k] else (1 if e[k] else 0)
-        # b_0 - b_1 + b_2 = chi with b_0 = 1
-        holes = 1 + int(closed[k]) - euler
-        found.append(
-            ComplexComponent(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes)
-        )
+        found.append(Component(np.flatnonzero(of == k), dimension, euler, int(closed[k])))
     return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))
 
 

@@ -168,9 +168,9 @@ def foldings(degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> Any:
     return cones.Foldings(degree, degree <= 16 if listed is None else listed)
 
 
-@writes("json", "figure")
+@writes("json")
 def branch(flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE) -> Any:
-    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees; -o FILE.png draws it."""
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
     from origami_nlp.paper import cone as cones
 
     nu = _angle(elevation, "--elevation")

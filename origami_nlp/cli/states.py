@@ -237,7 +237,7 @@ def landscape(
         points = _critical(stated, origami.name, clock, seed, result)
         out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, found))
     out.write("npz", lambda: _npz(to_arrays(exact)))
-    out.write("figure", draw_landscape, exact, found)
+    out.write("figure", draw_landscape, exact)
     if out.files("html"):
         from origami_nlp.display import InteractivePage
 

@@ -6,20 +6,15 @@ exist only at phi = +-pi exactly.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import Normal, Stroke
 
 from origami_nlp.arguments import check_type
 from origami_nlp.chart import (
     area_legend,
-    chart_of,
-    chart_points,
     colour_bar,
     draw_area,
     norm_of,
@@ -30,38 +25,27 @@ from origami_nlp.display import (
     RING,
     StackedFigure,
     label_text,
-    pass_look,
-    passes_legend,
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import drawn_minima, mark_minima, marks_legend
 from origami_nlp.paper.landscape import ExactLandscape
 
 if TYPE_CHECKING:
-    from origami_nlp.barriers import Barriers, Pass
+    pass
 
 STAR, LINE, TEXT = 16.0, 1.2, 10.5
 """Sizes of markers, boundaries and letters [points]."""
-PATH: dict[str, Any] = {
-    "color": "white",
-    "linewidth": 1.5,
-    "path_effects": [Stroke(linewidth=3.0, foreground="black"), Normal()],
-    "zorder": 5,
-    "clip_on": False,
-}
 SIDE, LEFT, RIGHT, BELOW = 4.6, 0.7, 0.85, 0.45
 """Of a panel, and what is around it [in]."""
 
 
-def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> Figure:
+def draw_landscape(exact: ExactLandscape) -> Figure:
     """Draw a landscape.
 
     Parameters
     ----------
     exact
         Of `find_landscape`.
-    barriers
-        Of `find_barriers`: also draw the lowest passes that join all minima, and the paths over them.
 
     Returns
     -------
@@ -71,13 +55,9 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     Raises
     ------
     OptionError
-        If the scene has no landscape over two coordinates, or an argument is not what it must be.
+        If the scene has no landscape over two coordinates, or `exact` is not of its type.
     """
     check_type("exact", exact, ExactLandscape)
-    if barriers is not None:
-        from origami_nlp.barriers import Barriers  # only who has barriers has loaded them
-
-        check_type("barriers", barriers, Barriers)
     chart = exact.chart
     if chart.kind != "area":
         why = (
@@ -86,13 +66,9 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
         raise OptionError(f"scene has no two-dimensional landscape: {why}")
     count = len(chart.branches)
     groups = [list(range(count))] if chart.one_plane else [[k] for k in range(count)]
-    chosen = joining_passes(barriers) if barriers else []
     drawn = drawn_minima(exact.result.scene, exact.result.minima, exact.places)
     entries: list[Any] = [*marks_legend(drawn, STAR, True), *_metastable_legend(exact)]
     entries += area_legend(chart, exact.boundary, LINE)
-    if chosen:
-        entries.append(Line2D([], [], label="lowest path over a pass", **PATH))
-        entries += passes_legend((p.pass_kind for p in chosen), STAR)
     top, panel = 0.2 * (len(groups) > 1), LEFT + SIDE + RIGHT
     width, body = 2 * MARGIN + panel * len(groups), top + SIDE + BELOW
     stack = StackedFigure(width, body, [_title(exact)], entries, _notes(exact))
@@ -103,7 +79,6 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
         image = draw_area(axes, chart, group, norm, exact.boundary, LINE)
         clear = _draw_metastable(axes, exact, group)
         mark_minima(axes, drawn, group, STAR, 1.05 * TEXT, clear)
-        _draw_paths(axes, exact, group, chosen)
         if len(groups) > 1:
             axes.set_title(chart.branches[group[0]].name.replace("-", "−"), fontsize=10)
         colour_bar(image, stack.axes(x + SIDE + 0.15, top + 0.1, 0.14, SIDE - 0.2))
@@ -137,34 +112,6 @@ def _metastable_legend(exact: ExactLandscape) -> list[Any]:
         red |= {"linestyle": "none", "markeredgewidth": 1.6}
         entries.append(Line2D([], [], **red, label="metastable, on one point"))
     return entries
-
-
-def joining_passes(barriers: Barriers) -> list[Pass]:
-    """Return the passes at which the sublevel sets of the minima join: one less than the minima that are joined."""
-    joined = list(range(len(barriers.result.minima) + 1))
-    chosen = []
-    for step in sorted(barriers.passes, key=lambda p: (p.energy, len(p.path))):
-        a, b = joined[step.from_state], joined[step.to_state]
-        if a != b and math.isfinite(step.energy):
-            joined = [a if group == b else group for group in joined]
-            chosen.append(step)
-    return chosen
-
-
-def _draw_paths(
-    axes: Any, exact: ExactLandscape, group: Sequence[int], passes: Sequence[Pass]
-) -> None:
-    """Draw the paths over the passes; a path that changes branch is drawn on both."""
-    chart = chart_of(exact.result.scene)
-    assert chart is not None
-    for step in passes:
-        points = chart_points(chart, np.asarray(step.path))
-        if len(exact.chart.branches) > 1 and not exact.chart.one_plane:
-            on = [chart.locate(np.asarray(phi))[0][0] in group for phi in step.path]
-            points = np.where(np.array(on)[:, None], points, np.nan)
-        axes.plot(*points.T, **PATH)
-        at = chart_points(chart, np.array([step.fold_angles]))
-        axes.plot(*at.T, **pass_look(step.pass_kind, STAR), zorder=7.5, clip_on=False)
 
 
 def _title(exact: ExactLandscape) -> str:

@@ -58,11 +58,6 @@ class Link:
     circles: tuple[Circle, ...]
 
     @property
-    def euler_characteristic(self) -> int:
-        """Arcs and points of the link, a full circle counting 0."""
-        return sum(count_arcs(c.inside) for c in self.circles)
-
-    @property
     def pieces(self) -> int:
         """Connected pieces of the link (a state with two or more is a cut point of its neighbourhood)."""
         return sum(max(count_arcs(c.inside), int(c.inside.all())) for c in self.circles)

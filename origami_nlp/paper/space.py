@@ -18,8 +18,7 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.chart import (
     Cells,
-    ComplexComponent,
-    HalfChain,
+    Component,
     Spot,
     all_edges,
     branches_of,
@@ -31,7 +30,7 @@ from origami_nlp.chart import (
     several,
     spots,
 )
-from origami_nlp.display import Report, Section, angle_columns
+from origami_nlp.display import Report, Section
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import OUTSIDE, SETTLED, groups
 from origami_nlp.pattern import Scene, as_scene, format_angle
@@ -88,31 +87,6 @@ class SpaceMesh(Cells):
                 name = name.replace("+-", "+" if self.fold_angles[vertex, crease - 1] > 0 else "-")
             names.append(name)
         return tuple(sorted(names))
-
-
-@dataclass(frozen=True, repr=False)
-class Component(ShortRepr):
-    """A connected component of X.
-
-    Attributes
-    ----------
-    dimension
-        Of its largest stratum.
-    euler_characteristic
-        V - E + F.
-    holes
-        First Betti number.
-    closed_surfaces
-        Second Betti number.
-    fold_angles
-        All N [rad] of one of its states, well inside.
-    """
-
-    dimension: int
-    euler_characteristic: int
-    holes: int
-    closed_surfaces: int
-    fold_angles: tuple[float, ...]
 
 
 @dataclass(frozen=True, repr=False)
@@ -212,7 +186,7 @@ class Space(Report):
         for number, one in enumerate(self.components, start=1):
             row = {"scene": self.scene.label, "component": number}
             row |= {name: getattr(one, name) for name in names}
-            yield row | angle_columns(one.fold_angles)
+            yield row
 
     @property
     def signature(self) -> tuple[int, ...]:
@@ -262,7 +236,7 @@ class Space(Report):
         for k, part in enumerate(self.components, start=1):
             yield (
                 f"  component {k}: dimension {part.dimension}, Euler characteristic {part.euler_characteristic}, "
-                f"{part.holes} hole(s), such as {angle_words(part.fold_angles)}"
+                f"{part.holes} hole(s)"
             )
         for pinch in self.pinch_points:
             dimensions = " + ".join(map(str, pinch.dimensions))
@@ -355,15 +329,8 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     )
     cells = cells_of(scene, check_whole("rings", rings, *SIZES))
     mesh = SpaceMesh(**vars(cells))
-    chain = mesh.cover.chain
     count = len(cells.wedge)
-    pieces = parts(count, cells.triangles, cells.extra_edges)
-    components = tuple(
-        Component(
-            part.dimension, part.euler, part.holes, part.closed_surfaces, _sample(chain, mesh, part)
-        )
-        for part in pieces
-    )
+    components = tuple(parts(count, cells.triangles, cells.extra_edges))
     pinch = tuple(
         _pinch_point(mesh, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
     )
@@ -374,16 +341,6 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     holes = sum(c.holes for c in components)
     euler = sum(c.euler_characteristic for c in components)
     return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
-
-
-def _sample(chain: HalfChain, mesh: SpaceMesh, part: ComplexComponent) -> tuple[float, ...]:
-    """The state of a component that keeps farthest from fold limits and from the flat state."""
-    wedge = mesh.wedge[part.vertices]
-    # any state of the component would do: one far from contacts and from flat can be distinguished in a picture
-    room = np.minimum(chain.limits.room(wedge).min(axis=1), np.abs(wedge).max(axis=1))
-    free = mesh.on[part.vertices] == 0
-    best = part.vertices[np.argmax(np.where(free, room, room - 2 * math.pi))]
-    return tuple(mesh.fold_angles[best].tolist())
 
 
 def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:

@@ -13,7 +13,6 @@ from origami_nlp.chart import with_energy
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import find_landscape, find_space
 from origami_nlp.paper.landscape import metastable_stretches
-from origami_nlp.paper.landscape_figure import joining_passes
 from tests import computed_once
 from tests.command_line import run, scene_file
 from tests.computed_once import (
@@ -104,22 +103,6 @@ def test_arrays_hold_states(written):
             assert check_admissible(SCENE.vertex, phi).admissible
         assert set(a["minima_verdict"]) <= {"stable", "unstable", "undecided"}
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_joining_passes_are_a_spanning_tree():
-    class Step:
-        def __init__(self, a, b, energy):
-            self.from_state, self.to_state, self.energy = a, b, energy
-            self.path = np.zeros((3, 6))
-
-    class Found:
-        passes = (Step(1, 2, 0.3), Step(1, 3, 0.7), Step(2, 3, 0.7), Step(1, 4, math.inf))
-
-        class result:
-            minima = (1, 2, 3, 4)
-
-    chosen = joining_passes(Found())  # type: ignore[arg-type]
-    assert [(p.from_state, p.to_state) for p in chosen] == [(1, 2), (1, 3)]
 
 
 @pytest.mark.parametrize(

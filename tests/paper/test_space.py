@@ -157,7 +157,7 @@ def test_topology_of_known_complexes():
     tetrahedron = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
     none = np.empty((0, 2), dtype=int)
     (sphere,) = parts(4, tetrahedron, none)
-    assert (sphere.euler, sphere.holes, sphere.closed_surfaces) == (2, 0, 1)
+    assert (sphere.euler_characteristic, sphere.holes, sphere.closed_surfaces) == (2, 0, 1)
     i = np.arange(4)
     grid = lambda a, b: (a % 4) * 4 + b % 4  # noqa: E731
     a, b = (v.ravel() for v in np.meshgrid(i, i))
@@ -168,12 +168,12 @@ def test_topology_of_known_complexes():
         ]
     )
     (part,) = parts(16, torus, none)
-    assert (part.euler, part.holes, part.closed_surfaces) == (0, 2, 1)
+    assert (part.euler_characteristic, part.holes, part.closed_surfaces) == (0, 2, 1)
     # two triangles that touch at a vertex, joined by a handle; a whisker; a lone vertex
     bow = np.array([[0, 1, 2], [0, 3, 4]])
     extra = np.array([[1, 5], [5, 3], [2, 6]])
     found = parts(8, bow, extra)
-    assert [(p.dimension, p.holes, p.euler) for p in found] == [(2, 1, 0), (0, 0, 1)]
+    assert [(p.dimension, p.holes, p.euler_characteristic) for p in found] == [(2, 1, 0), (0, 0, 1)]
     kinds = {s.vertex: s.dimensions for s in spots(8, bow, extra)}
     assert kinds == {0: (2, 2), 1: (2, 1), 3: (2, 1), 2: (2, 1)}
     arcs = sorted(path.tolist() for path in handles(8, bow, extra))

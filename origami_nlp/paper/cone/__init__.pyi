@@ -2,7 +2,6 @@ from .branches import (
     ConeBranch as ConeBranch,
     FoldedCone as FoldedCone,
     branch as branch,
-    draw_branch as draw_branch,
 )
 from .classes import (
     AssignmentClasses as AssignmentClasses,

@@ -12,21 +12,18 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Integral
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.display import Report, Section, Table, draw_states
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.paper.cone.classes import EnergyClass, direction_name
 from origami_nlp.paper.cone.flaps import Flaps, class_of, parse_flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.rules import SLACK, Cone
 from origami_nlp.pattern import Scene, Vertex, format_angle
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 UP, DOWN = 1, -1
 LONGEST_WORD = 24
@@ -201,7 +198,7 @@ class FoldedCone(Report):
     branch: ConeBranch
     elevation: float
 
-    SCHEMA, READS, PICTURE = "origami-nlp/paper/1", False, "draw_branch"
+    SCHEMA, READS = "origami-nlp/paper/1", False
 
     def __post_init__(self) -> None:
         _ = self.fold_angles  # raises an error past the end
@@ -241,21 +238,3 @@ class FoldedCone(Report):
             "edges_foldAngle": np.degrees(phi).tolist(),
             "edges_assignment": ["V" if p > 0 else "M" if p < 0 else "F" for p in phi],
         }
-
-
-def draw_branch(state: FoldedCone) -> Figure:
-    """Draw a folded cone.
-
-    Parameters
-    ----------
-    state
-        On its branch.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The cone.
-    """
-    title = f"elevation {format_angle(state.elevation)}"
-    sheet = cone_sheet(state.branch.degree)
-    return draw_states(sheet, [(title, state.fold_angles)], f"branch {state.branch!r}")

@@ -11,18 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_callback
 from origami_nlp.display import Report, Section, folding_table
-from origami_nlp.io import to_plain
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
 from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
-from origami_nlp.paper.cone.classes import direction_name
-from origami_nlp.paper.cone.flaps import class_of, write_flaps
+from origami_nlp.paper.cone.flaps import class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
@@ -102,6 +99,11 @@ class ConeFullSpace(Report):
     states: tuple[JudgedMinimum, ...] = field(repr=False)
 
     SCHEMA, READS = "origami-nlp/paper/1", False
+    ALSO = ("branch_minima", "stable", "unstable", "undecided")
+    branch_minima = property(lambda self: self.count())
+    stable = property(lambda self: self.count("stable"))
+    unstable = property(lambda self: self.count("unstable"))
+    undecided = property(lambda self: self.count("undecided"))
 
     def count(self, verdict: str | None = None, kind: str | None = None) -> int:
         """Count branch minima over all branches (copies included), of one verdict and kind."""
@@ -131,31 +133,6 @@ class ConeFullSpace(Report):
         yield from (f"[{k}] {reason}" for k, reason in enumerate(reasons, start=1))
         words = [f"{self.count(v)} {v}" for v in VERDICTS]
         yield f"of {self.count()} branch minima: " + ", ".join(words)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data, descents included."""
-        return {
-            "schema": self.SCHEMA,
-            "degree": self.cone.degree,
-            "ratio": self.ratio,
-            "rest_elevation": self.rest.elevation,
-            "rest_angles": [self.rest.odd, self.rest.even],
-            "branch_minima": self.count(),
-            **{v: self.count(v) for v in VERDICTS},
-            "states": [_judged(s) for s in self.states],
-        }
-
-
-def _judged(state: JudgedMinimum) -> dict[str, Any]:
-    own, told = state.branch, state.full_space
-    data = to_plain(state) | {"elevation": own.direction * state.elevation}
-    data |= {"flaps": write_flaps(own.flaps), "direction": direction_name(own.direction)}
-    data |= {"symmetry": own.symmetry, "verdict": state.verdict, "certificate": told.certificate}
-    del data["branch"], data["full_space"]
-    return data | {
-        "hessian_eigenvalues": list(told.hessian_eigenvalues),
-        "descent": to_plain(told.descent),
-    }
 
 
 def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:

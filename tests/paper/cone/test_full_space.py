@@ -117,7 +117,7 @@ def test_command_reports_verdicts(tmp_path):
         reported["branch_minima"]
         == reported["stable"] + reported["unstable"] + reported["undecided"]
     )
-    assert all(s["certificate"] for s in reported["states"])
+    assert all(s["full_space"]["certificate"] for s in reported["states"])
 
 
 @pytest.mark.parametrize(

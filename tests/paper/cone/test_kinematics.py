@@ -214,10 +214,10 @@ def test_assignments_are_read_and_written():
 # ---------------------------------------------------------------- command line, drawings
 
 
-def test_branch_gives_fold_angles_in_degrees(tmp_path):
-    picture, asked = tmp_path / "branch.pdf", ("paper", "cone", "branch", "--flaps", "VVM")
-    out = run(*asked, "--elevation", "-pi/9", "-o", "-", "-o", picture)
-    assert out.code == 0 and picture.stat().st_size > 5000
+def test_branch_gives_fold_angles_in_degrees():
+    asked = ("paper", "cone", "branch", "--flaps", "VVM")
+    out = run(*asked, "--elevation", "-pi/9", "-o", "-")
+    assert out.code == 0
     data = json.loads(out.out)
     assert (data["direction"], data["symmetry"], data["end_rule"]) == ("down", "D1", "contract")
     np.testing.assert_allclose(np.radians(data["edges_foldAngle"]), data["fold_angles"])
