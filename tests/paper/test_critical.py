@@ -2,47 +2,40 @@
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from origami_nlp import examples, find_minima
+from origami_nlp import examples
 from origami_nlp.chart import geometry
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.paper import CriticalPoints, compare_minima, find_critical_points
+from origami_nlp.paper import CriticalPoints, find_critical_points
 from origami_nlp.paper.links import count_arcs, link_of
-from origami_nlp.pattern import Scene, double_well, scene_to_dict
+from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import panel_points, thinned
 
 PANELS = examples.panels()
-SOME = [PANELS[k] for k in (1, 8, 15)]  # handles; an interior saddle; pinned by the axis
 SHAPES = list({s.vertex: s for s in PANELS}.values())
 
 
-# Every day a vertex of degree 8: its points cost a third of those of degree 6, which has one variable more.
-
-
-def critical_points(scene):
-    return panel_points(PANELS.index(scene))
-
-
-def with_energy(scene, stiffness, rest):
-    """The same geometry with other springs on the variables of the model."""
-    model = pose(scene)
-    k, phi0 = model.expand(np.asarray(stiffness)), model.expand(np.asarray(rest))
-    return Scene(scene.vertex, tuple(k), tuple(phi0), scene.symmetry, "full", scene.mirror)
-
-
 def random_energy(scene, rng):
-    """Stiffness over almost three decades and any rest angles."""
-    size = pose(scene).size
-    return with_energy(
-        scene, np.exp(rng.uniform(-3, 3, size)), rng.uniform(-math.pi, math.pi, size)
-    )
+    """Stiffness over almost three decades and any rest angles, on the variables of the problem."""
+    n, expand = pose(scene).size, pose(scene).expand
+    k, rest = expand(np.exp(rng.uniform(-3, 3, n))), expand(rng.uniform(-math.pi, math.pi, n))
+    return Scene(scene.vertex, tuple(k), tuple(rest), scene.symmetry, "full", scene.mirror)
+
+
+@pytest.mark.slow  # all panels
+def test_points_of_the_panels_are_those_that_are_known():
+    """Numbers of all points, as they were found by another search at commit 43a588e0; 43 minima, of sum 1 each."""
+    found = [panel_points(k) for k in range(len(PANELS))]
+    many = [18, 30, 28, 14, 27, 26, 14, 25, 25, 17, 16, 19, 19, 18, 19, 18, 18, 19]
+    assert [len(f.points) for f in found] == many
+    assert sum(len(f.minima) for f in found) == 43
+    assert {(f.morse_sum, f.doubts) for f in found} == {(1, ())}
 
 
 @pytest.mark.parametrize("shape", thinned(range(6), 3))
@@ -53,19 +46,6 @@ def test_the_sum_is_the_same_for_every_energy(shape):
         other = find_critical_points(random_energy(SHAPES[shape], rng))
         assert (other.morse_sum, other.doubts) == (1, ()), other.to_dict()
         assert max(p.residual for p in other.points) < 1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("scene", thinned([SOME[2], SOME[0], SOME[1]], 3), ids=lambda s: s.name)
-def test_points_follow_the_definition_by_regular_formula_and_by_link(scene):
-    """Index and multiplier sign against the count on the sampled link, on springs without symmetry of their own."""
-    scene = random_energy(scene, np.random.default_rng(3))
-    problem = pose(scene)
-    for p in find_critical_points(scene).points:
-        if p.stratum in ("interior", "boundary"):
-            at = State(problem, problem.reduce(np.array(p.fold_angles)))
-            chi, *_ = link_of(geometry(scene), at, 1e-3).lower(problem.parameters)
-            assert p.contribution == 1 - chi, p
 
 
 def chart_points(scene, size):
@@ -116,13 +96,11 @@ def chart_points(scene, size):
     return model.expand(np.array(kept).reshape(-1, model.size))
 
 
-@pytest.mark.parametrize(
-    "scene", thinned([PANELS[15], SOME[1], PANELS[0]], 3), ids=lambda s: s.name
-)
-def test_interior_points_are_those_of_the_chart(scene):
+@pytest.mark.parametrize("number", thinned([15, 8, 0], 3))
+def test_interior_points_are_those_of_the_chart(number):
     """Both ways: nothing missing, nothing extra; the chart is regular at all interior points of these panels."""
-    inner = [p.fold_angles for p in critical_points(scene).points if p.stratum == "interior"]
-    scanned = chart_points(scene, 61)
+    inner = [p.fold_angles for p in panel_points(number).points if p.stratum == "interior"]
+    scanned = chart_points(PANELS[number], 61)
     assert len(inner) == len(scanned)
     for state in scanned:
         assert min(np.abs(np.subtract(state, p)).max() for p in inner) < 1e-6
@@ -147,7 +125,7 @@ def test_links_of_known_states():
 
 
 def test_json_round_trip():
-    found = critical_points(PANELS[15])
+    found = panel_points(15)
     data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     again = CriticalPoints.from_dict(data)
     assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
@@ -167,21 +145,3 @@ def test_scenes_without_two_dof_are_refused():
         find_critical_points(full)
     with pytest.raises(OptionError, match="contact = 'none'"):
         find_critical_points(examples.degree6(contact="none"))
-
-
-@pytest.mark.slow  # a thorough search
-def test_points_of_wells_are_counted_and_their_minima_are_those_of_the_search():
-    """With one random law for the creases that each variable of the model stands for."""
-    scene, rng = PANELS[15], np.random.default_rng(15)
-    model = pose(scene)
-    draws = [
-        (math.exp(x), e, s)
-        for x, e, s in rng.uniform((-1, 0.4, -0.3), (1, 1.5, 0.3), (model.size, 3))
-    ]
-    which = model.expand(np.arange(model.size, dtype=float)).round().astype(int)
-    scene = replace(scene, laws=tuple(double_well(*draws[k]) for k in which))
-    found = find_critical_points(scene)
-    search = find_minima(scene, effort="thorough", escape=False, prove=False)
-    assert found.morse_sum == 1 and found.doubts == ()  # the space is a disc, whatever the law
-    assert max(p.residual for p in found.points) < 1e-12
-    assert compare_minima(found, search).comparison.agree and len(found.minima) > 4

@@ -6,15 +6,12 @@ import numpy as np
 import pytest
 
 from origami_nlp.chart import (
-    admissible,
-    chart_of,
     edges_of,
     handles,
     parts,
     spots,
     surface_pieces,
 )
-from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import find_space
 from origami_nlp.pattern import degree6, degree8
@@ -52,30 +49,6 @@ def test_mesh_is_a_complex_of_admissible_states(spaces, name):
         assert said.admissible, (phi, said.reason)
     # every vertex lies on some edge, every triangle's edges are listed
     assert np.isin(np.arange(len(mesh.wedge)), mesh.edges).all()
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_vertices_on_walls_are_exactly_there(spaces, name):
-    mesh = spaces[name].mesh
-    for k, wall in enumerate(mesh.walls):
-        here = mesh.on >> k & 1 == 1
-        if wall.startswith("phi_") and here.any():
-            crease = int(wall.removeprefix("phi_").split(" ")[0])
-            angles = np.abs(mesh.fold_angles[here, crease - 1])
-            assert np.abs(angles - math.pi).max() < 1e-11
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_chart_coordinates_lead_back_to_the_states(spaces, name):
-    mesh, chart = spaces[name].mesh, chart_of(SCENES[name])
-    free = mesh.on == 0
-    for branch in set(mesh.branch[free].tolist()):
-        mine = free & (mesh.branch == branch)
-        found = chart.fold_angles(branch, *mesh.chart[mine].T)
-        error = np.abs(found - mesh.fold_angles[mine]).max(axis=1)
-        known = np.isfinite(error)
-        assert known.mean() > 0.9
-        assert np.quantile(error[known], 0.95) < 1e-7
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -134,12 +107,6 @@ def test_handles_are_thin_for_an_independent_formulation(spaces):
             assert symmetrically_admissible(piece, other[None]).all()
 
 
-@pytest.mark.parametrize("name", [n for n in SCENES if n != "6, pi/3"])
-def test_no_handles_elsewhere(spaces, name):
-    assert spaces[name].handles == ()
-    assert [p.kind for p in spaces[name].pinch_points] == ["pinch point"]
-
-
 def test_picture_joins_states_that_are_apart(spaces):
     for name in ("6, pi/3",):
         space = spaces[name]
@@ -182,26 +149,3 @@ def test_topology_of_known_complexes():
     (loop,) = handles(3, np.empty((0, 3), dtype=int), ring)
     assert loop[0] == loop[-1]
     assert len(loop) == 4
-
-
-def test_bad_input_is_refused_in_one_line(tmp_path):
-    with pytest.raises(OptionError, match="rings = 4"):
-        find_space(degree6("pi/4"), rings=4)
-    with pytest.raises(OptionError, match="contact"):
-        find_space(degree6("pi/4", contact="none"))
-    with pytest.raises(OptionError, match="symmetry"):
-        find_space(degree6("pi/4", symmetry="none"))
-
-
-@pytest.mark.parametrize("name", ["6, pi/4", "6, pi/3"])
-def test_picture_covers_the_pixels_that_the_closed_forms_admit(spaces, name):
-    """Area in the (phi_2, phi_3) plane: triangles of the mesh against pixels of the chart's closed forms."""
-    scene, mesh = SCENES[name], spaces[name].mesh
-    a, b, c = (mesh.chart[mesh.triangles[:, k]] for k in range(3))
-    u, v = b - a, c - a
-    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum()
-    n = 301
-    axis = -math.pi + 2 * math.pi * (np.arange(n) + 0.5) / n
-    states = chart_of(scene).fold_angles(0, *np.meshgrid(axis, axis)).reshape(-1, 6)
-    pixels = admissible(scene, states).mean() * (2 * math.pi) ** 2
-    assert area == pytest.approx(pixels, rel=0.02)

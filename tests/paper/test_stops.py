@@ -5,12 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import ndimage
 
 import origami_nlp as o
-from origami_nlp.chart import chart_of
-from origami_nlp.numerics import groups
-from tests.independent.admissible import admissible
 
 N = 361
 
@@ -35,27 +31,6 @@ def stopped(seed, without_flat=False):
     )
 
 
-def check_pixels(scene):
-    """Pieces of a scene without its flat state, and their areas in the (phi_2, phi_3) plane."""
-    mesh = o.find_space(scene, rings=24).mesh
-    t = (np.arange(N) + 0.5) / N * math.tau - math.pi
-    phi = chart_of(scene).fold_angles(0, *np.meshgrid(t, t)).reshape(-1, 6)
-    low, high = scene.limit_angles
-    inside = ((phi >= low) & (phi <= high)).all(axis=1)
-    inside[inside] = admissible(np.array(scene.vertex.sector_angles), phi[inside], "full")
-    label, many = ndimage.label(inside.reshape(N, N))
-    pixels = np.bincount(label.ravel())[1:] * (math.tau / N) ** 2
-    a, b, c = (mesh.chart[mesh.triangles[:, i]] for i in range(3))
-    u, v = b - a, c - a
-    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-    piece = groups(len(mesh.wedge), mesh.edges)[mesh.triangles[:, 0]]
-    ours = np.array([area[piece == k].sum() for k in np.unique(piece)])
-    # what is smaller than some pixels is not seen by them
-    seen = 20 * (math.tau / N) ** 2
-    ours, pixels = (np.sort(v[v > seen]) for v in (ours, pixels))
-    assert ours == pytest.approx(pixels, rel=0.03, abs=0.05), many
-
-
 def check_count(scene, rings=16):
     """The Euler characteristic is the Morse count, which asks another way; the minima are those of the search."""
     space = o.find_space(scene, rings=rings)
@@ -72,12 +47,6 @@ def check_count(scene, rings=16):
     assert found.morse_sum == space.euler_characteristic
     assert max((p.residual for p in found.points), default=0.0) < 1e-12
     return found
-
-
-@pytest.mark.slow  # a fine mesh
-@pytest.mark.parametrize("seed", [1])
-def test_pieces_are_those_of_pixels(seed):
-    check_pixels(stopped(seed, without_flat=True))
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
