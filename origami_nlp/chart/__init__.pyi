@@ -1,8 +1,8 @@
 from .axes import (
     UNIT as UNIT,
+    area_axes as area_axes,
     area_legend as area_legend,
     colour_bar as colour_bar,
-    coordinate_label as coordinate_label,
     curve_name as curve_name,
     draw_area as draw_area,
     draw_curves as draw_curves,

@@ -157,23 +157,21 @@ def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     verdict = np.zeros(face.max() + 1, dtype=bool)
     at = face[triangle]
     order = np.lexsort((-clearance, at))
-    first = np.flatnonzero(np.r_[True, np.diff(at[order]) != 0])
-    for start, end in zip(first, np.r_[first[1:], len(order)], strict=True):
-        best = [m for m in order[start : min(end, start + WITNESSES)] if clearance[m] > OUTSIDE]
-        here = at[order[start]]
-        if not best:
-            if side[triangle[order[start]], 0] < 0:
+    for mine in np.split(order, np.flatnonzero(np.diff(at[order])) + 1):
+        best = mine[:WITNESSES][clearance[mine[:WITNESSES]] > OUTSIDE]
+        if not len(best):
+            if side[triangle[mine[0]], 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
         if not cover.chain.limits.inside(wedge[best]).all():
             continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
-        said = [
+        said = {
             check_admissible(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best
-        ]
-        if len(set(said)) == 2:
+        }
+        if len(said) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
-        verdict[here] = said[0]
+        verdict[at[mine[0]]] = said.pop()
     return verdict[face]
 
 

@@ -48,7 +48,6 @@ class Event:
 
     alpha: sector angle, polished to rounding [rad].  walls: active walls.  fold_angles: a state of it, all N.
     multipliers: lambda of closure, then walls.  residual: of the polished equations (closure and walls).
-    curve: whether the state is one of a whole curve of such states.
     admissible: whether the state is, contact and symmetric layers included.
     """
 
@@ -57,7 +56,6 @@ class Event:
     fold_angles: tuple[float, ...]
     multipliers: tuple[float, ...]
     residual: float
-    curve: bool
     admissible: bool
 
 
@@ -130,45 +128,32 @@ def find_events(
 
 
 class ContactKkt:
-    """The KKT system of one set of walls, compiled."""
+    """The KKT system of one set of walls at z = (x, alpha, lambda), compiled: `residual` and `jacobian`."""
 
     def __init__(
         self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: list[Wall]
     ) -> None:
         import casadi as ca
 
-        k = chain.size
-        x, alpha = ca.SX.sym("x", k), ca.SX.sym("alpha")
+        self.k = chain.size
+        x, alpha = ca.SX.sym("x", self.k), ca.SX.sym("alpha")
         equations = _equations(make, middle, chain, walls, x, alpha)
-        self.count = equations.numel()
-        lam = ca.SX.sym("lam", self.count)
+        lam = ca.SX.sym("lam", equations.numel())
         jx, ja = ca.jacobian(equations, x), ca.jacobian(equations, alpha)
         # KKT of the sector angle itself: alpha is stationary among states with these walls closed, grad alpha = J' lam
         f = ca.vertcat(equations, jx.T @ lam, ca.dot(ja, lam) - 1)
         z = ca.vertcat(x, alpha, lam)
-        self._residual = ca.Function("f", [z], [f])
-        self._jacobian = ca.Function("j", [z], [ca.jacobian(f, z)])
-        self._gradients = ca.Function("g", [x, alpha], [equations, ca.horzcat(jx, ja)])
-        self.k = k
-
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """Evaluate the KKT system at z = (x, alpha, lambda)."""
-        return np.asarray(self._residual(z)).ravel()
-
-    def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """Evaluate its Jacobian."""
-        return np.asarray(self._jacobian(z))
-
-    def gradients(self, x: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
-        """Equations and their derivatives in (x, alpha)."""
-        value, jac = self._gradients(x, alpha)
-        return np.asarray(value).ravel(), np.asarray(jac)
+        system = ca.Function("f", [z], [f, ca.jacobian(f, z)])
+        gradients = ca.Function("g", [x, alpha], [ca.horzcat(jx, ja)])
+        self.residual = lambda z: np.asarray(system(z)[0]).ravel()
+        self.jacobian = lambda z: np.asarray(system(z)[1])
+        self.gradients = lambda x, alpha: np.asarray(gradients(x, alpha))
 
     def first_multipliers(self, z: np.ndarray) -> np.ndarray:
         """Return the multipliers that fit best at the x and alpha of z."""
-        _, jac = self.gradients(z[: self.k], z[self.k])
-        target = np.concatenate([np.zeros(self.k), [1.0]])
-        return np.linalg.lstsq(jac.T, target, rcond=CONTACT_TOL)[0]
+        target = np.append(np.zeros(self.k), 1.0)
+        jacobian = self.gradients(z[: self.k], z[self.k])
+        return np.linalg.lstsq(jacobian.T, target, rcond=CONTACT_TOL)[0]
 
 
 def _equations(
@@ -232,12 +217,11 @@ def _polished(
     # closed as the lift q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
-    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED
     elements = scene.group.elements
     good = check_admissible(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
-    return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)
+    return Event(alpha, names, tuple(phi.tolist()), lam, residual, good)
 
 
 def _deepest(creases: np.ndarray) -> float:
