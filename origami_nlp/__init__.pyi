@@ -12,19 +12,25 @@ from .contact import (
     find_segments as find_segments,
 )
 from .continuation import ContinuationOptions as ContinuationOptions
-from .critical import CriticalPoints as CriticalPoints, find_critical_points as find_critical_points
 from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
 from .folding import check_admissible as check_admissible
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
-from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
 from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     JudgedState as JudgedState,
     MinimaResult as MinimaResult,
     draw_minima as draw_minima,
+)
+from .paper import (
+    CriticalPoints as CriticalPoints,
+    ExactLandscape as ExactLandscape,
+    Space as Space,
+    find_critical_points as find_critical_points,
+    find_landscape as find_landscape,
+    find_space as find_space,
 )
 from .pattern import (
     HingeData as HingeData,
@@ -58,7 +64,6 @@ from .results import (
     view as view,
 )
 from .search import IpoptAnswer as IpoptAnswer, SearchOptions as SearchOptions, solve as solve
-from .space import Space as Space, find_space as find_space
 from .validity import (
     LayerOrders as LayerOrders,
     Validity as Validity,

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 _MAKERS = {
     "Scene": "a Scene (read_scene reads one from a file)",
-    "Model": "a Model: Model(scene) of one vertex; what a pattern does is searched for (find_minima), not proved",
     "Vertex": "a Vertex (such as scene.vertex)",
     "MinimaResult": "a MinimaResult: what find_minima returns",
     "Barriers": "a Barriers: what find_barriers(scene) returns",

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _READ = (
     ("minima/4", "minima", "minima", "MinimaResult"),
-    ("landscape/2", "points", "critical", "CriticalPoints"),
+    ("landscape/2", "points", "paper", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
@@ -120,8 +120,8 @@ def save(result: Result, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     result
-        Anything that a `find_` function returned (`landscape.landscape_to_dict` has a landscape with its space,
-        critical points and barriers, `landscape.to_arrays` for NumPy).
+        Anything that a `find_` function returned (`paper.landscape_to_dict` has a landscape with its space,
+        critical points and barriers, `paper.to_arrays` for NumPy).
     path
         The file.
 

@@ -22,8 +22,8 @@ from origami_nlp import MinimaResult, Scene, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.contact import find_contacts
-from origami_nlp.critical import find_critical_points
 from origami_nlp.minima import JudgedState
+from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_states import find_states
 from origami_nlp.proof import ReducedVertex, prove_sheet
@@ -193,8 +193,8 @@ def panel_points(number: int) -> Any:
 
 @shared
 def panel_boundary(number: int) -> Boundary:
-    """Return the boundary of a panel's landscape, traced on 101 x 101 points."""
-    return trace_boundary(PANELS[number], 101)
+    """Return the boundary of a panel's landscape."""
+    return trace_boundary(PANELS[number])
 
 
 def thinned(cases: Sequence[Any], step: int) -> list[Any]:

@@ -12,11 +12,8 @@ import origami_nlp as o
 from origami_nlp import write_fold
 from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.chart import landscape
-from origami_nlp.critical import find_critical_points
-from origami_nlp.landscape import draw_landscape, find_landscape
-from origami_nlp.paper import cone
+from origami_nlp.paper import cone, draw_landscape, find_critical_points, find_landscape, find_space
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
-from origami_nlp.space import find_space
 from origami_nlp.sweep import (
     draw_sweep,
     load_states,
@@ -154,15 +151,12 @@ CASES = [
     case(find_space, "rings", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),
     case(find_critical_points, "result", (SCENE, *SCENES[1:]), "scene"),
-    case(find_critical_points, "samples", (0, *WHOLES), "scene"),
-    case(find_critical_points, "seed", SEEDS, "scene"),
-    case(find_critical_points, "all_links", FLAGS, "scene"),
+    case(find_critical_points, "rings", (7, 1026, *WHOLES), "scene"),
     case(landscape, "scene", SCENES),
     case(landscape, "size", (7, 10_000, *WHOLES), "scene"),
     case(landscape(SCENE, 8).place, "fold_angles", STATES),
     case(find_landscape, "result", (SCENE, *SCENES)),
     case(find_landscape, "size", (7, 10_000, *WHOLES), "result"),
-    case(find_landscape, "boundary", SCENES[1:], "result"),
     case(draw_landscape, "exact", (SCENE, *SCENES)),
     case(merge_tree_axes, "ax", SCENES, barriers=None),
     case(merge_tree_axes, "barriers", (SCENE, *SCENES), "ax"),

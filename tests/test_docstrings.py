@@ -54,11 +54,11 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "origami_nlp bifurcation.result chart.outline display.result space.find starts.options "
+    "origami_nlp bifurcation.result chart.boundary display.result starts.options "
     "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.report contact.segments "
-    "continuation.tracer critical.find critical.result inverse_design.finding inverse_design.result landscape.exact "
+    "continuation.tracer inverse_design.finding inverse_design.result "
     "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
-    "paper.cone.phase_curves space.result "
+    "paper.cone.phase_curves paper.critical paper.landscape paper.morse paper.space "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
 ).split()
 """Modules whose examples take seconds: they run with the long studies."""

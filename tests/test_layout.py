@@ -26,18 +26,14 @@ ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
     "pattern_problem search continuation display hinges chart proof "
-    "minima pattern_states contact critical barriers space landscape bifurcation inverse_design "
-    "loading sweep validity results verbs paper cli __main__"
+    "minima pattern_states contact barriers paper bifurcation inverse_design "
+    "loading sweep validity results verbs cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks")
 """Packages beside it, run from a checkout; `symbolic` is installed with it, as `origami_nlp.symbolic`."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 560  # lines of a file
-VERTEX_STACK = frozenset("Model Structure compile_structure Gap Kinematics".split())
-"""What poses one vertex in its own way; it leaves with its last reader."""
-READERS = frozenset("chart critical landscape paper problem".split())
-"""Rooms that read it: the list only shrinks (paper when the search is one, proof when the prover is)."""
 HEAVY = ("casadi", "matplotlib", "sympy", "rich", "typer", "scipy", "shapely", "pandas")
 
 
@@ -264,16 +260,6 @@ def test_only_faces_are_imported_from_outside():
 def test_files_read_in_one_sitting(package):
     long = {n: p for n, p in modules(package).items() if len(p.read_text().splitlines()) > LONGEST}
     assert not long
-
-
-def test_only_these_rooms_read_what_poses_a_vertex_alone():
-    read_by = {
-        room_of(name)
-        for name, path in modules("origami_nlp").items()
-        for item in ours(path)
-        if room_of(entered(item)) == "problem" and item.name in VERTEX_STACK
-    }
-    assert read_by == READERS
 
 
 def test_no_two_classes_share_a_name():

@@ -16,7 +16,7 @@ from origami_nlp.cli import app as command_line
 
 ROOMS = (
     "drawings pattern problem kkt search minima loading bifurcation inverse_design proof contact "
-    "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
+    "barriers continuation chart pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""

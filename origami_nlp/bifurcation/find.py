@@ -40,14 +40,13 @@ from origami_nlp.continuation import (
     GeometryLine,
     ParameterLine,
 )
-from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, unless_stopped
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
+from origami_nlp.paper import find_critical_points, find_space
 from origami_nlp.pattern import Scene, Stated, Vertex, as_origami
 from origami_nlp.proof import ProofOptions
-from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}

@@ -1,28 +1,31 @@
 from .axes import (
     UNIT as UNIT,
+    area_axes as area_axes,
     area_legend as area_legend,
     colour_bar as colour_bar,
     curve_name as curve_name,
     draw_area as draw_area,
     draw_curves as draw_curves,
-    energy_image as energy_image,
     norm_of as norm_of,
 )
-from .boundary_lines import (
+from .boundary import (
     Boundary as Boundary,
     BoundaryLine as BoundaryLine,
+    border_paths as border_paths,
+    branches_of as branches_of,
+    outline_of as outline_of,
     trace_boundary as trace_boundary,
     with_energy as with_energy,
 )
+from .cells import Cells as Cells, cells_of as cells_of, geometry as geometry
 from .chart import (
     Chart as Chart,
     admissible as admissible,
+    allowed as allowed,
+    chart_limits as chart_limits,
     chart_of as chart_of,
     chart_points as chart_points,
     crease_number as crease_number,
-    family_of as family_of,
-    wedge_elevation as wedge_elevation,
-    wedge_point as wedge_point,
 )
 from .energy_map import (
     EnergyBranch as EnergyBranch,
@@ -30,9 +33,15 @@ from .energy_map import (
     Place as Place,
     landscape as landscape,
 )
-from .grid import allowed as allowed, chart_limits as chart_limits, distance_from as distance_from
-from .outline import (
-    Outline as Outline,
-    admissible_region as admissible_region,
-    outline_of as outline_of,
+from .half_chain import HalfChain as HalfChain, chain_of as chain_of
+from .mesh import MeshError as MeshError, edges_of as edges_of, several as several
+from .topology import (
+    Component as Component,
+    Spot as Spot,
+    all_edges as all_edges,
+    borders as borders,
+    handles as handles,
+    parts as parts,
+    spots as spots,
+    surface_pieces as surface_pieces,
 )

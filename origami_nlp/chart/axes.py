@@ -16,10 +16,9 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
-from origami_nlp.chart.chart import chart_of
-from origami_nlp.chart.energy_map import EnergyBranch, Landscape
-from origami_nlp.chart.grid import chart_limits
-from origami_nlp.chart.outline import Outline
+from origami_nlp.chart.boundary import Boundary
+from origami_nlp.chart.chart import Chart, chart_limits, chart_of
+from origami_nlp.chart.energy_map import Landscape
 from origami_nlp.display import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 from origami_nlp.numerics import NONZERO
 
@@ -47,28 +46,15 @@ def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
     return PowerNorm(0.5, vmin=float(low), vmax=float(high))
 
 
-def energy_image(axes: Any, branch: EnergyBranch, energy: Any, norm: Normalize, **look: Any) -> Any:
-    """Paint the cells of a branch by their energies [ny, nx], none where it is masked; returns the image."""
-    (left, right), (low, high) = map(cell_edges, branch.axes)
-    extent = (left, right, low, high)
-    return axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
-
-
-def cell_edges(values: np.ndarray) -> tuple[float, float]:
-    """Return where the first of evenly spaced cells starts, and the last one ends, given their middles."""
-    half = (values[1] - values[0]) / 2
-    return float(values[0] - half), float(values[-1] + half)
-
-
 def draw_area(
     axes: Any,
     chart: Landscape,
     branches: Sequence[int],
     norm: Normalize,
-    outline: Outline,
+    boundary: Boundary | None,
     line: float = 1.1,
 ) -> Any:
-    """Draw branches of a landscape, cut exactly at the outline.
+    """Draw branches of a landscape, cut exactly at their boundary.
 
     Parameters
     ----------
@@ -80,8 +66,8 @@ def draw_area(
         Which of the chart's, from 0.
     norm
         Of `norm_of`.
-    outline
-        Of `outline_of`.
+    boundary
+        Of `outline_of`; without regions colours end at cells of the grid.
     line
         Width of a boundary [points].
 
@@ -90,43 +76,51 @@ def draw_area(
     matplotlib.image.AxesImage
         The energies, for a colour bar.
     """
-    image = None
+    image, whole = None, chart_of(chart.scene)
+    assert whole is not None
     for k in branches:
-        image = _draw_energy(axes, chart.branches[k], outline.regions[k], norm, line)
-    for boundary in outline.boundary.lines if outline.boundary else ():
-        if boundary.branch in branches and not boundary.hidden:
+        region = boundary.regions[k] if boundary and boundary.regions else None
+        energy = chart.branches[k].energy
+        if region is not None:  # which cuts: states beyond it have energies too
+            phi = whole.fold_angles(k, *np.meshgrid(*chart.branches[k].axes))
+            energy = np.asarray(chart.scene.energy(phi))
+        image = _draw_energy(axes, chart.branches[k].axes, energy, region, norm, line)
+    for one in boundary.lines if boundary else ():
+        if one.branch in branches and not one.hidden:
             look: dict[str, Any] = {"color": INK, "linewidth": line, "zorder": 3}
-            if boundary.thin:
+            if one.thin:
                 look = HANDLE | {"linewidth": 1.9 * line}
-            axes.plot(*boundary.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
-    if outline.boundary is None:
-        for k in branches:
-            edge = PathPatch(region_path(outline.regions[k]), fc="none", ec=INK, lw=line, zorder=3)
-            axes.add_patch(edge)
+            axes.plot(*one.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
+    area_axes(axes, whole)
+    return image
+
+
+def area_axes(axes: Any, chart: Chart) -> None:
+    """Set limits, ticks and names of the coordinates of a chart.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    chart
+        Of two coordinates.
+    """
     for spine in axes.spines.values():
         spine.set(color="#8A8A8A", linewidth=0.6, zorder=0)
-    whole = chart_of(chart.scene)
-    assert whole is not None
-    x0, x1, y0, y1 = chart_limits(whole)
-    bounds = [r.bounds for r in outline.regions if not r.is_empty]
-    if outline.boundary is None and bounds:  # nothing is closed far above and below
-        step = math.pi / 4
-        y0 = max(y0, step * math.floor(min(b[1] for b in bounds) / step + 1e-9))
-        y1 = min(y1, step * math.ceil(max(b[3] for b in bounds) / step - 1e-9))
+    x0, x1, y0, y1 = chart_limits(chart)
     axes.set(xlim=(x0, x1), ylim=(y0, y1))
     axes.set_xlabel(coordinate_label(chart.coordinates[0]))
     axes.set_ylabel(coordinate_label(chart.coordinates[1]), labelpad=0)
     angle_ticks(axes.xaxis, x0, x1)
     angle_ticks(axes.yaxis, y0, y1)
-    return image
 
 
-def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[Any]:
+def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) -> list[Any]:
     """Return legend entries for the lines and the white of `draw_area`.
 
     Parameters
     ----------
-    chart, outline, line
+    chart, boundary, line
         Of `draw_area`.
 
     Returns
@@ -134,10 +128,10 @@ def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[A
     list of matplotlib.artist.Artist
         Handles with labels.
     """
-    lines = outline.boundary.lines if outline.boundary else ()
-    words = "contact" if lines else "border of the closed states"
-    entries: list[Any] = [Line2D([], [], color=INK, linewidth=line, label=words)]
-    if any(each.thin for each in lines):
+    entries: list[Any] = []
+    if boundary:
+        entries.append(Line2D([], [], color=INK, linewidth=line, label="contact"))
+    if boundary and any(each.thin for each in boundary.lines):
         entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
     white = WHITE[chart.scene.contact]
     if chart.scene.limits:
@@ -145,33 +139,27 @@ def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[A
     return [*entries, patch("white", white)]
 
 
-def _draw_energy(axes: Any, branch: EnergyBranch, region: Any, norm: Normalize, line: float) -> Any:
+def _draw_energy(
+    axes: Any, at: Any, energy: np.ndarray, region: Any, norm: Normalize, line: float
+) -> Any:
     """Draw the colours and contour lines of one branch, cut at its exact boundary."""
-    energy = np.ma.masked_invalid(fill_outwards(branch))
-    look = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
-    image = energy_image(axes, branch, energy, norm, **look)
+    energy = np.ma.masked_invalid(energy)
+    # pixels around the middles of cells
+    half = [(v[1] - v[0]) / 2 for v in at]
+    extent = [e for v, h in zip(at, half, strict=True) for e in (v[0] - h, v[-1] + h)]
+    look: dict[str, Any] = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
+    image = axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
     levels = [norm.inverse(v) for v in np.linspace(0.0, 1.0, 12)[1:-1]]
     look = {"levels": levels, "colors": "white", "linewidths": 0.4 * line, "alpha": 0.7}
-    lines = axes.contour(*branch.axes, energy, **look, zorder=2)
-    lines.set_paths([thinned(path) for path in lines.get_paths()])
-    # vector files hold what cuts in full, and twice; the lines over its edge are exact
-    cut = region_path(region.simplify(UNSEEN))
-    clip = PathPatch(cut, transform=axes.transData, fc="none", ec="none")
-    axes.add_patch(clip)
-    image.set_clip_path(clip)
-    lines.set_clip_path(clip)
+    lines = axes.contour(*at, energy, **look, zorder=2)
+    if region is not None:
+        # vector files hold what cuts in full, and twice; the lines over its edge are exact
+        path = region_path(region.simplify(UNSEEN))
+        clip = PathPatch(path, transform=axes.transData, fc="none", ec="none")
+        axes.add_patch(clip)
+        image.set_clip_path(clip)
+        lines.set_clip_path(clip)
     return image
-
-
-def thinned(path: Path) -> Path:
-    """Return contour lines without the points that nobody sees: most of a vector file would be theirs."""
-    from shapely import LineString
-
-    if path.codes is None or not len(path):
-        return path
-    starts = np.flatnonzero(path.codes == Path.MOVETO)
-    parts = (LineString(p).simplify(UNSEEN) for p in np.split(path.vertices, starts[1:]))
-    return Path.make_compound_path(*(Path(np.asarray(part.coords)) for part in parts))
 
 
 def region_path(region: Any) -> Path:
@@ -185,25 +173,6 @@ def region_path(region: Any) -> Path:
         for ring in (polygon.exterior, *polygon.interiors)
     ]
     return Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
-
-
-def fill_outwards(branch: EnergyBranch, steps: int = 6) -> np.ndarray:
-    """Carry the energy on over the edge by linear extrapolation, for cells that the boundary cuts."""
-    energy = branch.energy.copy()
-    for _ in range(steps):
-        padded = np.pad(energy, 2, constant_values=np.nan)
-        rows, columns = energy.shape
-        guesses = []
-        for dr, dc in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)):
-            near = padded[2 + dr : 2 + dr + rows, 2 + dc : 2 + dc + columns]
-            far = padded[2 + 2 * dr : 2 + 2 * dr + rows, 2 + 2 * dc : 2 + 2 * dc + columns]
-            guesses.append(np.where(np.isfinite(far), 2 * near - far, near))
-        every = np.array(guesses)
-        known = np.isfinite(every)
-        count = known.sum(axis=0)
-        mean = np.where(known, every, 0.0).sum(axis=0) / np.maximum(count, 1)
-        energy = np.where(np.isnan(energy) & (count > 0), np.maximum(mean, 0.0), energy)
-    return energy
 
 
 def draw_curves(axes: Any, chart: Landscape) -> list[Any]:

@@ -45,8 +45,7 @@ class Chart:
     def fold_angles(self, branch: int, x: Any, y: Any) -> np.ndarray:
         """All N fold angles at coordinates x, y (broadcast to shape S), shape S + (N,).
 
-        NaN where the branch has no closed state and, with contact, where mirror creases of a wedge
-        are on the wrong side of the axis.  Admissibility is not looked at: see `admissible`.
+        NaN where the branch has no closed state.  Admissibility is not looked at: see `admissible`.
         """
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         rays = self.scene.group.rays
@@ -54,10 +53,7 @@ class Chart:
             value = degree6(rays[0].sector, rays[1].sector, x, y).value
             piece = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
         else:
-            point = wedge_point(self.scene, y, x, self.signs[branch])
-            value = point.value
-            if self.scene.contact == "full":  # mirror creases past the axis cross their images
-                value = np.where(point.own_side[..., None], value, np.nan)
+            value = wedge_point(self.scene, y, x, self.signs[branch]).value
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 
@@ -122,6 +118,12 @@ def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     if scene.contact != "full":
         return good
     alive = np.flatnonzero(good)
+    group = scene.group
+    if group.order >= 2 and len(group.rays) == 3 and all(r.crease is not None for r in group.rays):
+        # mirror creases past the axis cross their images, if only by fourth powers of how far
+        for back in (False, True):
+            past = np.abs(wedge_elevation(scene, phi[alive], back)) > math.pi / 2 + OUTSIDE
+            alive = alive[~past]
     creases, _ = fold_vertex(scene.vertex, phi[alive])
     for pair in facet_pairs(scene):  # one by one: most states of a grid are refused by the first
         keep = pair_depths(creases, [pair])[:, 0] <= OUTSIDE
@@ -129,6 +131,21 @@ def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     good[:] = False
     good[alive] = True
     return good
+
+
+def allowed(chart: Chart, branch: int, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return which chart points have an admissible state, and return the states, shape S + (N,)."""
+    phi = chart.fold_angles(branch, x, y)
+    closed = np.isfinite(phi).all(axis=-1)
+    good = np.zeros(closed.shape, dtype=bool)
+    good[closed] = admissible(chart.scene, phi[closed])
+    return good, phi
+
+
+def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
+    """Return the chart's extent (x low, x high, y low, y high) [rad]."""
+    reach = math.pi / 2 if chart.kind == "wedge" and chart.scene.contact == "full" else math.pi
+    return -math.pi, math.pi, -reach, reach
 
 
 def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
@@ -167,8 +184,10 @@ def family_of(scene: Scene, phi: np.ndarray) -> str:
     return ""
 
 
-def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
+def wedge_elevation(scene: Scene, fold_angles: np.ndarray, back: bool = False) -> np.ndarray:
     """Return the elevation upsilon of crease 1 of D_n states [..., N] with a wedge of three creases [rad], [...].
+
+    With `back` that of crease 3, seen from the other mirror.
 
     In the frame of the folded wedge (ray 1 at e1) the last mirror has the inward normal H n_k,
     n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
@@ -176,12 +195,13 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     """
     n = scene.group.order
     azimuth, h = 0.0, quat.IDENTITY
-    for r, ray in enumerate(scene.group.rays):
+    sectors = [ray.sector for ray in scene.group.rays[:2]]
+    for r in (2, 1, 0) if back else (0, 1, 2):
         # half of the turn: phi_2 / 2, and phi / 4 at both mirrors, which halve the fold
         half = fold_angles[..., crease_number(scene, r) - 1] / (2 if r == 1 else 4)
         axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
         h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
-        azimuth += ray.sector
+        azimuth += sectors.pop(-1 if back else 0) if sectors else 0.0
     normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
     # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/validation/errata.md, 1)
     return np.arctan2(normal[2], normal[0])

@@ -13,22 +13,22 @@ Anything else has no chart: `Landscape.reason` says why.  Radians; energies in t
 
 from __future__ import annotations
 
-import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_type, check_whole
-from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
-from origami_nlp.chart.grid import allowed
+from origami_nlp.chart.chart import Chart, admissible, allowed, chart_of, family_of
+from origami_nlp.continuation import ContinuationOptions, End, Point, trace_held
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import check_admissible
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, CROSSING, NONZERO, OUTSIDE
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Model, Problem
+from origami_nlp.pattern_problem import pose
+from origami_nlp.problem import FoldLimits
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,8 +76,6 @@ class Landscape(ShortRepr):
     coordinates: names, such as ``("phi_2", "phi_3")``; creases are numbered as in the scene.
     branches: at least one, unless kind is ``"none"``.
     reason: why there is no landscape, in words; empty otherwise.
-    handles: curves [m, 2] in the coordinates, along which states exist only at a fold angle of +-pi
-        exactly (the paper's 1-handles; looked for on the border of the degree-6 chart).
     """
 
     scene: Scene
@@ -85,7 +83,6 @@ class Landscape(ShortRepr):
     coordinates: tuple[str, ...]
     branches: tuple[EnergyBranch, ...]
     reason: str = ""
-    handles: tuple[np.ndarray, ...] = ()
 
     @property
     def one_plane(self) -> bool:
@@ -164,32 +161,7 @@ def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) ->
 def _degree6(chart: Chart, size: int) -> Landscape:
     axis = cells(-math.pi, math.pi, size)
     branch = _area(chart, 0, "", (axis, axis))
-    handles = _handles(chart, branch) if chart.scene.contact == "full" else ()
-    return Landscape(chart.scene, "area", chart.coordinates, (branch,), handles=handles)
-
-
-def _handles(chart: Chart, branch: EnergyBranch) -> tuple[np.ndarray, ...]:
-    """Stretches of the chart's border with admissible states and none beside them, inside."""
-    scene, size = chart.scene, branch.energy.shape[0]
-    t = np.linspace(-math.pi, math.pi, 65)
-    cell = np.minimum(((t + math.pi) / (2 * math.pi) * size).astype(int), size - 1)
-    found = []
-    for side, edge in ((-math.pi, 0), (math.pi, size - 1)):
-        border = np.full_like(t, side)
-        for x, y, inside in (
-            (border, t, branch.energy[cell, edge]),
-            (t, border, branch.energy[edge, cell]),
-        ):
-            states = chart.fold_angles(0, x, y)
-            # a 1-handle: the border point is admissible, the cell inside of it is not
-            alone = np.isnan(inside) & admissible(scene, states)
-            # facets lie on each other there: the layers decide
-            alone[alone] = [check_admissible(scene.vertex, phi).admissible for phi in states[alone]]
-            for kept, run in itertools.groupby(range(len(t)), key=alone.__getitem__):
-                k = list(run)
-                if kept and len(k) > 2:
-                    found.append(np.stack([x[k], y[k]], axis=-1))
-    return tuple(found)
+    return Landscape(chart.scene, "area", chart.coordinates, (branch,))
 
 
 def _wedge(chart: Chart, size: int) -> Landscape:
@@ -201,8 +173,8 @@ def _wedge(chart: Chart, size: int) -> Landscape:
         # a coarse look first: each branch fills only a part of the elevations
         coarse = cells(-reach, reach, 81)
         # broadcast: phi_2 along columns, elevations along rows
-        look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
-        rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
+        look = allowed(chart, k, cells(-math.pi, math.pi, 81), coarse[:, None])[0]
+        rows = np.flatnonzero(look.any(axis=1))
         low, high = -reach, reach
         if rows.size:
             cell = 2 * reach / 81
@@ -230,161 +202,63 @@ def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
 
 
 def _curves(scene: Scene, size: int) -> Landscape:
-
     curves = trace_curves(scene, 2 * math.pi / size)
-    orbit = list(scene.group.orbit)
-    pieces = []
-    for x in curves:
-        phi = x[:, _variables(scene)[orbit]]
-        good = admissible(scene, phi)
-        if scene.contact == "full":  # few states: the order of touching layers too
-            good[good] = [check_admissible(scene.vertex, state).admissible for state in phi[good]]
-        if good.sum() > 1:
-            pieces.append((x, np.where(good[:, None], phi, np.nan)))
-    if not pieces:
-        return Landscape(
-            scene,
-            "none",
-            (),
-            (),
-            f"no admissible curve leaves the flat state with {scene.group.name}",
-        )
+    if not curves:
+        why = f"no admissible curve of states keeps {scene.group.name}"
+        return Landscape(scene, "none", (), (), why)
     # the fold angle over which every curve is widest, or some would be drawn upright
-    width = np.min([np.nanmax(phi, axis=0) - np.nanmin(phi, axis=0) for _, phi in pieces], axis=0)
-    crease = int(np.argmax(np.round(width, 3)))
+    crease = int(np.argmax(np.min([np.ptp(phi, axis=0).round(3) for phi in curves], axis=0)))
     branches = tuple(
-        EnergyBranch(
-            f"curve {k}" if len(pieces) > 1 else "",
-            (phi[:, crease],),
-            np.asarray(scene.energy(phi)),
-            phi,
-        )
-        for k, (_, phi) in enumerate(pieces, start=1)
+        EnergyBranch(f"curve {k}", (phi[:, crease],), np.asarray(scene.energy(phi)), phi)
+        for k, phi in enumerate(curves, start=1)
     )
     return Landscape(scene, "curve", (f"phi_{crease + 1}",), branches)
 
 
-def _variables(scene: Scene) -> np.ndarray:
-    """For each ray of the piece, the position of its crease among the variables."""
-    return np.cumsum([ray.crease is not None for ray in scene.group.rays]) - 1
-
-
 def _place_on_curve(chart: Landscape, phi: np.ndarray) -> Place:
     crease = int(chart.coordinates[0].removeprefix("phi_")) - 1
-    away = [np.nanmin(np.linalg.norm(b.fold_angles - phi, axis=1)) for b in chart.branches]
+    away = [np.linalg.norm(b.fold_angles - phi, axis=1).min() for b in chart.branches]
     return Place(int(np.argmin(away)), (float(phi[crease]), float(chart.scene.energy(phi))))
 
 
 STARTS = 96
 """Projected random states from which curves are looked for; the same every time."""
-SHORTEST = 8
-"""Pieces with fewer points are dropped."""
-LONGEST = 6000
-"""Points after which a curve is given up as endless."""
-NEWTON = 12
-"""Steps of the corrector; from the predicted point it needs two to four."""
 
 
 def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
-    """Trace the closed states of a scene with one degree of freedom, inside |phi| <= pi.
+    """Trace the admissible states of a scene with one degree of freedom, inside |phi| <= pi.
 
     Parameters
     ----------
     step
-        Distance of successive points in the space of the model's variables [rad].
+        Distance of successive points at most, in the space of the problem's variables [rad].
 
     Returns
     -------
     curves
-        Each a list of states [m, n] in the model's variables, in order along the curve.  Curves
-        may cross (at the flat state they do): each goes straight through.  For contact ``"full"``
-        states beyond a mirror or axis contact, or on the lift q = -1, are cut away.
+        Fold angles [m, N] each, in order along the curve, which ends at limits, contacts, and where curves cross, as at
+        the flat state.
     """
-    model = Model(scene)
+    problem = pose(scene)
+    reach = np.full(problem.size, math.pi)
+    inside = problem.fold_limits if problem.has_limits else FoldLimits(-reach, reach)
+    any_angles = np.random.default_rng(0).uniform(-math.pi, math.pi, (STARTS, problem.size))
+    steps = ContinuationOptions(first=step / 4, longest=step, together=12, most=6000)
+
+    def before(points: Sequence[Point]) -> int:
+        x = np.array([p.x for p in points])
+        good = inside.inside(x).all(axis=1)
+        good[good] = admissible(scene, problem.expand(x[good])) & problem.lifts_to_one(x[good])
+        return len(x) if good.all() else int(np.argmin(good))
+
     curves: list[np.ndarray] = []
-    any_angles = np.random.default_rng(0).uniform(-math.pi, math.pi, (STARTS, model.size))
-    for start in project(model, any_angles)[0]:
-        x, residual = _correct(model, start)
-        if residual > CLOSURE_TOL or np.abs(x).max() > math.pi + OUTSIDE:
+    for x in project(problem, any_angles)[0]:
+        at = State(problem, x)
+        if at.residual > CLOSURE_TOL or not inside.inside(x).all() or at.refused:
             continue
-        if any(np.linalg.norm(c - x, axis=1).min() < step for c in curves):
+        if any(np.abs(c - at.fold_angles).max(axis=1).min() < step for c in curves):
             continue
-        tangent = _tangent(model, x, None)
-        if tangent is None:  # a singular point: some other start finds its curves
-            continue
-        ahead, loop = _walk(model, x, tangent, step)
-        behind = [] if loop else _walk(model, x, -tangent, step)[0]
-        curves.append(np.array([*behind[::-1], x, *ahead]))
-    # next to flat-folded states the tangent is ambiguous, and stubs of a few points can appear
-    return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
-
-
-def _correct(model: Problem, x: np.ndarray, still: int | None = None) -> tuple[np.ndarray, float]:
-    """Move a state onto closure; variable `still` stays.  Returns state and residual."""
-    frozen = None if still is None else np.arange(model.size) == still
-    y, residual = project(model, x, frozen=frozen, steps=NEWTON)
-    return y, float(residual)
-
-
-def _tangent(model: Problem, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
-    """Unit tangent at x; where curves cross, the one most nearly along `before`."""
-    _, s, vt = np.linalg.svd(model.closure(x)[1])
-    null = vt[int((s > CROSSING).sum()) :]
-    if before is None:
-        return null[0] if len(null) == 1 else None
-    # before a crossing the kernel is a plane that holds both tangents: the old direction, projected, picks one
-    t = null.T @ (null @ before)
-    length = float(np.linalg.norm(t))
-    return t / length if length > 0.1 else before
-
-
-def _walk(
-    model: Problem, x: np.ndarray, tangent: np.ndarray, step: float
-) -> tuple[list[np.ndarray], bool]:
-    """Follow the curve from x until it leaves |phi| <= pi; return whether it came back to x."""
-    start, points = x, []
-    for count in range(LONGEST):
-        for stretch in (1.0, 2.0, 0.5, 4.0):  # a crossing point can spoil one Newton step, not all
-            y, residual = _correct(model, x + stretch * step * tangent)
-            moved = y - x
-            if residual <= CLOSURE_TOL and 0.2 * step < np.linalg.norm(moved) < 8 * step:
-                break
-        else:
-            break
-        beyond = np.abs(y) - math.pi
-        if beyond.max() > 0:
-            last = _end_point(model, x, y)
-            if last is not None:
-                points.append(last)
-            break
-        points.append(y)
-        if count > 3 and np.linalg.norm(y - start) < 0.75 * step:
-            return points, True
-        tangent = _tangent(model, y, moved / np.linalg.norm(moved))  # type: ignore[assignment]
-        x = y
-    return points, False
-
-
-def _end_point(model: Problem, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
-    """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
-    # share of the step at which each fold angle reaches the limit that it is moving to
-    room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), NONZERO)
-    room[np.abs(y) <= math.pi] = math.inf
-    k = int(np.argmin(room))
-    z = x + room[k] * (y - x)
-    z[k] = math.copysign(math.pi, y[k])
-    z, residual = _correct(model, z, k)
-    if residual > CLOSURE_TOL or np.abs(z).max() > math.pi + OUTSIDE:
-        return None
-    return np.clip(z, -math.pi, math.pi)
-
-
-def _keep(model: Problem, curve: np.ndarray) -> list[np.ndarray]:
-    """Cut a curve where it leaves the lift q = +1 or passes a mirror or axis contact."""
-    good = [model.lifts_to_one(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
-    pieces = []
-    for value, run in itertools.groupby(range(len(curve)), key=lambda k: good[k]):
-        indices = list(run)
-        if value and len(indices) > 1:
-            pieces.append(curve[indices])
-    return pieces
+        found = trace_held(at.on(), steps, [End[Point](before, "no admissible state beyond")], 1)
+        if found is not None and len(found.states) > 2:
+            curves.append(problem.expand(inside.clip(found.states)))
+    return curves

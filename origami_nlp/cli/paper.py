@@ -20,10 +20,6 @@ MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
 
 
-DRAWN_AT = 0.45
-"""Elevation [rad] at which all foldings are drawn."""
-
-
 def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
     """Find the minima of all 18 panels of the paper's two landscape figures."""
     from origami_nlp.pattern import examples
@@ -107,15 +103,13 @@ def verify(out: Output, only: list[str] | None = o.CLAIM) -> int:
 
 
 @writes("json")
-def audit(out: Output, file: str = o.CANDIDATES, seed: int = o.SEED) -> None:
+def audit(file: str = o.CANDIDATES, seed: int = o.SEED) -> Any:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
-    from origami_nlp.paper import audit_candidates, audit_table, audit_to_dict, read_candidates
+    from origami_nlp.paper import audit_candidates, read_candidates
 
     candidates = read_candidates(file)
     with progress("audit", len(candidates)) as report:
-        found = audit_candidates(candidates, seed=seed, progress=report)
-    out.say(audit_table(found))
-    out.write("json", audit_to_dict, found)
+        return audit_candidates(candidates, seed=seed, progress=report)
 
 
 @writes("json")
@@ -144,7 +138,6 @@ def transitions(
 
 @writes("json")
 def count(
-    out: Output,
     degree: int = o.DEGREE,
     rest_elevation: str = o.REST_ELEVATION,
     ratio: float = o.RATIO,
@@ -152,7 +145,7 @@ def count(
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     full: bool | None = o.FULL,
-) -> None:
+) -> Any:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut.
 
     With --full each of them is judged in the full contact-admissible space (degrees up to 16).
@@ -160,68 +153,45 @@ def count(
     from origami_nlp.paper import cone as cones
 
     cone, nu = cones.Cone(degree, rest, end), _angle(rest_elevation, "--rest-elevation")
-    if full:
-        with progress("branch minima") as report:
-            judged = cones.full_space(cone, ratio, nu, progress=report)
-        cones.print_full_space(judged, out.console)
-        out.write("json", cones.full_space_to_dict, judged)
-        return
-    found = cones.count(cone, ratio, nu, depth=depth)
-    cones.print_count(found, out.console)
-    out.save("json", cones.write_lines, cones.count_to_dict(found))
+    if not full:
+        return cones.count(cone, ratio, nu, depth=depth)
+    with progress("branch minima") as report:
+        return cones.full_space(cone, ratio, nu, progress=report)
 
 
-@writes("json", "figure")
-def foldings(out: Output, degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> None:
-    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets); -o FILE.png draws them.
-
-    Drawn they are up to degree 16.
-    """
+@writes("json")
+def foldings(degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> Any:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
     from origami_nlp.paper import cone as cones
 
-    cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
-    shown = degree <= 16 if listed is None else listed
-    cones.print_foldings(degree, out.console, shown)
-    out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
-    out.write("figure", lambda: cones.draw_foldings(cones.check_degree(degree), DRAWN_AT))
+    cones.check_degree(degree, MOST_DIGITS)
+    return cones.Foldings(degree, degree <= 16 if listed is None else listed)
 
 
-@writes("json", "figure")
-def branch(
-    out: Output, flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE
-) -> None:
-    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees; -o FILE.png draws it."""
+@writes("json")
+def branch(flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE) -> Any:
+    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
     from origami_nlp.paper import cone as cones
 
     nu = _angle(elevation, "--elevation")
-    state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
-    data = cones.branch_to_dict(state, nu)  # an error past the end, before anything is written
-    cones.print_branch(state, nu, out.console)
-    out.save("json", cones.write_lines, data)
-    out.write("figure", cones.draw_branch, state, [nu])
+    return cones.FoldedCone(cones.branch(flaps, -1 if nu < 0 else 1, end=end), nu)
 
 
 @writes("json", "csv", "figure")
 def phase(
-    out: Output,
     degree: int = o.DEGREE,
     depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     size: int = o.PHASE_SIZE,
     without_contact: bool = o.WITHOUT_CONTACT,
-) -> None:
+) -> Any:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from origami_nlp.paper import cone as cones
 
-    cones.check_size(size)
     options: dict[str, Any] = {"size": size, "depth": depth, "contact": not without_contact}
     with progress(f"cone of degree {degree}", size) as report:
-        diagram = cones.phase_diagram(cones.Cone(degree, rest, end), progress=report, **options)
-    cones.print_diagram(diagram, out.console)
-    out.write("csv", cones.map_as_csv, diagram)
-    out.write("json", cones.diagram_to_dict, diagram)
-    out.write("figure", cones.draw_phase, diagram)
+        return cones.phase_diagram(cones.Cone(degree, rest, end), progress=report, **options)
 
 
 def _angle(text: str, option: str) -> float:

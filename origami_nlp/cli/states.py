@@ -194,8 +194,13 @@ def landscape(
 ) -> Any:
     """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes."""
     from origami_nlp.chart import chart_of, landscape as coordinates
-    from origami_nlp.landscape import draw_landscape, find_landscape, landscape_to_dict, to_arrays
-    from origami_nlp.space import find_space
+    from origami_nlp.paper import (
+        draw_landscape,
+        find_landscape,
+        find_space,
+        landscape_to_dict,
+        to_arrays,
+    )
 
     stated = origami.read()
     if critical:
@@ -232,7 +237,7 @@ def landscape(
         points = _critical(stated, origami.name, clock, seed, result)
         out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, found))
     out.write("npz", lambda: _npz(to_arrays(exact)))
-    out.write("figure", draw_landscape, exact, found)
+    out.write("figure", draw_landscape, exact)
     if out.files("html"):
         from origami_nlp.display import InteractivePage
 
@@ -252,11 +257,10 @@ def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = N
     """Find critical points, compared with the minima, and check the Morse identity."""
     from dataclasses import replace
 
-    from origami_nlp.critical import compare_minima, find_critical_points
-    from origami_nlp.space import find_space
+    from origami_nlp.paper import compare_minima, find_critical_points, find_space
 
     with progress(f"{stated.label or name}: critical points"):
-        found = find_critical_points(stated, result, seed=seed)
+        found = find_critical_points(stated, result)
         if result is None:
             result = search(clock, stated, name, seed=seed, escape=False)
             found = compare_minima(found, result)

@@ -1,7 +1,7 @@
 """A state of a problem, and a stratum: a state with contacts held.  What is asked twice is computed once.
 
 Everything is in the metric of all N fold angles, y = root x with root = sqrt(multiplicity), so that a state says the
-same within its symmetry and without; energies are divided by `Model.scale`.
+same within its symmetry and without; energies are divided by the problem's scale.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class State:
     Parameters
     ----------
     problem
-        Anything with energy, closure, contacts and their derivatives: `problem.Problem`, such as a `Model`.
+        Anything with energy, closure, contacts and their derivatives: `problem.Problem`.
     x
         Values of its variables [rad], shape [n].
     tolerance

@@ -219,7 +219,7 @@ def _panels(chart: Landscape, minima: Sequence[JudgedState]) -> list[Panel]:
             branch.axes[0],
             branch.axes[1],
             branch.energy,
-            tuple(Line(line, "states at |phi| = pi exactly", "handle") for line in chart.handles),
+            (),
             tuple((n, *p.point) for n, p in enumerate(places) if p.branch == k and p.drawn),
         )
         for k, branch in enumerate(chart.branches)

@@ -58,7 +58,6 @@ from .tolerances import (
     CHOSEN as CHOSEN,
     CLOSURE_TOL as CLOSURE_TOL,
     CONTACT_TOL as CONTACT_TOL,
-    CROSSING as CROSSING,
     CURVED as CURVED,
     DECREASE as DECREASE,
     DEEP as DEEP,

@@ -134,9 +134,6 @@ rule and 1e8 next to singular states, so that one comparison in 1e7, or 1e3, is 
 gain four digits each."""
 NEAR_SINGULAR_TOL = 1e-3
 """Distance of IPOPT's answer from a singular state: the square root of its tolerance, with room."""
-CROSSING = 1e-3
-"""Smallest singular value of closure up to which a curve may cross another one within a step: it is about the distance
-from a singular state, and steps near one are as short."""
 UNBALANCED = 1e-3
 """A residual of multipliers above this, relative, is no rounding of any solver: nothing balances, and no range of them
 is looked for.  Answers of IPOPT leave up to sqrt(mu), `UNPOLISHED`, over a condition of a hundred."""

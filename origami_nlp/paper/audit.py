@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.chart import chart_of, chart_points
-from origami_nlp.display import Table
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
 from origami_nlp.io import pick
@@ -40,7 +40,6 @@ ON_GRID = 1e-2
 """Chart coordinates this far from a multiple of a step, in steps, are on its grid."""
 STRETCHED = 1.0
 """A grid step that spans at least this many radians of fold angle is next to a singular chart point."""
-SCHEMA = "origami-nlp/audit/2"
 
 Cause = Literal[
     "exact",
@@ -121,12 +120,48 @@ class PanelAudit:
         return [len(self.audited), *self.counts.values(), *map(len, known)]
 
 
+@dataclass(frozen=True, repr=False)
+class Audit(Report):
+    """What published candidates are, panel by panel."""
+
+    panels: tuple[PanelAudit, ...]
+
+    SCHEMA, READS = "origami-nlp/audit/2", False
+
+    def table(self) -> Table:
+        """Return one row a panel, and their sums: candidates, what they are, exact minima they belong to."""
+        numbers = [p.cells for p in self.panels]
+        numbers.append([sum(column) for column in zip(*numbers, strict=True)])
+        titles = [*(p.title for p in self.panels), "all"]
+        rows = [[title, *map(str, row)] for title, row in zip(titles, numbers, strict=True)]
+        title = f"{numbers[-1][0]} published candidates"
+        return Table(HEADS, rows, title, "l" + "R" * (len(HEADS) - 1), ends=[len(self.panels) - 1])
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the table."""
+        yield self.table()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data: every candidate with what it is."""
+        each = ("cause", "closure_residual", "sides", "minimum", "distance", "grid_steps", "drop")
+        own = ("number=candidate.number", "fold_angles=candidate.fold_angles", *each, "twin")
+        panels = [
+            {
+                **pick(p, "title", "grid_step", "counts", "represented", "reached"),
+                "minima": [pick(m, "energy", "fold_angles", "kind") for m in p.result.minima],
+                "candidates": [pick(a, *own) for a in p.audited],
+            }
+            for p in self.panels
+        ]
+        return {"schema": self.SCHEMA, "panels": panels}
+
+
 def audit_candidates(
     candidates: Sequence[Candidate],
     *,
     seed: int = 0,
     progress: Callable[[int, int, str], None] | None = None,
-) -> tuple[PanelAudit, ...]:
+) -> Audit:
     """Audit published candidates, panel by panel.
 
     Parameters
@@ -160,34 +195,7 @@ def audit_candidates(
                 progress(done, len(candidates), f"degree {c.degree}, {format_angle(c.alpha)}")
         audited.sort(key=lambda a: a.candidate.number)
         out.append(PanelAudit(result, step, _one_each(audited)))
-    return tuple(out)
-
-
-def audit_table(panels: Sequence[PanelAudit]) -> Table:
-    """Return one row a panel, and their sums: published candidates, what they are, exact minima they belong to."""
-    numbers = [p.cells for p in panels]
-    numbers.append([sum(column) for column in zip(*numbers, strict=True)])
-    titles = [*(p.title for p in panels), "all"]
-    rows = [[title, *map(str, row)] for title, row in zip(titles, numbers, strict=True)]
-    title = f"{numbers[-1][0]} published candidates"
-    return Table(HEADS, rows, title, "l" + "R" * (len(HEADS) - 1), ends=[len(panels) - 1])
-
-
-def audit_to_dict(panels: Sequence[PanelAudit]) -> dict[str, Any]:
-    """Return the audit as plain JSON data: every candidate with what it is."""
-    each = ("cause", "closure_residual", "sides", "minimum", "distance", "grid_steps", "drop")
-    own = ("number=candidate.number", "fold_angles=candidate.fold_angles", *each, "twin")
-    return {
-        "schema": SCHEMA,
-        "panels": [
-            {
-                **pick(p, "title", "grid_step", "counts", "represented", "reached"),
-                "minima": [pick(m, "energy", "fold_angles", "kind") for m in p.result.minima],
-                "candidates": [pick(a, *own) for a in p.audited],
-            }
-            for p in panels
-        ],
-    }
+    return Audit(tuple(out))
 
 
 def grid_step(scene: Scene, candidates: Sequence[Candidate]) -> float:

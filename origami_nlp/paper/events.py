@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.chart import HalfChain, chain_of
 from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
-from origami_nlp.space import HalfChain, chain_of
 
 STARTS = 12
 """Random starts for each set of walls."""
@@ -48,7 +48,6 @@ class Event:
 
     alpha: sector angle, polished to rounding [rad].  walls: active walls.  fold_angles: a state of it, all N.
     multipliers: lambda of closure, then walls.  residual: of the polished equations (closure and walls).
-    curve: whether the state is one of a whole curve of such states.
     admissible: whether the state is, contact and symmetric layers included.
     """
 
@@ -57,7 +56,6 @@ class Event:
     fold_angles: tuple[float, ...]
     multipliers: tuple[float, ...]
     residual: float
-    curve: bool
     admissible: bool
 
 
@@ -130,45 +128,32 @@ def find_events(
 
 
 class ContactKkt:
-    """The KKT system of one set of walls, compiled."""
+    """The KKT system of one set of walls at z = (x, alpha, lambda), compiled: `residual` and `jacobian`."""
 
     def __init__(
         self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: list[Wall]
     ) -> None:
         import casadi as ca
 
-        k = chain.size
-        x, alpha = ca.SX.sym("x", k), ca.SX.sym("alpha")
+        self.k = chain.size
+        x, alpha = ca.SX.sym("x", self.k), ca.SX.sym("alpha")
         equations = _equations(make, middle, chain, walls, x, alpha)
-        self.count = equations.numel()
-        lam = ca.SX.sym("lam", self.count)
+        lam = ca.SX.sym("lam", equations.numel())
         jx, ja = ca.jacobian(equations, x), ca.jacobian(equations, alpha)
         # KKT of the sector angle itself: alpha is stationary among states with these walls closed, grad alpha = J' lam
         f = ca.vertcat(equations, jx.T @ lam, ca.dot(ja, lam) - 1)
         z = ca.vertcat(x, alpha, lam)
-        self._residual = ca.Function("f", [z], [f])
-        self._jacobian = ca.Function("j", [z], [ca.jacobian(f, z)])
-        self._gradients = ca.Function("g", [x, alpha], [equations, ca.horzcat(jx, ja)])
-        self.k = k
-
-    def residual(self, z: np.ndarray) -> np.ndarray:
-        """Evaluate the KKT system at z = (x, alpha, lambda)."""
-        return np.asarray(self._residual(z)).ravel()
-
-    def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """Evaluate its Jacobian."""
-        return np.asarray(self._jacobian(z))
-
-    def gradients(self, x: np.ndarray, alpha: float) -> tuple[np.ndarray, np.ndarray]:
-        """Equations and their derivatives in (x, alpha)."""
-        value, jac = self._gradients(x, alpha)
-        return np.asarray(value).ravel(), np.asarray(jac)
+        system = ca.Function("f", [z], [f, ca.jacobian(f, z)])
+        gradients = ca.Function("g", [x, alpha], [ca.horzcat(jx, ja)])
+        self.residual = lambda z: np.asarray(system(z)[0]).ravel()
+        self.jacobian = lambda z: np.asarray(system(z)[1])
+        self.gradients = lambda x, alpha: np.asarray(gradients(x, alpha))
 
     def first_multipliers(self, z: np.ndarray) -> np.ndarray:
         """Return the multipliers that fit best at the x and alpha of z."""
-        _, jac = self.gradients(z[: self.k], z[self.k])
-        target = np.concatenate([np.zeros(self.k), [1.0]])
-        return np.linalg.lstsq(jac.T, target, rcond=CONTACT_TOL)[0]
+        target = np.append(np.zeros(self.k), 1.0)
+        jacobian = self.gradients(z[: self.k], z[self.k])
+        return np.linalg.lstsq(jacobian.T, target, rcond=CONTACT_TOL)[0]
 
 
 def _equations(
@@ -182,27 +167,46 @@ def _equations(
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
-    from origami_nlp.problem import fold_piece
-
     one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
     # two scenes of the family give both coefficients
     slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
     start = one - slope * middle
     sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
-    group = chain.scene.group
-    piece = fold_piece(group.kind, group.order, (True,) * chain.size, x, sectors)
-    rows: list[Any] = [piece.equations]
+    rays, normal, equations = _fold_wedge(chain.scene.group.order, chain.size, x, sectors)
+    rows: list[Any] = [equations]
     for wall in walls:
         if wall.variable >= 0:
             rows.append(x[wall.variable] - wall.side * math.pi)
         elif chain.kind == "degree6":
-            rows.append(piece.rays[-1][2])  # crease 4 on the line of crease 1
+            rows.append(rays[-1][2])  # crease 4 on the line of crease 1
         elif wall.side == 0:
-            assert piece.end_normal is not None
-            rows.append(quat.dot(piece.rays[0], piece.end_normal))
+            rows.append(quat.dot(rays[0], normal))
         else:
-            rows.append(piece.rays[-1][1])
+            rows.append(rays[-1][1])
     return ca.vertcat(*rows)
+
+
+def _fold_wedge(order: int, count: int, x: Any, sectors: Any) -> tuple[list[Any], Any, Any]:
+    """Fold a wedge of D_n with creases on both mirrors: its rays, the last mirror's normal, and closure.
+
+    H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray makes the angle pi/n with the
+    first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1, n_1 . H n_k = -cos(pi/n), flat normals e2 and n_k, for n >= 2.
+    """
+    import casadi as ca
+
+    whole = math.pi / order
+    azimuths = [ca.sum1(sectors[:r]) for r in range(count - 1)] + [whole]
+    q: Any = quat.IDENTITY
+    rays = []
+    for r, azimuth in enumerate(azimuths):
+        flat = ca.cos(azimuth), ca.sin(azimuth), 0.0
+        rays.append(quat.rotate(q, flat))
+        # the mirror halves the fold angle of a crease that lies on it
+        half = x[r] / (4 if r in (0, count - 1) else 2)
+        q = quat.multiply(q, quat.fold(ca.cos(half), ca.sin(half), flat))
+    normal = quat.rotate(q, (math.sin(whole), -math.cos(whole), 0.0))
+    closed = ca.vertcat(q[1], q[3]) if order == 1 else normal[1] + math.cos(whole)
+    return rays, normal, closed
 
 
 def _polished(
@@ -232,12 +236,11 @@ def _polished(
     # closed as the lift q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
-    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED
     elements = scene.group.elements
     good = check_admissible(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
-    return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)
+    return Event(alpha, names, tuple(phi.tolist()), lam, residual, good)
 
 
 def _deepest(creases: np.ndarray) -> float:

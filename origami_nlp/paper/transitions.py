@@ -7,25 +7,25 @@ Two searches that share only the geometry of the half-chain, and neither is give
 - the events: KKT points of the sector angle (`events`), exact to rounding.
 
 A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at one
-sector angle only).  Brackets without event, and events without change, are reported, not hidden.  Each transition is
-confirmed by witnesses: states that keep all but one of the event's contacts closed while alpha moves, and that are
-admissible on one side only.  The topology does not depend on stiffness.
+sector angle only).  Brackets without event, and events without change, are reported, not hidden.  The topology does not
+depend on stiffness.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.chart import MeshError
+from origami_nlp.display import Report, Section, Table, Words
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RANK, RESOLVED, ROUNDED, SETTLED
-from origami_nlp.paper.events import ContactKkt, Event, find_events, walls_of
-from origami_nlp.paper.family import Signature, Transition, TransitionSweep, Witness
-from origami_nlp.pattern import Scene, degree6, degree8
-from origami_nlp.space import MeshError, Space, chain_of, find_space
+from origami_nlp.numerics import RESOLVED
+from origami_nlp.paper.events import Event, find_events
+from origami_nlp.paper.space import find_space
+from origami_nlp.pattern import Scene, degree6, degree8, format_angle
 
 FAMILIES: dict[str, Callable[[float], Scene]] = {"degree6": degree6, "degree8": degree8}
 """The paper's families of vertices, by name; sector angle alpha_1 in (0, pi/2)."""
@@ -42,8 +42,139 @@ MARGIN = 0.05
 OnProgress = Callable[[str, float], None]
 
 
-def signature_of(space: Space) -> Signature:
-    """Return what a sweep compares of a space."""
+TOPOLOGY = ("components", "holes", "euler_characteristic", "pinch_points", "handle_ends", "handles")
+"""Names of the numbers in `Signature.topology`."""
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What a sweep compares.
+
+    Attributes
+    ----------
+    topology
+        `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
+    picture_holes
+        Loops of the picture in the paper's chart.
+    corners
+        States where several contacts close, by their contacts, with their number.
+    """
+
+    topology: tuple[int, ...] = field(metadata={"plain": False})
+    picture_holes: int
+    corners: tuple[tuple[tuple[str, ...], int], ...]
+
+    ALSO = ("counts",)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """The numbers of `topology` by their names."""
+        return dict(zip(TOPOLOGY, self.topology, strict=True))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Topology and loops of the picture, without corners."""
+        return (*self.topology, self.picture_holes)
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A sector angle at which X changes.
+
+    Attributes
+    ----------
+    alpha
+        alpha_1 [rad], to rounding.
+    bracket
+        Where the sweep saw the change; None if only the event itself differs.
+    below, at, above
+        Signatures at alpha - SIDE, alpha, alpha + SIDE.
+    changes
+        What changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
+    contacts
+        The sets of contacts that become dependent, of admissible events only.
+    events
+        States at which contacts become dependent.
+    """
+
+    alpha: float
+    bracket: tuple[float, float] | None
+    below: Signature
+    at: Signature
+    above: Signature
+    changes: tuple[str, ...]
+    contacts: tuple[tuple[str, ...], ...]
+    events: tuple[Event, ...]
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return where the space changes, how, and what confirms it."""
+        yield Words(
+            f"alpha_1 = {self.alpha:.15f} = {format_angle(self.alpha)}: {', '.join(self.changes)}",
+            "bold",
+        )
+        if self.bracket is None:
+            yield "  not seen by the sweep: both sides are alike"
+        else:
+            half = (self.bracket[1] - self.bracket[0]) / 2
+            yield f"  the sweep's bracket: {sum(self.bracket) / 2:.9f} +- {half:.0e}"
+        rows = []
+        for name, s in (("below", self.below), ("at", self.at), ("above", self.above)):
+            cells = (*s.topology[:3], s.topology[5], s.picture_holes)
+            corners = "-" if s.topology[5] else str(sum(n for _, n in s.corners))
+            rows.append((name, *map(str, cells), corners))
+        heads = ("", "components", "holes", "chi", "handles", "drawn holes", "corners")
+        yield Table(heads, rows, columns="LLLLLLL")
+        before, after = dict(self.below.corners), dict(self.above.corners)
+        for what, one, other in (("gone", before, after), ("new", after, before)):
+            for contacts in sorted(c for c in one if other.get(c) != one[c]):
+                yield f"  corner {what}: {'; '.join(contacts)}"
+        yield "  contacts that become dependent:"
+        for contacts in self.contacts:
+            yield f"    {'; '.join(contacts)}"
+
+
+@dataclass(frozen=True, repr=False)
+class TransitionSweep(Report):
+    """What a sweep over a family of vertices finds.
+
+    Attributes
+    ----------
+    family
+        Its name.
+    samples
+        Sector angles of the sweep with their signatures.
+    transitions
+        In order of the sector angle.
+    unexplained
+        Brackets in which no event lies.
+    silent
+        Sector angles of events at which nothing changes.
+    """
+
+    family: str
+    samples: tuple[tuple[float, Signature], ...]
+    transitions: tuple[Transition, ...]
+    unexplained: tuple[tuple[float, float], ...]
+    silent: tuple[float, ...]
+
+    SCHEMA, READS = "origami-nlp/paper/1", False
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return every transition, and what the two searches do not agree on."""
+        count = len(self.transitions)
+        yield f"{self.family}: {count} transition(s), {len(self.samples)} sector angles swept"
+        for t in self.transitions:
+            yield ""
+            yield from t.report_sections()
+        for a, b in self.unexplained:
+            yield f"unexplained: the signature changes between {a:.9f} and {b:.9f}"
+        for a in self.silent:
+            yield f"silent: contacts become dependent at {a:.12f}, and nothing changes"
+
+
+def signature_of(scene: Scene, rings: int) -> Signature:
+    """Return what a sweep compares of a scene's space."""
+    space = find_space(scene, rings=rings)
     return Signature(space.signature, space.picture_holes, space.corners)
 
 
@@ -56,7 +187,7 @@ def find_transitions(
 ) -> TransitionSweep:
     """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
 
-    This takes minutes: events are solved for exactly, and confirmed by states on either side.
+    This takes minutes: events are solved for exactly.
 
     Parameters
     ----------
@@ -98,7 +229,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature | None:
         try:
-            return signature_of(find_space(make(alpha), rings=rings))
+            return signature_of(make(alpha), rings)
         except MeshError:  # features thinner than the mesh resolves
             return None
 
@@ -127,17 +258,21 @@ def find_transitions(
     # events at one angle are one transition if X differs on the two sides or at it, else silent
     for group in _grouped(events):
         alpha = float(np.median([e.alpha for e in group]))
-        report("confirmation", 0.0)
-        around = tuple(
-            signature_of(find_space(make(a), rings=rings))
-            for a in (alpha - SIDE, alpha, alpha + SIDE)
+        report("both sides", 0.0)
+        below, at, above = (
+            signature_of(make(a), rings) for a in (alpha - SIDE, alpha, alpha + SIDE)
         )
-        changes = _changes(around[0], around[1], around[2])
+        changes = _changes(below, at, above)
         if not changes:
             silent.append(alpha)
             continue
         inside = [b for b in brackets if b[0] - BRACKET <= alpha <= b[1] + BRACKET]
-        transitions.append(_transition(make, alpha, group, around, changes, inside))
+        walls = {e.walls for e in group if e.admissible}
+        contacts = tuple(sorted(walls, key=lambda w: (len(w), w)))
+        bracket = inside[0] if inside else None
+        transitions.append(
+            Transition(alpha, bracket, below, at, above, changes, contacts, tuple(group))
+        )
     explained = {t.bracket for t in transitions}
     unexplained = tuple(b for b in brackets if b not in explained)
     pairs = tuple(zip(angles.tolist(), signatures, strict=True))
@@ -183,88 +318,3 @@ def _changes(below: Signature, at: Signature, above: Signature) -> tuple[str, ..
     if below.corners != above.corners:
         changes.append("corners")
     return tuple(changes)
-
-
-def _transition(
-    make: Callable[[float], Scene],
-    alpha: float,
-    events: list[Event],
-    around: tuple[Signature, ...],
-    changes: tuple[str, ...],
-    brackets: list[tuple[float, float]],
-) -> Transition:
-    real = [e for e in events if e.admissible]
-    witnesses = [w for e in real for w in _witnesses(make, alpha, e)]
-    distinct = {(w.kept, w.admissible): w for w in witnesses}
-    contacts = tuple(sorted({e.walls for e in real}, key=lambda w: (len(w), w)))
-    return Transition(
-        alpha,
-        brackets[0] if brackets else None,
-        around[0],
-        around[1],
-        around[2],
-        changes,
-        contacts,
-        _coincident(make, alpha, real),
-        tuple(events),
-        tuple(distinct.values()),
-    )
-
-
-def _coincident(
-    make: Callable[[float], Scene], alpha: float, events: list[Event]
-) -> tuple[tuple[int, int], ...]:
-    """Pairs of creases of the wedge that coincide at every state of some event because of its sector angle."""
-    pairs = set()
-    scene = make(alpha)
-    n = len(scene.group.rays)
-    for event in events:
-        c, _ = fold_vertex(scene.vertex, np.array(event.fold_angles))
-        beside, _ = fold_vertex(make(alpha + SIDE).vertex, np.array(event.fold_angles))
-        for i in range(n):
-            for j in range(i + 1, n):
-                here = np.linalg.norm(c[i] - c[j])
-                # on each other at this sector angle, apart at the next one with the same fold angles
-                if here < SETTLED and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
-                    pairs.add((i + 1, j + 1))
-    return tuple(sorted(pairs))
-
-
-def _witnesses(make: Callable[[float], Scene], alpha: float, event: Event) -> list[Witness]:
-    """Let go of one contact of an event, move alpha to both sides, and examine what the others hold."""
-    chain = chain_of(make(alpha))
-    walls = {w.name: w for w in walls_of(chain)}
-    x = np.array([event.fold_angles[chain.orbit.index(v)] for v in range(chain.size)])
-    found = []
-    for gone in range(len(event.walls)):
-        kept = tuple(w for k, w in enumerate(event.walls) if k != gone)
-        # one contact let go: the others hold states on both sides of the transition
-        system = ContactKkt(make, alpha, chain, [walls[w] for w in kept])
-        states = [_held(system, x, a) for a in (alpha - SIDE, alpha, alpha + SIDE)]
-        if any(s is None for s in states):
-            continue
-        full = [s[chain.orbit] for s in states if s is not None]
-        verdicts = tuple(
-            check_admissible(
-                make(a).vertex, phi, tolerance=INPUT_TOL, elements=chain.scene.group.elements
-            ).admissible
-            for a, phi in zip((alpha - SIDE, alpha, alpha + SIDE), full, strict=True)
-        )
-        if verdicts[0] != verdicts[2]:
-            a, b, c = (tuple(phi.tolist()) for phi in full)
-            found.append(Witness(kept, (a, b, c), (verdicts[0], verdicts[1], verdicts[2])))
-    return found
-
-
-def _held(system: ContactKkt, x: np.ndarray, alpha: float) -> np.ndarray | None:
-    """Newton onto closure with walls held, at a sector angle; None where that does not converge."""
-    for _ in range(40):
-        value, jacobian = system.gradients(x, alpha)
-        if np.abs(value).max() <= ROUNDED:
-            break
-        x = x - np.linalg.lstsq(jacobian[:, :-1], value, rcond=RANK)[0]
-    value, _ = system.gradients(x, alpha)
-    if np.abs(value).max() > CLOSURE_TOL:
-        return None
-    near = np.abs(np.abs(x) - math.pi) < CLOSURE_TOL
-    return np.where(near, np.sign(x) * math.pi, x)

@@ -16,10 +16,10 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RANK, dense, quaternion as quat
-from origami_nlp.pattern import Loop
+from origami_nlp.pattern import HingeLaw, Loop
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.faces import CoplanarContact
-from origami_nlp.problem import Contact, Nlp, law_energy
+from origami_nlp.problem import Contact, Nlp
 
 ASIDE = 0.1
 """How far beside a singular state rows of closure are counted [rad]."""
@@ -191,3 +191,13 @@ class Symbols:
             of = self._corner(touch.corners[0]) if on is None else ca.SX(ca.DM(np.array(on)))
             normal, off = ca.cross(c - b, d - b), seen(of) - b
         return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)
+
+
+def law_energy(law: HingeLaw, phi: ca.SX) -> ca.SX:
+    """Return the energy of a law as symbols: its own pieces, chosen by the fold angle."""
+    breaks, coefficients = law.energy_pieces
+    at, *pieces = (ca.pw_const(phi, breaks[1:-1], c) for c in (breaks[:-1], *coefficients))
+    energy: ca.SX = ca.SX(0)
+    for c in pieces:
+        energy = energy * (phi - at) + c
+    return energy

@@ -27,7 +27,7 @@ class Contact:
     side: +1 or -1.
     at: of a limit, side times the fold angle where it is closed [rad]: pi where the facets lie on each other.
 
-    What it is worth at a state: `openings`.  Its name, weight and moment: `Model.name`, `Model.weight`.
+    What it is worth at a state: `openings`.  Its name and weight: `Problem.name`, `Problem.weight`.
     """
 
     kind: str
@@ -190,3 +190,35 @@ class LoopClosure:
     variables: np.ndarray
     jacobian: np.ndarray
     hessians: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """Values and first derivatives at one state x, or at K states; energies are over the problem's scale.
+
+    Attributes
+    ----------
+    x
+        [..., n] [rad].
+    gradient
+        Of the energy, [..., n].
+    closure
+        Residuals of loop closure, [..., m].
+    closure_jacobian
+        [..., m, n].
+    gaps
+        Of what touches or may, [..., c].
+    gaps_jacobian
+        [..., c, n].
+    """
+
+    x: np.ndarray
+    gradient: np.ndarray
+    closure: np.ndarray
+    closure_jacobian: np.ndarray
+    gaps: np.ndarray
+    gaps_jacobian: np.ndarray
+
+    def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
+        """How far contacts are open (>= 0 where they are), [..., r], and the gradients of that, [..., r, n]."""
+        return openings(self.x, self.gaps, self.gaps_jacobian, contacts)

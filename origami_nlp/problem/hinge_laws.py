@@ -48,7 +48,7 @@ class HingeLaws:
         Of the n variables; None where a linear spring is.
     weight
         How often each counts: creases that a variable stands for, times the factor of `HingeLaw.origin`, over
-        `Model.scale`; 0 where there is none, [n].
+        the problem's scale; 0 where there is none, [n].
     shift
         By which each is shifted, [n] [rad].
     moving

@@ -22,13 +22,13 @@ class Parameters:
     sectors
         Sector angles of the modelled piece [rad], shape [s].
     stiffness
-        Of the n variables, summed over the creases that each stands for, over `Model.scale`, shape [n].
+        Of the n variables, summed over the creases that each stands for, over the problem's scale, shape [n].
     rest
         Angles without torque [rad], shape [n]: `Scene.wound_angles`, the rest angles where nothing is preloaded.
     load
-        Moment conjugate to each variable over `Model.scale`: the energy is U - load . phi, shape [n].
+        Moment conjugate to each variable over the problem's scale: the energy is U - load . phi, shape [n].
     dead
-        Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.  Of a
+        Forces in space, over the problem's scale, where there are any; they ask for a model of all N fold angles.  Of a
         pattern what has the same methods: a load on what is not linear in the fold angles (`pattern_problem.Worked`).
     laws
         Of hinges that are no linear springs; their `stiffness` is a measure for metrics, their `rest` a lowest angle.
@@ -89,7 +89,7 @@ class Parameters:
         return max(STEP_NOISE, 4 * EPS / self.softness)
 
     def energy(self, x: np.ndarray) -> np.ndarray:
-        """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
+        """Energy of states [..., n] over the problem's scale, the work of the load included, shape [...]."""
         # paper, eq. 3.1
         energy = 0.5 * np.sum(self.linear * (x - self.rest) ** 2, axis=-1)
         energy = energy - np.einsum("...i,...i", x, self.load)
@@ -110,7 +110,7 @@ class Parameters:
         return change + self.dead.energy_change(self.sectors, *np.broadcast_arrays(x, y))
 
     def excess(self, x: np.ndarray) -> np.ndarray:
-        """Energy of states [..., n] above that of springs at rest under the load, over `Model.scale`, shape [...].
+        """Energy of states [..., n] above that of springs at rest under the load, over the scale, shape [...].
 
         inf under forces in space, with laws and with hinges that yield: no state is known to have the least energy.
         """
@@ -120,18 +120,18 @@ class Parameters:
         return 0.5 * np.sum(self.torque(x) ** 2 / self.stiffness, axis=-1)
 
     def torque(self, x: np.ndarray) -> np.ndarray:
-        """Gradient of the energy over `Model.scale` at states [..., n], same shape."""
+        """Gradient of the energy over the problem's scale at states [..., n], same shape."""
         torque = self.linear * (x - self.rest) - self.load
         if self.laws is not None:
             torque = torque + self.laws.torque(x)
         return torque if self.dead is None else torque + self.dead.gradient(self.sectors, x)
 
     def curvature(self, x: np.ndarray) -> np.ndarray:
-        """Stiffness of the hinges at states [..., n] over `Model.scale`, same shape or [n]."""
+        """Stiffness of the hinges at states [..., n] over the problem's scale, same shape or [n]."""
         return self.linear if self.laws is None else self.linear + self.laws.slope(x)
 
     def hessian(self, x: np.ndarray) -> np.ndarray:
-        """Hessian of the energy over `Model.scale` at states [..., n], shape [..., n, n]."""
+        """Hessian of the energy over the problem's scale at states [..., n], shape [..., n, n]."""
         springs = np.diag(self.linear)
         if self.laws is not None:
             springs = springs + self.laws.slope(x)[..., None] * np.eye(len(self.rest))
@@ -139,3 +139,59 @@ class Parameters:
         if self.dead is None:
             return np.broadcast_to(springs, (*x.shape[:-1], *springs.shape))
         return springs + self.dead.hessian(self.sectors, x)
+
+
+class Energies:
+    """Energies of a problem in the units of its springs, from its `parameters`, which are over `scale`."""
+
+    parameters: Any
+    scale: float
+
+    def energy(self, x: np.ndarray) -> float:
+        """Elastic energy of a state, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            The state, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
+        return self.scale * float(self.parameters.energy(np.asarray(x)))
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Elastic energies of states, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [...], in the scene's units.
+        """
+        return self.scale * self.parameters.energy(np.asarray(x))
+
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
+        """Energy of y less that of x, without cancellation for nearby states.
+
+        Parameters
+        ----------
+        x, y
+            States, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
+        return self.scale * float(self.parameters.energy_change(x, y))
+
+    def excess(self, x: np.ndarray) -> float:
+        """Energy of a state above that of springs at rest under the load, over `scale`; inf under forces in space."""
+        return float(self.parameters.excess(x))

@@ -1,6 +1,6 @@
 """What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
 
-A problem of one vertex (`Model`) has all of this, and so has that of a pattern (`pattern_problem.PatternProblem`).
+`pattern_problem.PatternProblem` has all of this.
 """
 
 from __future__ import annotations
@@ -10,14 +10,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from origami_nlp.problem.contact import Contact, FoldLimits, LoopClosure
-from origami_nlp.problem.model import Local
+from origami_nlp.problem.contact import Contact, FoldLimits, Local, LoopClosure
 from origami_nlp.problem.parameters import Parameters
 from origami_nlp.problem.touching import ClosedContacts, ContactWords, PairForce
 
 
 class Problem(Protocol):
-    """Shapes and units are those of `Model`, where each of these is described.
+    """Shapes and units are those of `PatternProblem`, where each of these is described.
 
     What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.  Where closure is
     `redundant` its rows depend on each other as a rule.

@@ -10,9 +10,9 @@ from hypothesis import given, settings, strategies as st
 from origami_nlp import find_minima
 from origami_nlp.barriers import Known, find_barriers
 from origami_nlp.barriers.bounds import side_of_flat
-from origami_nlp.critical import find_critical_points
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import merge_tree
+from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import once, panel_result, thinned

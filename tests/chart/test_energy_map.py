@@ -1,20 +1,19 @@
 """Energy landscapes against direct evaluation, closure, an independent search, and contact."""
 
-import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
-from origami_nlp.chart import chart_of, landscape, wedge_elevation
-from origami_nlp.chart.axes import fill_outwards
-from origami_nlp.closed_forms import wedge3
+from origami_nlp.chart import chart_of, landscape
 from origami_nlp.folding import check_admissible, fold_vertex
-from origami_nlp.problem import Model
+from origami_nlp.pattern import double_well, linear
+from origami_nlp.pattern_problem import pose
 from tests.closed_states import closed_states
-from tests.computed_once import panel_result, thinned
+from tests.computed_once import thinned
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
 SIZE = 61
@@ -91,100 +90,12 @@ def test_wedge_cells(n, share, contact, seed):
     assert check_cells(chart, np.random.default_rng(seed)) > 0
 
 
-def near_finite(branch, x, y):
-    """Whether the cell of (x, y) or one within two cells of it is admissible."""
-    i = int(np.argmin(np.abs(branch.axes[1] - y)))
-    j = int(np.argmin(np.abs(branch.axes[0] - x)))
-    return bool(np.isfinite(branch.energy[max(i - 2, 0) : i + 3, max(j - 2, 0) : j + 3]).any())
-
-
-@pytest.mark.parametrize(
-    "scene",
-    thinned(
-        [
-            o.examples.degree6("pi/4", 1),
-            o.examples.degree6("pi/3", 1),
-            o.examples.degree6("5*pi/12", 1),
-            o.examples.degree8("pi/12", 1),
-            o.examples.degree8("pi/4", 1),
-            wedge_scene(3, 0.4),
-        ],
-        3,
-    ),
-    ids=lambda s: s.name or s.group.name,
-)
-def test_no_admissible_state_is_left_white(scene):
-    """States found without the chart (random angles projected onto closure) lie on it, on its area."""
-    chart, model = landscape(scene, 201), Model(scene)
-    # states at +-pi exactly may lie on handles, which take no area
-    stream = itertools.cycle(closed_states(model, np.random.default_rng(7), 2000, at_limits=False))
-    seen = 0
-    while seen < 60:
-        phi = model.expand(next(stream))
-        if not check_admissible(scene.vertex, phi).admissible:
-            continue
-        seen += 1
-        place = chart.place(phi)
-        branch = chart.branches[place.branch]
-        assert near_finite(branch, *place.point), (phi, place)
-
-
-@settings(max_examples=30)
-@given(
-    n=st.sampled_from([2, 3, 5]),
-    share=st.floats(0.2, 0.8),
-    elevation=st.floats(-1.5, 1.5),
-    phi2=st.floats(-3.0, 3.0),
-    branch=st.sampled_from([-1, 1]),
-)
-def test_elevation_is_read_back(n, share, elevation, phi2, branch):
-    scene = wedge_scene(n, share)
-    point = wedge3(n, share * math.pi / n, elevation, phi2, branch)
-    if not point.ok or point.existence < 1e-3:
-        return
-    wedge = [point.value[0], phi2, point.value[1]]
-    phi = np.array(wedge)[list(scene.group.orbit)]
-    assert wedge_elevation(scene, phi) == pytest.approx(elevation, abs=1e-9)
-
-
-def test_minima_lie_in_the_wells():
-    """No cell of the landscape around a regular minimum is lower than it."""
-    for scene in (o.examples.degree8("pi/12", 0.01),):
-        result, chart = panel_result(scene), landscape(scene, 61)
-        for m in result.minima:
-            place = chart.place(m.fold_angles)
-            branch = chart.branches[place.branch]
-            x, y = np.meshgrid(*branch.axes)
-            close = np.hypot(x - place.point[0], y - place.point[1]) < 0.15
-            assert np.isfinite(branch.energy[close]).any()
-            assert np.nanmin(branch.energy[close]) >= m.energy * (1 - 1e-9)
-
-
-def test_families_and_handles():
+def test_families():
     scene = o.examples.degree6("pi/3", 1)
     chart = landscape(scene, SIZE)
     closed_book = chart.place([-math.pi, 0, 0, -math.pi, 0, 0])
     assert closed_book.point == (0.0, 0.0) and "straight line" in closed_book.family
     assert not chart.place([0.3, 0.2, 0.4, 0.1, 0.4, 0.2]).family
-    # paper, section 3.1: {-pi} x (~pi/2, pi] and [-pi, ~-pi/2) x {pi}, and their mirror images
-    assert chart.handles
-    for line in chart.handles:
-        assert (np.abs(np.abs(line).max(axis=1) - math.pi) < 1e-12).all()
-        assert (line[:, 0] * line[:, 1] < 0).all()
-        assert np.abs(line).min() == pytest.approx(math.pi / 2, abs=0.15)
-    # the paper sees none for pi/4, and open regions in their place for 5 pi/12
-    assert not landscape(o.examples.degree6("pi/4", 1), SIZE).handles
-    assert not landscape(o.examples.degree6("5*pi/12", 1), SIZE).handles
-
-
-def test_contact_only_removes():
-    areas = {}
-    for contact in ("full", "fold-limits", "none"):
-        energy = landscape(degree6_scene(1.0, 0.8, 1.0, contact), SIZE).branches[0].energy
-        areas[contact] = np.isfinite(energy)
-    assert (areas["full"] <= areas["fold-limits"]).all()
-    assert areas["full"].sum() < areas["fold-limits"].sum()
-    assert (areas["fold-limits"] == areas["none"]).all()  # |phi| <= pi is all that the chart holds
 
 
 CURVE_SCENES = {
@@ -214,7 +125,7 @@ def test_curves(name):
     assert all(check_admissible(scene.vertex, phi).admissible for phi in every[::25])
     for b in chart.branches:
         np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
-    model = Model(scene)
+    model = pose(scene)
     starts = closed_states(model, np.random.default_rng(11), 200, at_limits=False)
     free = [model.expand(x) for x in starts if np.abs(x).max() < 3.1]
     inside = [phi for phi in free if check_admissible(scene.vertex, phi).admissible]
@@ -227,25 +138,6 @@ def test_curves(name):
         assert chart.place(m.fold_angles).point[1] == pytest.approx(m.energy, rel=1e-12)
 
 
-@pytest.mark.parametrize("size", [7, 0, -3, 10.0, True, "big"])
-def test_bad_size(size):
-    with pytest.raises(o.OrigamiError, match="size"):
-        landscape(o.examples.degree6(), size)
-
-
-def test_place_wants_all_fold_angles():
-    with pytest.raises(o.OrigamiError, match="all 6"):
-        landscape(o.examples.degree6(), 8).place([0.0, 0.1])
-
-
-def test_colours_go_on_beyond_the_edge_and_not_inside():
-    branch = landscape(o.examples.degree6("pi/4", 1.0), SIZE).branches[0]
-    known = np.isfinite(branch.energy)
-    filled = fill_outwards(branch, 2)
-    assert (filled[known] == branch.energy[known]).all()
-    assert np.isfinite(filled).sum() > known.sum() and np.nanmin(filled) >= 0
-
-
 def test_scenes_without_a_chart_say_why():
     many = o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1")
     chart = landscape(many)
@@ -254,3 +146,26 @@ def test_scenes_without_a_chart_say_why():
         chart.place([0.0] * 10)
     free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
     assert "no two-coordinate chart" in landscape(free).reason
+
+
+def of_laws(plain):
+    return replace(plain, laws=tuple(map(linear, plain.stiffness, plain.rest_angles)))
+
+
+def test_landscapes_show_the_energy_of_laws():
+    plain = o.examples.degree6("5*pi/12", 2)
+    one, two = (landscape(s, 48) for s in (plain, of_laws(plain)))
+    for a, b in zip(one.branches, two.branches, strict=True):
+        assert np.allclose(a.energy, b.energy, rtol=1e-9, atol=1e-12, equal_nan=True)
+    law = double_well(0.1, 1.0)
+    wells = replace(plain, laws=(law, None, None) * 2)
+    (branch,) = landscape(wells, 48).branches
+    phi = branch.fold_angles
+    k, rest = np.array(plain.stiffness), np.array(plain.rest_angles)
+    by_hand = 0.5 * k * (phi - rest) ** 2
+    by_hand[..., [0, 3]] = 0.1 * (phi[..., [0, 3]] ** 2 - 1) ** 2
+    assert np.allclose(branch.energy, by_hand.sum(axis=-1), atol=1e-6, equal_nan=True)
+    (held,) = landscape(replace(wells, limits=(-1.0, 1.0)), 48).branches
+    within = (np.abs(phi) <= 1.0).all(axis=-1)
+    assert np.array_equal(np.isfinite(held.energy), within & np.isfinite(branch.energy))
+    assert np.allclose(held.energy[within], branch.energy[within], equal_nan=True)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.barriers import draw_barriers
-from origami_nlp.chart import admissible_region, landscape
+from origami_nlp.chart import landscape
 from origami_nlp.display import (
     KINDS,
     PASSES,
@@ -18,7 +18,7 @@ from origami_nlp.display import (
     label_marks,
     mark_minimum,
 )
-from origami_nlp.landscape import draw_landscape
+from origami_nlp.paper import draw_landscape
 from tests.computed_once import PANELS, panel_barriers, panel_boundary, panel_result, thinned
 
 TRACED = [o.examples.degree6("pi/4"), o.examples.degree6("pi/3"), o.examples.degree8("pi/12", 0.01)]
@@ -34,11 +34,10 @@ def drawn(number):
     boundary = panel_boundary(PANELS.index(traced))
     result = panel_result(scene, full=True)
     if number in STRETCHES:
-        return draw_landscape(o.find_landscape(result, size=21, boundary=boundary))
+        return draw_landscape(o.find_landscape(result, size=21))
     chart = landscape(scene, 21)
-    regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
     places = tuple(chart.place(m.fold_angles) for m in result.minima)
-    return draw_landscape(o.ExactLandscape(result, chart, boundary, regions, places, ()))
+    return draw_landscape(o.ExactLandscape(result, chart, boundary, places, ()))
 
 
 def boxes(figure, gid):

@@ -8,7 +8,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.inverse_design import Target, Targets, solve
 from origami_nlp.kkt import project
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 
 
 def random_vertex(rng, n):
@@ -39,7 +39,7 @@ def question(seed, n, count, pinned=0, flat=0, **more):
     """A question of `count` random states; None where none were drawn."""
     rng = np.random.default_rng(seed)
     vertex = random_vertex(rng, n)
-    model = Model(o.Scene(vertex, (1,) * n, (0,) * n, symmetry="none"))
+    model = pose(o.Scene(vertex, (1,) * n, (0,) * n, symmetry="none"))
     found = [random_state(model, rng, i < pinned) for i in range(count - flat)]
     found += [(0.0,) * n] * flat
     if None in found:
@@ -85,7 +85,7 @@ def mixed(seed):
     n, count = 4 + seed % 5, (1, 2, 2, 3, 3)[seed // 5 % 5]
     folded = n % 2 == 0 and rng.random() < 0.4
     vertex = flat_foldable(rng, n) if folded else random_vertex(rng, n)
-    model = Model(o.Scene(vertex, (1,) * n, (0,) * n, symmetry="none"))
+    model = pose(o.Scene(vertex, (1,) * n, (0,) * n, symmetry="none"))
     states, kinds = [], []
     for i in range(count):
         if i == 0 and folded:

@@ -26,7 +26,6 @@ from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import DEFINITE, EQUAL, POSITIVE, smatrix
 from origami_nlp.pattern_problem import pose
-from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.inverse_design.questions import built, question
 
@@ -41,7 +40,7 @@ def held_by_hand(targets, scene):
     """Whether each state is a minimum, by nothing but energies of closed states around it."""
     from origami_nlp.kkt import project
 
-    model, rng = Model(scene), np.random.default_rng(0)
+    model, rng = pose(scene), np.random.default_rng(0)
     for placed in targets.placed:
         x = placed.state.x
         for _ in range(60):
@@ -146,7 +145,7 @@ def _between(found, count):
     """Energies of closed states from the first to the second, over the second crease's fold angle."""
     from origami_nlp.kkt import project
 
-    model = Model(found.scene)
+    model = pose(found.scene)
     a, b = (model.reduce(np.array(s.fold_angles)) for s in found.states)
     x = a
     for angle in np.linspace(a[1], b[1], count):

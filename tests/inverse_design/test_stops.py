@@ -13,7 +13,7 @@ from origami_nlp.errors import OptionError, SceneError
 from origami_nlp.inverse_design import Target, Targets, parse_targets
 from origami_nlp.kkt import project
 from origami_nlp.pattern import tapered_limit
-from origami_nlp.problem import Model
+from origami_nlp.pattern_problem import pose
 from tests.independent import scan_four
 
 
@@ -25,7 +25,7 @@ def three_states(rng):
         if 40 < sectors[3] < 140:
             break
     vertex = o.Vertex.from_degrees(tuple(sectors))
-    model = Model(o.Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits"))
+    model = pose(o.Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits"))
     states: list[Target] = []
     while len(states) < 3:  # (closed the other way round is no sheet)
         x, residual = project(model, rng.uniform(-2.5, 2.5, model.size))

@@ -24,13 +24,13 @@ BESIDE_THE_TABLE = {
         bifurcation/boundary.AROUND continuation/line.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/passes.OFF
-        chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
-        chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
-        critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
+        chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
+        cli/timed.SHORTEST contact/margin.ASIDE
+        paper/links.RADII paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        landscape/exact.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
+        paper/landscape.PIECE loading/stable_path.OFF_BRANCH loading/confirming.SIDE
         loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
@@ -39,18 +39,17 @@ BESIDE_THE_TABLE = {
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS
-        search/terrain.FIRST search/terrain.POPPED space/cells.RADIUS
-        space/mesh.DIFFERENCE
-        search/ipopt.BESIDE starts/near_flat.INSIDE
+        search/terrain.FIRST search/terrain.POPPED
+        search/ipopt.BESIDE pattern_states/near_folded.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
-        critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
+        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN
         continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY
-        search/descend.SOFT starts/moments.SHORTEST_SHARE
+        search/descend.SOFT search/moments.SHORTEST_SHARE
     """,
     "descents that decide nothing: where they stop, and how near to each other their ends are one": """
         search/descend.NAMES
@@ -62,10 +61,10 @@ BESIDE_THE_TABLE = {
         pattern/law_course.IMAGINARY pattern/law_course.TINY
     """,
     "what is shown, or said in words": """
- chart/boundary_lines.SHORT chart/chart.TIE chart/outline.SLIVER
-        critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
+ chart/boundary.GRID chart/chart.TIE chart/boundary.SLIVER
+        paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
-        pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
+        pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
         cli/source.DRAWN drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT

@@ -118,7 +118,7 @@ def designed(q: Answer) -> Answer:
 
 def cones(q: Answer) -> Answer:
     """Counts of the states of a cone: degree, stiffness ratio, rest elevation."""
-    return cone.count_to_dict(cone.count(*q["cone"]))
+    return cone.count(*q["cone"]).to_dict()
 
 
 def verified(q: Answer) -> Answer:

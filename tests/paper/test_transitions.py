@@ -1,15 +1,11 @@
 """Transitions of the admissible space: found without being told where, and confirmed without the sweep."""
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 
-from origami_nlp.errors import OptionError
-from origami_nlp.numerics import RESOLVED
-from origami_nlp.paper import events, find_transitions
-from origami_nlp.paper.events import Event, find_events
+from origami_nlp.paper.events import find_events
 from origami_nlp.pattern import degree6, degree8
 from tests.computed_once import once
 from tests.independent.search_layers import symmetrically_admissible
@@ -45,30 +41,6 @@ def test_events_of_degree_8(events8):
     assert any(e.admissible for e in events8)
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_one_event_is_listed_once_wherever_rounding_puts_it(monkeypatch):
-    """Sector angles on both sides of a multiple of the distance at which two are one; the admissible state is kept."""
-    drawn, edge = itertools.count(), (round(0.8 / RESOLVED) + 0.5) * RESOLVED
-
-    def polished(make, walls, *_):
-        k = next(drawn)
-        names = tuple(wall.name for wall in walls)
-        return Event(edge + (-1) ** k * 1e-12, names, (), (), 0.0, False, bool(k % 2))
-
-    monkeypatch.setattr(events, "_polished", polished)
-    found = find_events(degree6, LOW, HIGH, starts=3)
-    assert len(found) == len({e.walls for e in found}) > 3
-    assert sum(e.admissible for e in found) > 3
-
-
-@pytest.mark.slow  # a search for curves
-def test_curves_of_events_are_told(events6):
-    curve = [e for e in events6 if e.curve]
-    assert curve
-    assert {round(e.alpha, 9) for e in curve} == {round(math.pi / 3, 9)}
-    assert {len(e.walls) for e in curve} == {2}
-
-
 @pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])
 @pytest.mark.parametrize(("held", "free"), [(1, 3), (3, 1)])
 def test_pi_3_is_confirmed_by_states_that_share_no_code(phi_1, held, free):
@@ -90,16 +62,6 @@ def test_pi_3_is_confirmed_by_states_that_share_no_code(phi_1, held, free):
     assert verdicts == [False, True, True]
 
 
-def test_pi_4_is_confirmed_by_flat_foldings_that_share_no_code():
-    """The flat folding (pi, -pi, -pi, pi) has an order of layers up to pi/4: beyond, crease 4 passes crease 1."""
-    x = math.pi * np.array([[1.0, -1.0, -1.0, 1.0]])
-    verdicts = [
-        bool(symmetrically_admissible(Piece.of(degree6(math.pi / 4 + shift)), x)[0])
-        for shift in (-1e-5, 1e-5)
-    ]
-    assert verdicts == [True, False]
-
-
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_pi_4_of_degree_8_is_confirmed_by_flat_foldings_that_share_no_code(sign):
     """Creases 1 and 3 change roles: the flat foldings (-pi, pi, 0) and (0, pi, -pi) are admissible on one side each."""
@@ -110,10 +72,3 @@ def test_pi_4_of_degree_8_is_confirmed_by_flat_foldings_that_share_no_code(sign)
         assert np.abs(piece.closure(x)[0]).max() < 1e-12
         verdicts.append(symmetrically_admissible(piece, x).tolist())
     assert verdicts == [[True, False], [False, True]]
-
-
-def test_unknown_families_are_refused():
-    with pytest.raises(OptionError, match="degree6, degree8"):
-        find_transitions("degree7")
-    with pytest.raises(OptionError, match="samples = 1"):
-        find_transitions("degree6", samples=1)

@@ -6,7 +6,7 @@ import pytest
 from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import canonical_labels
 from origami_nlp.pattern.relations import find_relations
-from origami_nlp.problem import Model
+from origami_nlp.proof import ReducedVertex
 
 
 def near(seed, size):
@@ -39,6 +39,6 @@ def test_other_labels_name_the_same_vertex_and_the_same_gaps(size):
         assert np.abs(moved).max() == 0
         theirs = {
             (labels.creases[k], labels.facets[j])
-            for k, j in (gap.rays for gap in Model(other).structure.gaps)
+            for k, j in (gap.rays for gap in ReducedVertex(other).gaps)
         }
-        assert theirs == {gap.rays for gap in Model(scene).structure.gaps}
+        assert theirs == {gap.rays for gap in ReducedVertex(scene).gaps}

@@ -1,4 +1,4 @@
-"""States of every winding close the whole vertex with q = +1; completions and closed forms know them."""
+"""States of every winding close the whole vertex with q = +1, and are told apart by the turn of a period."""
 
 import math
 
@@ -7,8 +7,8 @@ import pytest
 
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import project
-from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.problem import Model
+from origami_nlp.pattern import Scene, Vertex, winding_number
+from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 
 
@@ -38,15 +38,14 @@ def scenes(kind, order, flat):
 def test_every_winding_closes_the_whole_vertex(kind, order, flat):
     rng, seen = np.random.default_rng(0), set()
     for scene in scenes(kind, order, flat):
-        for one in scene.of_each_winding:
-            model = Model(one)
-            drawn = rng.uniform(-3.0, 3.0, (50, model.size))
-            x, residual = project(model, drawn)
-            x = x[(residual < 1e-10) & (np.abs(x) <= 2 * math.pi).all(axis=1)]
-            if not len(x) or model.dof < 0:
-                continue
-            seen.add(one.winding or 1)
-            _, q = fold_vertex(scene.vertex, model.expand(x))
-            assert np.abs(q[:, 1:]).max() < 1e-8
-            assert ((q[:, 0] > 0) == model.lifts_to_one(x)).all()
+        problem = pose(scene)
+        x, residual = project(problem, rng.uniform(-3.0, 3.0, (100, problem.size)))
+        x = x[(residual < 1e-10) & (np.abs(x) <= 2 * math.pi).all(axis=1)]
+        if not len(x):
+            continue
+        _, q = fold_vertex(scene.vertex, problem.expand(x))
+        assert np.abs(q[:, 1:]).max() < 1e-8
+        lifted = problem.lifts_to_one(x)
+        assert ((q[:, 0] > 0) == lifted).all()
+        seen |= {winding_number(scene.vertex, scene.group, problem.expand(y)) for y in x[lifted]}
     assert seen == set(scene.windings)

@@ -9,7 +9,7 @@
 
 `count` counts the minima of all branches at one point, `count_map` over a plane, `phase_diagram` adds the exact
 curves (`phase_boundaries`) between which the numbers are constant; `full_space` asks whether a minimum is stable when
-the vertex may leave its branch; `foldings` lists what differs; `draw_...` draw.  A cone is given by its degree, or,
+the vertex may leave its branch; `foldings` lists what differs.  A cone is given by its degree, or,
 with other rules for the rest state and the ends of branches, as a `Cone`.
 """
 

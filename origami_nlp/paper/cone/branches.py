@@ -9,7 +9,7 @@ other way round.  So a branch is known by its flaps and by which of them are ste
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
@@ -18,12 +18,12 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.paper.cone.classes import EnergyClass, direction_name
-from origami_nlp.paper.cone.flaps import Flaps, class_of, parse_flaps, write_flaps
-from origami_nlp.paper.cone.necklaces import symmetry_of
+from origami_nlp.paper.cone.flaps import Flaps, class_of, parse_flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.rules import SLACK, Cone
-from origami_nlp.pattern import Vertex, format_angle
+from origami_nlp.pattern import Scene, Vertex, format_angle
 
 UP, DOWN = 1, -1
 LONGEST_WORD = 24
@@ -100,11 +100,6 @@ class ConeBranch:
         """Symmetry of its states, "D3" or "C1" for example."""
         return symmetry_of(self.flaps)
 
-    @property
-    def vertex(self) -> Vertex:
-        """The flat sheet."""
-        return Vertex((2 * math.pi / self.degree,) * self.degree)
-
     def fold_angles(self, elevation: Any) -> np.ndarray:
         """Fold angles of all creases, shape S + (N,) for elevations of shape S [rad].
 
@@ -174,3 +169,72 @@ def branch(
     if sign is None:
         raise OptionError(f"direction = {shown(direction)}: write up or down")
     return ConeBranch(parse_flaps(flaps), sign, end)
+
+
+def cone_sheet(degree: int) -> Scene:
+    """Return the flat sheet of a cone, with springs that do not matter."""
+    return Scene(Vertex((2 * math.pi / degree,) * degree), (1.0,) * degree, (0.0,) * degree, "none")
+
+
+@dataclass(frozen=True, repr=False)
+class FoldedCone(Report):
+    """A state of a branch of a cone.
+
+    Attributes
+    ----------
+    branch
+        Of `branch`.
+    elevation
+        Signed [rad].
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> state = cone.FoldedCone(cone.branch("VVM"), 0.3)
+    >>> state.fold_angles.round(3).tolist()
+    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
+    """
+
+    branch: ConeBranch
+    elevation: float
+
+    SCHEMA, READS = "origami-nlp/paper/1", False
+
+    def __post_init__(self) -> None:
+        _ = self.fold_angles  # raises an error past the end
+
+    @property
+    def fold_angles(self) -> np.ndarray:
+        """All N [rad]."""
+        return self.branch.fold_angles(self.elevation)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the branch, and a row a crease."""
+        own, phi = self.branch, self.fold_angles
+        yield (
+            f"branch {own!r}, symmetry {own.symmetry}, elevation {format_angle(self.elevation)}; "
+            f"ends at |elevation| = {format_angle(own.end)}: {own.end_text}"
+        )
+        rows = [
+            (str(number), f"{angle:.15g}", f"{math.degrees(angle):.12g}")
+            for number, angle in enumerate(phi.tolist(), start=1)
+        ]
+        yield Table(("crease", "fold angle [rad]", "[deg]"), rows, "", "rrr", framed=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data; ``edges_*`` are as in FOLD files: degrees, valley V and mountain M."""
+        own, phi = self.branch, self.fold_angles
+        return {
+            "schema": self.SCHEMA,
+            "degree": own.degree,
+            "flaps": write_flaps(own.flaps),
+            "direction": direction_name(own.direction),
+            "symmetry": own.symmetry,
+            "end": own.end,
+            "end_rule": own.end_rule,
+            "at_end": own.end_text,
+            "elevation": float(self.elevation),
+            "fold_angles": phi.tolist(),
+            "edges_foldAngle": np.degrees(phi).tolist(),
+            "edges_assignment": ["V" if p > 0 else "M" if p < 0 else "F" for p in phi],
+        }

@@ -166,30 +166,10 @@ class EnergyClass:
         more = f" ({self.changes} changes)" if several else ""
         return f"{word} {direction_name(self.direction)}{more}"
 
-    @property
-    def label(self) -> str:
-        r"""Label in the paper's manner, for matplotlib: ``$M_{2}V\uparrow$``.
-
-        Words with more than one run of each kind: alternating ones are written out, the others carry
-        the number of runs as a superscript, ``$(M_{3}V_{3})^{2}$``.
-        """
-        a, b, j = self.valleys, self.mountains, self.changes // 2
-        arrow = r"\uparrow" if self.direction > 0 else r"\downarrow"
-        word = _power("M", b) + _power("V", a)
-        if j > 1 and a == b == j:
-            word = "MV" * j if j == 2 else f"(MV)_{{{j}}}"
-        elif j > 1:
-            word = f"({word})^{{{j}}}"
-        return f"${word}{arrow}$"
-
 
 def direction_name(direction: int) -> str:
     """Word for a sign of the elevation."""
     return "up" if direction > 0 else "down"
-
-
-def _power(letter: str, count: int) -> str:
-    return "" if count == 0 else letter if count == 1 else f"{letter}_{{{count}}}"
 
 
 def energy_classes(cone: Cone | int) -> list[EnergyClass]:

@@ -274,7 +274,7 @@ class EnergyAt:
         odd, even = self.curvatures
         return odd + ratio * even
 
-    def slope_scale(self, ratio: float) -> Any:
+    def slope_scale(self, ratio: Any) -> Any:
         """Size of the terms that F = A' + r B' sums: rounding is eps of it."""
         c = self.creases
         odd = self._odd((c.size + np.abs(c.pull)) * c.first)
@@ -296,21 +296,6 @@ class EnergyAt:
         """(U_flat - U)/U_flat at a ratio; nan where there is none."""
         well, flat = self.wells, self.flat
         return (well[0] + ratio * well[1]) / (flat[0] + ratio * flat[1])
-
-    def over(self, depth: float) -> Pair:
-        """(A, B) of how much deeper than a relative depth the state is."""
-        well, flat = self.wells, self.flat
-        return well[0] - depth * flat[0], well[1] - depth * flat[1]
-
-    def ratio_of_depth(self, depth: float) -> np.ndarray:
-        """Return r at which the state has the relative depth, stationary or not; nan if none."""
-        return finite_quotient(*self.over(depth))
-
-    def depth_gap(self, depth: float) -> Any:
-        """Zero where a stationary point has the relative depth (times -B', so that it is smooth)."""
-        (over_a, over_b), (da, db) = self.over(depth), self.slopes
-        # both A' + r B' = 0 and over_a + r over_b = 0 have the same r
-        return over_b * da - over_a * db
 
 
 def finite_quotient(odd: Any, even: Any) -> np.ndarray:

@@ -130,3 +130,17 @@ def class_of(flaps: Sequence[int]) -> tuple[int, int]:
     """
     changes = sum(flaps[i - 1] != flaps[i] for i in range(len(flaps)))
     return sum(f > 0 for f in flaps), changes
+
+
+def symmetry_of(flaps: Sequence[int]) -> str:
+    """Name the symmetry of the folded cone at any elevation but 0: "D3", "C2", "C1" ...
+
+    Rotations about the axis that keep the assignment make C_m; with a reflection in a plane through
+    the axis (through even or odd creases) it is D_m.  Nothing else can keep a folded cone: what turns
+    it over reverses the elevation, and odd creases are never alike even ones.
+    """
+    word = tuple(flaps)
+    turns = sum(word[k:] + word[:k] == word for k in range(len(word)))
+    back = word[::-1]
+    mirrored = any(back[k:] + back[:k] == word for k in range(len(word)))
+    return f"{'D' if mirrored else 'C'}{turns}"

@@ -15,17 +15,27 @@ as contact (the rest state of the all-valley branch at the end of its range is o
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.io import ShortRepr
-from origami_nlp.paper.cone.classes import assignment_classes
+from origami_nlp.paper.cone.classes import EnergyClass, assignment_classes, direction_name
 from origami_nlp.paper.cone.energy import SideEnergy
+from origami_nlp.paper.cone.numbers import exact, number_words, share_words
 from origami_nlp.paper.cone.roots import polish, slope_signs
 from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone, Rest, check_depth, check_ratio
+from origami_nlp.pattern import format_angle
+
+MOST_ROWS, MOST_TIES = 60, 8
+"""Minima and ties that are printed one by one."""
+SMALL = 1e-3
+"""Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
+HEADS = ("branches", "changes", "number", "elevation [rad]", "energy/k_odd", "depth", "kind")
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,8 +117,8 @@ class ConeMinima(ShortRepr):
         return ConeMinima(*joined)
 
 
-@dataclass(frozen=True)
-class ConeCount:
+@dataclass(frozen=True, repr=False)
+class ConeCount(Report):
     """Minima of a cone, branch by branch.
 
     A minimum along a branch need not be stable when the vertex may leave the branch (`full_space`).
@@ -136,6 +146,8 @@ class ConeCount:
     depth: float
     minima: ConeMinima
     undecided: tuple[tuple[int, int, int], ...]
+
+    SCHEMA, READS = "origami-nlp/paper/1", False
 
     @property
     def degree(self) -> int:
@@ -172,13 +184,66 @@ class ConeCount:
         keys = zip(m.direction.tolist(), m.valleys.tolist(), m.changes.tolist(), strict=True)
         return sum(dict(zip(keys, m.multiplicity, strict=True)).values())
 
-    def __repr__(self) -> str:
-        return (
-            f"ConeCount(degree {self.degree}, ratio {self.ratio:g}, elevation "
-            f"{self.rest.elevation:g}: {self.stable_interior} interior and {self.stable_contact} "
-            f"contact-pinned minima, {self.falling_at_cut} falling at their cut, on {self.branches} "
-            "branches)"
+    def report_sections(self) -> Iterator[Section]:
+        """Return the numbers of branch minima, then a row for each class and minimum, deepest first."""
+        whole, end = self.branches, self.cone.end
+        yield (
+            f"cone of degree {self.degree}, r_k = {self.ratio:g}, rest elevation "
+            f"{format_angle(self.rest.elevation)} ({self.cone.rest}), branches end by the {end} rule"
         )
+        for name, number in (
+            ("interior minima", self.stable_interior),
+            ("minima pinned by contact", self.stable_contact),
+            ("falling at their cut, where nothing touches", self.falling_at_cut),
+            ("branches with a minimum", self.branches_with_minimum),
+        ):
+            if number or not name.startswith("falling"):
+                words = f"{number_words(number)} of {number_words(whole)} branches"
+                yield f"  {name}: {words} ({share_words(number, whole)})"
+        if self.depth > 0:
+            yield f"  counted: wells deeper than {self.depth:g} of the flat state's energy"
+        for tied in self.undecided[:MOST_TIES]:
+            name = EnergyClass(self.cone, *tied).name
+            yield f"  tie to rounding on {name}: slope 0 at an end, or a double zero"
+        if len(self.undecided) > MOST_TIES:
+            yield f"  and ties on {len(self.undecided) - MOST_TIES} more classes"
+        if len(self.minima):
+            yield self.table()
+        if len(self.minima) > MOST_ROWS:
+            yield f"{len(self.minima) - MOST_ROWS} more rows: -o FILE.json has all"
+
+    def table(self) -> Table:
+        """Return one row a class and minimum, deepest first; those at an end with their multiplier."""
+        m, rows = self.minima, []
+        for k in np.argsort(-m.depth, kind="stable")[:MOST_ROWS].tolist():
+            own = EnergyClass(self.cone, int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
+            row = (
+                own.name.split(" (")[0],
+                str(own.changes),
+                number_words(m.multiplicity[k]),
+                f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > SMALL else f"{m.elevation[k]:.3e}",
+                f"{m.energy[k]:.5g}",
+                f"{m.depth[k]:.4g}",
+                "interior" if m.interior[k] else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
+            )
+            rows.append(row)
+        return Table(HEADS, rows, "", "lrrrrrl", framed=False, narrow=True)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data, an entry of ``classes`` for each class and minimum; numbers beyond 2^53 are text."""
+        m = self.minima
+        columns = {f.name: getattr(m, f.name) for f in fields(m)}
+        columns["direction"] = [direction_name(d) for d in m.direction.tolist()]
+        columns["multiplicity"] = [exact(number) for number in m.multiplicity]
+        lists = [c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()]
+        kinds = ("stable_interior", "stable_contact", "falling_at_cut")
+        return {
+            "schema": self.SCHEMA,
+            "degree": self.degree,
+            "branches": str(self.branches),
+            **{kind: exact(getattr(self, kind)) for kind in kinds},
+            "classes": [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)],
+        }
 
 
 def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.0) -> ConeCount:
@@ -221,8 +286,8 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     parts, undecided = [], []
     for direction in (1, -1):
         side = SideEnergy.of(cone, direction, elevation)
-        found, ties = _minima_of(side, classes.multiplicity, ratio)
-        parts.append(found)
+        found, ties = minima_of(side, np.full(len(classes), ratio))
+        parts.append(_filled(side, classes.multiplicity, ratio, found))
         rows = zip(classes.valleys[ties].tolist(), classes.changes[ties].tolist(), strict=True)
         undecided += [(a, c, direction) for a, c in rows]
     minima = parts[0].then(parts[1])
@@ -231,18 +296,25 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     return ConeCount(cone, side.rest, ratio, depth, minima, tuple(undecided))
 
 
-def _minima_of(
-    side: SideEnergy, multiplicity: tuple[int, ...], ratio: float
-) -> tuple[ConeMinima, np.ndarray]:
-    """Minima of all classes of one direction, and rows of the classes with ties."""
+class Found(NamedTuple):
+    """Minima on branches: classes `rows`, elevations s, which are at an end, and -F there."""
+
+    rows: np.ndarray
+    s: np.ndarray
+    at_end: np.ndarray
+    multiplier: np.ndarray
+
+
+def minima_of(side: SideEnergy, ratio: np.ndarray) -> tuple[Found, np.ndarray]:
+    """Find the minima of all classes of one direction, each at its ratio [m], and the rows of those with ties."""
     if side.rest.odd == 0 and side.rest.even == 0:  # flat at rest: all branches climb
         none = np.zeros(0, dtype=np.int64)
-        return _filled(side, multiplicity, ratio, none, none * 1.0, none == 1, none * 1.0), none
+        return Found(none, none * 1.0, none == 1, none * 1.0), none
     signs = slope_signs(side, ratio)
     inside = polish(side, ratio, signs)
     # F(end) = 0 but for rounding: what F does before it decides
     tied = np.nonzero(signs.end == 0)[0]
-    bend = side.at(side.end[tied], tied).curvature(ratio)
+    bend = side.at(side.end[tied], tied).curvature(ratio[tied])
     # the energy falls to the end, or is level there and curves up: the end is a minimum of the closed branch
     pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend > 0])
     rows = np.concatenate([signs.rows, pinned])
@@ -250,21 +322,15 @@ def _minima_of(
     at_end = np.concatenate([np.zeros(len(inside), bool), np.ones(len(pinned), bool)])
     multiplier = np.concatenate([np.zeros(len(inside)), np.maximum(-signs.end[pinned], 0.0)])
     order = np.lexsort((s, rows))
-    own = (each[order] for each in (rows, s, at_end, multiplier))
     ties = np.concatenate([np.nonzero(signs.start == 0)[0], tied, signs.undecided])
-    return _filled(side, multiplicity, ratio, *own), np.unique(ties)
+    return Found(*(each[order] for each in (rows, s, at_end, multiplier))), np.unique(ties)
 
 
 def _filled(
-    side: SideEnergy,
-    multiplicity: tuple[int, ...],
-    ratio: float,
-    rows: np.ndarray,
-    s: np.ndarray,
-    at_end: np.ndarray,
-    multiplier: np.ndarray,
+    side: SideEnergy, multiplicity: tuple[int, ...], ratio: float, found: Found
 ) -> ConeMinima:
-    """Fill in energies, depths and kinds of minima at s of classes `rows`."""
+    """Fill in energies, depths and kinds of minima."""
+    rows, s, at_end, multiplier = found
     here = side.at(s, rows)
     odd, even = here.energies
     flat = here.flat[0] + ratio * here.flat[1]

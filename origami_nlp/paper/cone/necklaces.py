@@ -10,29 +10,18 @@ bracelets, and tabulates necklaces.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import gcd
+from typing import Any
 
-from origami_nlp.paper.cone.flaps import Flaps
+from origami_nlp.display import Report, Section, Table
+from origami_nlp.paper.cone.flaps import Flaps, symmetry_of, write_flaps
+from origami_nlp.paper.cone.numbers import exact, number_words
 from origami_nlp.paper.cone.rules import check_degree
 
 LARGEST_LISTED = 32
 """Largest degree whose different foldings are listed one by one (4,116 necklaces)."""
-
-
-def symmetry_of(flaps: Sequence[int]) -> str:
-    """Name the symmetry of the folded cone at any elevation but 0: "D3", "C2", "C1" ...
-
-    Rotations about the axis that keep the assignment make C_m; with a reflection in a plane through
-    the axis (through even or odd creases) it is D_m.  Nothing else can keep a folded cone: what turns
-    it over reverses the elevation, and odd creases are never alike even ones.
-    """
-    word = tuple(flaps)
-    turns = sum(word[k:] + word[:k] == word for k in range(len(word)))
-    back = word[::-1]
-    mirrored = any(back[k:] + back[:k] == word for k in range(len(word)))
-    return f"{'D' if mirrored else 'C'}{turns}"
 
 
 @dataclass(frozen=True)
@@ -172,3 +161,61 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
 
 def _totient(d: int) -> int:
     return sum(gcd(k, d) == 1 for k in range(1, d + 1))
+
+
+@dataclass(frozen=True, repr=False)
+class Foldings(Report):
+    """How many foldings of a cone differ, and which.
+
+    Attributes
+    ----------
+    degree
+        N.
+    listed
+        Whether they are listed one by one.
+    """
+
+    degree: int
+    listed: bool
+
+    SCHEMA, READS = "origami-nlp/paper/1", False
+
+    def __post_init__(self) -> None:
+        check_degree(self.degree, LARGEST_LISTED if self.listed else None)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the numbers, and a row for each folding."""
+        turned, mirrored = (
+            number_of_foldings(self.degree, mirrors_differ=m) for m in (True, False)
+        )
+        yield (
+            f"cone of degree {self.degree}: {number_words(1 << (self.degree // 2))} assignments at an elevation, "
+            f"of which differ\n  by more than a rotation (necklaces): {number_words(turned)}\n"
+            f"  by more than rotation and reflection (bracelets): {number_words(mirrored)}\n"
+            "valleys and mountains are not swapped; with both signs of the elevation, turning the sheet over "
+            "leaves the same numbers"
+        )
+        if self.listed:
+            kept = {f.flaps for f in foldings(self.degree, mirrors_differ=False)}
+            rows = []
+            for number, f in enumerate(foldings(self.degree), start=1):
+                word = (
+                    "itself" if not f.chiral else "another" if f.flaps in kept else "listed above"
+                )
+                rows.append((str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word))
+            heads = ("#", "flaps", "symmetry", "copies", "mirror image")
+            yield Table(heads, rows, "", "rllrl", framed=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON data; numbers beyond 2^53 are text."""
+        kinds = {"necklace": True, "bracelet": False}
+        data: dict[str, Any] = {"schema": self.SCHEMA, "degree": self.degree}
+        data["assignments"] = str(1 << (self.degree // 2))
+        for kind, differ in kinds.items():
+            data[f"{kind}s"] = exact(number_of_foldings(self.degree, mirrors_differ=differ))
+        for kind, differ in kinds.items() if self.listed else ():
+            data[f"{kind}_list"] = [
+                vars(f) | {"flaps": write_flaps(f.flaps)}
+                for f in foldings(self.degree, mirrors_differ=differ)
+            ]
+        return data

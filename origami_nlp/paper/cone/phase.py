@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -10,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
-from origami_nlp.display import Result
+from origami_nlp.display import Report, Section, folding_table
 from origami_nlp.errors import OptionError
-from origami_nlp.io import ShortRepr
+from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.map import CountMap, count_map
-from origami_nlp.paper.cone.phase_curves import PhaseBoundary, phase_boundaries
+from origami_nlp.paper.cone.numbers import exact
+from origami_nlp.paper.cone.phase_curves import KINDS, PhaseBoundary, phase_boundaries
 from origami_nlp.paper.cone.rules import Cone, check_depth, check_ratio
 
 RATIOS = (1e-2, 1e2)
@@ -25,7 +27,7 @@ LARGEST_DEGREE = 200
 
 
 @dataclass(frozen=True, repr=False)
-class PhaseDiagram(ShortRepr, Result):
+class PhaseDiagram(Report):
     """Map and boundaries.
 
     Attributes
@@ -42,12 +44,61 @@ class PhaseDiagram(ShortRepr, Result):
     contact: bool
     boundaries: tuple[PhaseBoundary, ...] = field(repr=False)
 
-    PICTURE = "draw_phase"
+    SCHEMA, READS, PICTURE = "origami-nlp/paper/1", False, "draw_phase"
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return which numbers occur and how much of the map each takes, and the number of boundaries."""
+        numbers, often = np.unique(self.minima, return_counts=True)
+        total = self.map.branches
+        rows = [
+            [f"{int(n)}/{total}", f"{int(n) / total:.6g}", f"{k / self.minima.size:.2%}"]
+            for n, k in zip(numbers, often, strict=True)
+        ]
+        yield folding_table(("branch minima", "normalised", "share of the map"), rows, "")
+        kinds = Counter(b.kind for b in self.boundaries)
+        yield "boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items())
+
+    def _numbers(self) -> dict[str, np.ndarray]:
+        m = self.map
+        return {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for i, nu in enumerate(self.map.elevations.tolist()):
+            for k, r in enumerate(self.map.ratios.tolist()):
+                each = {name: int(n[k, i]) for name, n in self._numbers().items()}
+                yield {"rest_elevation": nu, "ratio": r, **each}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data: `diagram_to_dict`."""
-        data: dict[str, Any] = self._from_room("diagram_to_dict")(self)
-        return data
+        """Return plain JSON data; maps are [ratio][rest elevation], numbers beyond 2^53 text."""
+        m = self.map
+        return {
+            "schema": self.SCHEMA,
+            "degree": m.cone.degree,
+            "branches": str(m.branches),
+            "rest": m.cone.rest,
+            "end": m.cone.end,
+            "depth": m.depth,
+            "contact": self.contact,
+            "ratios": m.ratios.tolist(),
+            "rest_elevations": m.elevations.tolist(),
+            **{
+                name: [[exact(n) for n in row] for row in numbers.tolist()]
+                for name, numbers in self._numbers().items()
+            },
+            "boundaries": [
+                {
+                    "valleys": b.branches.valleys,
+                    "changes": b.branches.changes,
+                    "direction": direction_name(b.branches.direction),
+                    "multiplicity": exact(b.branches.multiplicity),
+                    "kind": b.kind,
+                    "rest_elevation": b.rest_elevation.tolist(),
+                    "ratio": b.ratio.tolist(),
+                    "elevation": b.elevation.tolist(),
+                }
+                for b in self.boundaries
+            ],
+        }
 
     @property
     def degree(self) -> int:
@@ -72,11 +123,7 @@ class PhaseDiagram(ShortRepr, Result):
         tuple of PhaseBoundary
             Of the kinds that change it.
         """
-        kinds = {
-            "all": ("start", "fold", "depth", "depth-at-end"),
-            "interior": ("start", "end", "fold", "depth"),
-            "at end": ("end", "depth-at-end"),
-        }[counted]
+        kinds = {"all": ("start", "fold"), "interior": KINDS, "at end": ("end",)}[counted]
         return tuple(b for b in self.boundaries if b.kind in kinds)
 
     @property
@@ -108,7 +155,7 @@ def phase_diagram(
     rest_elevations
         Lowest and highest nu_0 [rad]; default: all before contact (for the printed rest formula, the paper's).
     depth
-        Count only minima with (U_flat - U)/U_flat > depth; see `count`.
+        Count only minima with (U_flat - U)/U_flat > depth, see `count`; boundaries are those of all minima.
     contact
         Whether minima at the end of a branch count.
     progress
@@ -131,7 +178,7 @@ def phase_diagram(
     (8,)
     """
     cone = Cone.of(cone, LARGEST_DEGREE)
-    check_size(size)
+    check_whole("size", size, 2, LARGEST_SIZE)
     check_flag("contact", contact)
     check_callback("progress", progress)
     bottom, top = (check_ratio(r, "ratios") for r in _pair("ratios", ratios))
@@ -148,25 +195,9 @@ def phase_diagram(
     nu = low + (high - low) * cells
     nu = nu[nu != 0]  # on that line no branch has a minimum but the flat state
     counts = count_map(cone, r, nu, depth=check_depth(depth), progress=progress)
-    curves = phase_boundaries(cone, depth=depth)
+    curves = phase_boundaries(cone)
     inside = [b for b in curves if _within(b, (low, high), (bottom, top))]
     return PhaseDiagram(counts, contact, tuple(inside))
-
-
-def check_size(size: object) -> None:
-    """Raise an error for a size of a map that is no number of points.
-
-    Parameters
-    ----------
-    size
-        What a user gave.
-
-    Raises
-    ------
-    OptionError
-        Unless 2 <= size <= `LARGEST_SIZE`.
-    """
-    check_whole("size", size, 2, LARGEST_SIZE)
 
 
 def _pair(name: str, value: object) -> tuple[Any, Any]:

@@ -5,13 +5,10 @@ points solve r = -A'/B' and every boundary has an explicit r:
 
     start         t = 0: the slope at the flat state changes sign (U'' > 0 there: one minimum comes or goes),
     end           t = T: the slope at the end of the branch changes sign,
-    fold          A'' B' = A' B'': a minimum and a maximum annihilate,
-    depth         U(0) - U(t) = D U(0) at a minimum inside the branch,
-    depth-at-end  the same for a minimum pinned at the end.
+    fold          A'' B' = A' B'': a minimum and a maximum annihilate.
 
-With a threshold D > 0 the first three are kept only where the state that comes or goes is deeper than
-D: the others change no count.  Folds and depths are zero sets in the (nu_0, t) plane: traced on a grid
-(contourpy), then every point is bisected along its grid edge to the last bit.
+Folds are zero sets in the (nu_0, t) plane: traced on a grid (contourpy), then every point is bisected along its grid
+edge to the last bit.
 """
 
 from __future__ import annotations
@@ -24,9 +21,9 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.paper.cone.classes import EnergyClass, energy_classes
 from origami_nlp.paper.cone.energy import class_energy
-from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone, check_depth
+from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone
 
-KINDS = ("start", "end", "fold", "depth", "depth-at-end")
+KINDS = ("start", "end", "fold")
 RATIO_LIMITS = (1e-9, 1e9)
 """Curves are cut where r leaves these: they go to zero or to infinity."""
 LINES = 300
@@ -58,7 +55,7 @@ class PhaseBoundary:
     ratio
         r = k_even/k_odd [m].
     elevation
-        |v| of the state that appears, vanishes or crosses the depth [m] [rad].
+        |v| of the state that appears or vanishes [m] [rad].
     """
 
     branches: EnergyClass
@@ -67,25 +64,16 @@ class PhaseBoundary:
     ratio: np.ndarray = field(repr=False)
     elevation: np.ndarray = field(repr=False)
 
-    @property
-    def label(self) -> str:
-        """Label of the class, for matplotlib."""
-        return self.branches.label
 
-
-def phase_boundaries(
-    cone: Cone | int, *, depth: float = 0.0, lines: int = LINES
-) -> list[PhaseBoundary]:
+def phase_boundaries(cone: Cone | int, *, lines: int = LINES) -> list[PhaseBoundary]:
     """Compute every boundary of every class of branches of the cone.
 
     Parameters
     ----------
     cone
         A `Cone`, or its degree.
-    depth
-        Relative depth (U_flat - U)/U_flat above which a minimum counts, in [0, 1); 0: all count.
     lines
-        Grid lines on which folds and depths are looked for.
+        Grid lines on which folds are looked for.
 
     Returns
     -------
@@ -95,7 +83,7 @@ def phase_boundaries(
     Raises
     ------
     OptionError
-        If the degree, `depth` or `lines` is out of range.
+        If the degree or `lines` is out of range.
 
     Examples
     --------
@@ -105,16 +93,15 @@ def phase_boundaries(
     {('MV2 up', 'start')}
     """
     cone = Cone.of(cone, LARGEST_DEGREE)
-    depth = check_depth(depth)
     check_whole("lines", lines, 2, MOST_LINES)
     found = []
     for branches in energy_classes(cone):
         for limit in cone.rest_range:
             nu = np.sign(limit) * _crowded(abs(limit), lines)
-            found += list(_explicit(branches, nu, depth))
-            found += list(_traced(branches, nu, "fold", depth, lines))
-            if depth > 0:
-                found += list(_traced(branches, nu, "depth", depth, lines))
+            for kind, t in (("start", 0.0), ("end", branches.end)):  # r is a function of nu_0
+                ratio = class_energy(branches, t, nu).ratio
+                found += list(_pieces(branches, kind, nu, ratio, np.full_like(nu, t)))
+            found += list(_folds(branches, nu, lines))
     return found
 
 
@@ -127,56 +114,22 @@ def _crowded(limit: float, lines: int) -> np.ndarray:
     )
 
 
-def _explicit(branches: EnergyClass, nu: np.ndarray, depth: float) -> Iterator[PhaseBoundary]:
-    """Start, end, and depth of the pinned minimum: r is a function of nu_0."""
-    for kind, t in (("start", 0.0), ("end", branches.end)):
-        energy = class_energy(branches, t, nu)
-        ratio = energy.ratio
-        if depth > 0:
-            ratio = np.where(energy.depth(ratio) > depth, ratio, np.nan)
-        yield from _pieces(branches, kind, nu, ratio, np.full_like(nu, t))
-    if depth > 0:
-        at_end = class_energy(branches, branches.end, nu)
-        ratio = at_end.ratio_of_depth(depth)
-        with np.errstate(invalid="ignore"):
-            # the energy falls to the end
-            pinned = at_end.slope(ratio) <= 0
-        ratio = np.where(pinned, ratio, np.nan)
-        yield from _pieces(branches, "depth-at-end", nu, ratio, np.full_like(nu, branches.end))
-
-
-def _traced(
-    branches: EnergyClass, nu: np.ndarray, kind: str, depth: float, lines: int
-) -> Iterator[PhaseBoundary]:
-    """Zero sets of the fold or depth condition over 0 < t < T."""
+def _folds(branches: EnergyClass, nu: np.ndarray, lines: int) -> Iterator[PhaseBoundary]:
+    """Zero sets of the fold condition over 0 < t < T."""
     from contourpy import contour_generator
 
     t = branches.end * _crowded(1.0, lines)
 
     def condition(at: np.ndarray, rest_at: np.ndarray) -> np.ndarray:
-        energy = class_energy(branches, at, rest_at)
-        if kind == "fold":
-            # near nu_0 = 0 both conditions vanish as powers of it: divided, their zero sets have limits
-            return energy.fold / rest_at**2
-        return energy.depth_gap(depth) / np.abs(rest_at) ** 3
+        # near nu_0 = 0 it vanishes as a power of it: divided, its zero sets have limits
+        return np.asarray(class_energy(branches, at, rest_at).fold / rest_at**2)
 
-    order = np.argsort(nu)
-    nu = nu[order]
+    nu = np.sort(nu)
     grid = condition(t[:, None], nu[None, :])
     for found in contour_generator(nu, t, np.arcsinh(grid)).lines(0.0):
         line = np.asarray(found)
         at_nu, at_t = _bisected(condition, line[:, 0], line[:, 1], nu, t)
-        energy = class_energy(branches, at_t, at_nu)
-        ratio = energy.ratio
-        if kind == "depth":
-            # U' = 0 makes this form insensitive to rounding of t; -A'/B' is 0/0 where A and B share
-            # their vertex (N = 12, M_2V_4 down as nu_0 -> 0)
-            ratio = energy.ratio_of_depth(depth)
-            # only minima count; maxima of that depth are no boundary
-            ratio = np.where(energy.curvature(ratio) > 0, ratio, np.nan)
-        elif depth > 0:
-            ratio = np.where(energy.depth(ratio) > depth, ratio, np.nan)
-        yield from _pieces(branches, kind, at_nu, ratio, at_t)
+        yield from _pieces(branches, "fold", at_nu, class_energy(branches, at_t, at_nu).ratio, at_t)
 
 
 def _bisected(

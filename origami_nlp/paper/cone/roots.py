@@ -64,12 +64,12 @@ class SlopeSigns:
     undecided: np.ndarray
 
 
-def slope_signs(side: SideEnergy, ratio: float) -> SlopeSigns:
-    """Isolate the minima of all classes of one direction at stiffness ratio r = k_even/k_odd."""
+def slope_signs(side: SideEnergy, ratio: np.ndarray) -> SlopeSigns:
+    """Isolate the minima of all classes of one direction, each at its stiffness ratio r = k_even/k_odd [m]."""
     parts = []
     for end, rows in side.by_end():
         for block in np.array_split(rows, math.ceil(len(rows) / BLOCK)):
-            parts.append((block, _isolate(side.only(block), ratio, end)))
+            parts.append((block, _isolate(side.only(block), ratio[block], end)))
     start, stop = np.zeros(len(side.end)), np.zeros(len(side.end))
     for block, part in parts:
         start[block], stop[block] = part.start, part.end
@@ -80,20 +80,21 @@ def slope_signs(side: SideEnergy, ratio: float) -> SlopeSigns:
     return SlopeSigns(found[order], low[order], high[order], start, stop, np.unique(undecided))
 
 
-def _isolate(side: SideEnergy, ratio: float, end: float) -> SlopeSigns:
+def _isolate(side: SideEnergy, ratio: np.ndarray, end: float) -> SlopeSigns:
     """Isolate the minima of classes with one end; brackets in any order."""
     grid = np.linspace(0.0, end, CELLS + 1)
-    even = 4 * side.flaps * ratio
-    at_nodes = side.at(grid).slope(ratio)
+    each = ratio[:, None]
+    even = 4 * side.flaps * each
+    at_nodes = side.at(grid).slope(each)
     for k in (0, -1):
-        scale = side.at(grid[[k]]).slope_scale(ratio)[:, 0]
+        scale = side.at(grid[[k]]).slope_scale(each)[:, 0]
         at_nodes[np.abs(at_nodes[:, k]) <= TIE * scale, k] = 0.0
     start, stop = at_nodes[:, 0].copy(), at_nodes[:, -1].copy()
 
     # where F' has one sign on a cell F has one zero at most; where |F(middle)| > width max |F'| it has none
     low, high = curvature_bounds(side, grid[:-1], grid[1:])
     slowest, fastest = side.weights @ low.T + even, side.weights @ high.T + even
-    middle = side.at((grid[:-1] + grid[1:]) / 2).slope(ratio)
+    middle = side.at((grid[:-1] + grid[1:]) / 2).slope(each)
     monotone = (slowest > 0) | (fastest < 0)
     steepest = np.maximum(np.abs(slowest), np.abs(fastest))
     free = np.abs(middle) > np.diff(grid) / 2 * steepest * FREE
@@ -110,16 +111,16 @@ def _isolate(side: SideEnergy, ratio: float, end: float) -> SlopeSigns:
             break
         # cells that neither test decides are halved
         m = (a + b) / 2
-        fm = side.at(m, r).slope(ratio)
+        fm = side.at(m, r).slope(ratio[r])
         r, a, b = np.concatenate([r, r]), np.concatenate([a, m]), np.concatenate([m, b])
         fa, fb = np.concatenate([fa, fm]), np.concatenate([fm, fb])
         low, high = curvature_bounds(side, a, b)
-        slow = np.einsum("kc,kc->k", side.weights[r], low) + even
-        fast = np.einsum("kc,kc->k", side.weights[r], high) + even
+        slow = np.einsum("kc,kc->k", side.weights[r], low) + even[r, 0]
+        fast = np.einsum("kc,kc->k", side.weights[r], high) + even[r, 0]
         monotone = (slow > 0) | (fast < 0)
         rises = monotone & (fa < 0) & (fb >= 0) & ~((b == end) & (fb == 0))
         brackets.append((r[rises], a[rises], b[rises]))
-        at_middle = side.at((a + b) / 2, r).slope(ratio)
+        at_middle = side.at((a + b) / 2, r).slope(ratio[r])
         width = (b - a) / 2 * np.maximum(np.abs(slow), np.abs(fast)) * FREE
         left = ~monotone & ~(np.abs(at_middle) > width)
         r, a, b, fa, fb = r[left], a[left], b[left], fa[left], fb[left]
@@ -181,7 +182,7 @@ def _peaks(degree: int) -> tuple[float, float]:
     return 2 * math.atan(math.sqrt(t2)), unlike
 
 
-def polish(side: SideEnergy, ratio: float, signs: SlopeSigns) -> np.ndarray:
+def polish(side: SideEnergy, ratio: np.ndarray, signs: SlopeSigns) -> np.ndarray:
     """Close the brackets on the zeros of F to rounding: Newton steps kept inside by bisection."""
     low, high, rows = signs.low.copy(), signs.high.copy(), signs.rows
     s = (low + high) / 2
@@ -190,14 +191,14 @@ def polish(side: SideEnergy, ratio: float, signs: SlopeSigns) -> np.ndarray:
     for _ in range(STEPS):
         if not active.size:
             break
-        at = s[active]
+        at, r = s[active], ratio[rows[active]]
         here = side.at(at, rows[active])
-        value = here.slope(ratio)
+        value = here.slope(r)
         below = value < 0
         low[active] = np.where(below, at, low[active])
         high[active] = np.where(below, high[active], at)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = value / here.curvature(ratio)
+            step = value / here.curvature(r)
         new = at - step
         a, b = low[active], high[active]
         # bisect when Newton leaves the bracket or does not halve its last step

@@ -9,24 +9,27 @@ energies but different neighbourhoods, so every arrangement that no rotation or 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from origami_nlp.arguments import check_callback
+from origami_nlp.display import Report, Section, folding_table
+from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
-from origami_nlp.numerics import RANK, null_space
-from origami_nlp.paper.cone.branches import ConeBranch
+from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
 from origami_nlp.paper.cone.flaps import class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
-from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.problem import Model
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import pose
 
 LARGEST_DEGREE = 16
 """The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""
+VERDICTS = ("stable", "unstable", "undecided")
+HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 Progress = Callable[[int, int], None]
 """Called as progress(states judged, all)."""
 
@@ -74,8 +77,8 @@ class JudgedMinimum:
         return self.full_space.verdict
 
 
-@dataclass(frozen=True)
-class ConeFullSpace:
+@dataclass(frozen=True, repr=False)
+class ConeFullSpace(Report):
     """All branch minima of a cone in the full space.
 
     Attributes
@@ -95,22 +98,50 @@ class ConeFullSpace:
     rest: Rest
     states: tuple[JudgedMinimum, ...] = field(repr=False)
 
+    SCHEMA, READS = "origami-nlp/paper/1", False
+    ALSO = ("branch_minima", "stable", "unstable", "undecided")
+    branch_minima = property(lambda self: self.count())
+    stable = property(lambda self: self.count("stable"))
+    unstable = property(lambda self: self.count("unstable"))
+    undecided = property(lambda self: self.count("undecided"))
+
     def count(self, verdict: str | None = None, kind: str | None = None) -> int:
         """Count branch minima over all branches (copies included), of one verdict and kind."""
         return sum(
             s.copies for s in self.states if verdict in (None, s.verdict) and kind in (None, s.kind)
         )
 
+    def report_sections(self) -> Iterator[Section]:
+        """Return a row for each arrangement, direction and minimum, and the totals over all branches."""
+        why = [s.full_space.certificate for s in self.states]
+        reasons = list(dict.fromkeys(why))
+        rows = [
+            [
+                repr(s.branch),
+                str(s.copies),
+                s.kind,
+                f"{s.elevation:.4f}",
+                f"{s.depth:.4g}",
+                "singular" if np.isnan(s.residual) else f"{s.residual:.2e}",
+                s.verdict,
+                f"[{reasons.index(reason) + 1}]",
+            ]
+            for s, reason in zip(self.states, why, strict=True)
+        ]
+        title = f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, nu_0 = {self.rest.elevation:g}"
+        yield folding_table(HEADS, rows, title)
+        yield from (f"[{k}] {reason}" for k, reason in enumerate(reasons, start=1))
+        words = [f"{self.count(v)} {v}" for v in VERDICTS]
+        yield f"of {self.count()} branch minima: " + ", ".join(words)
+
 
 def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:
     """Make the cone as a scene: k_odd = 1, k_even = r, full contact, no imposed symmetry."""
     flaps = degree // 2
-    return Scene(
-        Vertex((2 * math.pi / degree,) * degree),
-        (1.0, ratio) * flaps,
-        (rest.odd, rest.even) * flaps,
-        "none",
-        "full",
+    return replace(
+        cone_sheet(degree),
+        stiffness=(1.0, ratio) * flaps,
+        rest_angles=(rest.odd, rest.even) * flaps,
         name=f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
     )
 
@@ -153,7 +184,7 @@ def full_space(
     check_callback("progress", progress)
     rest = cone.at_rest(elevation)
     scene = cone_scene(cone.degree, ratio, rest)
-    model = Model(scene)
+    problem = pose(scene)
     jobs = _jobs(count(cone, ratio, elevation))
     flat = scene.energy(np.zeros(cone.degree))
     states = []
@@ -171,7 +202,7 @@ def full_space(
                 energy,
                 float((flat - energy) / flat) if flat > 0 else math.nan,
                 tuple(x.tolist()),
-                tangent_slope(model, x),
+                tangent_slope(State(problem, x)),
                 judge_in_full_space(scene, x),
             )
         )
@@ -192,10 +223,8 @@ def _jobs(found: ConeCount) -> list[tuple[Folding, int, str, float]]:
     return jobs
 
 
-def tangent_slope(model: Model, x: np.ndarray) -> float:
+def tangent_slope(state: State) -> float:
     """Norm of the gradient of the energy along closed states [scene's units]; nan where closure is singular."""
-    local = model.local(x)
-    jacobian = local.closure_jacobian
-    if (np.linalg.svd(jacobian, compute_uv=False) <= RANK).any():
+    if state.kernel.shape[1] > len(state.x) - 3:
         return math.nan
-    return float(np.linalg.norm(null_space(jacobian).T @ local.gradient)) * model.scale
+    return float(np.linalg.norm(state.kernel.T @ state.gradient)) * state.problem.scale

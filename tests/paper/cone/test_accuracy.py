@@ -1,8 +1,5 @@
 """Minima of cone branches, one by one: against IPOPT, 50 digits and sums over creases."""
 
-import math
-
-import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
@@ -10,66 +7,6 @@ import pytest
 from origami_nlp.paper import cone
 from tests.computed_once import thinned
 from tests.independent import cone_branches as brute
-
-
-def tighten(nlp):
-    options = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-12}}
-    options["ipopt"]["bound_relax_factor"] = 0.0
-    options["ipopt"]["hessian_approximation"] = "exact"
-    return ca.nlpsol("solver", "ipopt", nlp, options)
-
-
-def closed_loop(phi):
-    """Vector part of the product of all folds as a quaternion."""
-    q = (1, 0, 0, 0)
-    n = phi.shape[0]
-    for i in range(n):
-        c, s = ca.cos(phi[i] / 2), ca.sin(phi[i] / 2)
-        x, y = s * math.cos(2 * math.pi * i / n), s * math.sin(2 * math.pi * i / n)
-        a, b, d, e = q
-        q = (
-            a * c - b * x - d * y,
-            a * x + b * c - e * y,
-            a * y + d * c + e * x,
-            b * y - d * x + e * c,
-        )
-    return ca.vertcat(*q[1:])
-
-
-@pytest.mark.parametrize("word", [(1, 1, 1), (1, 1, -1), (1, -1, -1), (-1, -1, -1)])
-@pytest.mark.parametrize("direction", [1, -1])
-def test_the_degree_6_branch_equals_an_ipopt_solve_of_the_closed_vertex(word, direction):
-    """All six fold angles are free; closure and equal even folds leave the branch: no closed form."""
-    r, v = 0.4, -0.35
-    m = cone.count(6, r, v).minima
-    valleys, changes = cone.class_of(word)
-    own = m.of_class(valleys, changes, direction)
-    phi, s = ca.SX.sym("phi", 6), ca.SX.sym("s")
-    rest = brute.rest_angles(6, v)
-    stiffness = [1.0, r] * 3
-    energy = sum(stiffness[i] * (phi[i] - rest[i]) ** 2 / 2 for i in range(6))
-    ties = ca.vertcat(*[phi[2 * j + 1] + 2 * word[j] * s for j in range(3)])
-    end = brute.branch_end(6, word, direction)
-    solver = tighten(
-        {"x": ca.vertcat(phi, s), "f": energy, "g": ca.vertcat(closed_loop(phi), ties)}
-    )
-    start = float(np.abs(m.elevation[own][0])) * 0.9 + 0.02 if own.any() else end / 2
-    angles = brute.cone_fold_angles(6, direction * start, word).value
-    answer = solver(
-        x0=[*angles, start],
-        lbx=[-math.pi] * 6 + [1e-3],
-        ubx=[math.pi] * 6 + [end],
-        lbg=0,
-        ubg=0,
-    )
-    found = float(answer["x"][6])
-    if own.any():
-        k = int(np.argmin(np.abs(np.abs(m.elevation[own]) - found)))
-        assert abs(m.elevation[own][k]) == pytest.approx(found, abs=1e-7)
-        assert m.energy[own][k] == pytest.approx(float(answer["f"]), rel=1e-8, abs=1e-10)
-    else:
-        assert found == pytest.approx(1e-3, abs=1e-8)  # pressed against the lower bound
-
 
 # ---------------------------------------------------------------- digits
 

@@ -7,6 +7,7 @@ import pytest
 
 from origami_nlp.folding import check_admissible
 from origami_nlp.paper import cone
+from origami_nlp.paper.cone.branches import cone_sheet
 from tests.independent import cone_branches as brute
 
 
@@ -62,33 +63,6 @@ def test_the_true_end_of_one_steep_flap_gives_degree_8_twenty_minima():
         assert sum(brute.count(8, r, nu)) == 16
 
 
-def test_more_than_half_needs_no_second_minimum_on_a_branch():
-    """N = 14: 142 of 256 branches with one minimum each: 14 that climb from the flat state fall later."""
-    r, nu = 0.0092, -1.1101
-    found = cone.count(14, r, nu)
-    inside, falls = brute.per_branch(14, r, nu)
-    each = inside + falls
-    assert each.max() == 1 and each.sum() == found.branches_with_minimum == 142
-    total = found.stable_interior + found.stable_contact + found.falling_at_cut
-    assert total == 142 > found.branches // 2
-    climbing = []
-    for (flaps, direction), own in zip(brute.branches(14), each, strict=True):
-        at_flat = brute.slope(14, flaps, direction, 1e-9, r, brute.rest_angles(14, nu))
-        climbing.append(at_flat > 0 and own == 1)
-    assert sum(climbing) == 14
-
-
-def test_the_37_minima_of_degree_10_lie_on_32_branches():
-    """Five of them hold two, inside and at the end: M V_4 up."""
-    found = cone.count(10, 0.02, -0.9)
-    inside, falls = brute.per_branch(10, 0.02, -0.9)
-    each = inside + falls
-    assert each.sum() == 37 and (each > 0).sum() == found.branches_with_minimum == 32
-    assert {brute.branches(10)[b] for b in np.nonzero(each == 2)[0]} == {
-        (w, d) for w, d in brute.branches(10) if d == 1 and w.count(1) == 4
-    }
-
-
 # ---------------------------------------------------------------- ends where nothing touches
 
 
@@ -105,24 +79,8 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
         if not cut:
             continue
         for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):
-            reported = check_admissible(branch.vertex, further.fold_angles(direction * v))
+            reported = check_admissible(
+                cone_sheet(degree).vertex, further.fold_angles(direction * v)
+            )
             assert reported.admissible, reported.reason
             assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3
-
-
-@pytest.mark.parametrize(
-    "degree, r, nu", [(6, 0.02, -0.497), (10, 0.02, -0.895), (12, 0.02, -0.995)]
-)
-def test_no_state_at_a_cut_is_called_pinned_by_contact(degree, r, nu):
-    """And every branch that falls at its cut holds a minimum further along."""
-    m = cone.count(degree, r, nu).minima
-    rows = np.nonzero(m.kind == "cut")[0]
-    assert len(rows)
-    further = cone.count(cone.Cone(degree, end="contact"), r, nu)
-    assert further.falling_at_cut == 0
-    for k in range(len(m)):
-        steep = degree // 2 - m.valleys[k] if m.direction[k] > 0 else m.valleys[k]
-        assert m.kind[k] in (("interior", "cut") if steep == 1 else ("interior", "contact"))
-    for k in rows:
-        own = further.minima.of_class(m.valleys[k], m.changes[k], m.direction[k])
-        assert np.abs(further.minima.elevation[own]).max() > cone.Cone(degree).steep_end

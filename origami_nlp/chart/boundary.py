@@ -1,0 +1,253 @@
+"""The boundary of the admissible set over a chart: contact curves and corners of the mesh of closed states.
+
+`admissible_cells` knows every contact curve, to rounding, and which side of it has states.  Here its border is put
+together from corner to corner, points are added until they are close, and the regions that it bounds are made polygons.
+Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origami_nlp.chart.cells import Cells, cells_of, geometry
+from origami_nlp.chart.chart import Chart, allowed, chart_of, chart_points
+from origami_nlp.chart.half_chain import HalfChain
+from origami_nlp.chart.mesh import CUT, SEAM, MeshError, exact_states, has, pulled
+from origami_nlp.chart.topology import arcs, borders
+from origami_nlp.continuation import BoundaryCurve, Point, boundary_of, evaluate
+from origami_nlp.io import ShortRepr
+from origami_nlp.kkt import State
+from origami_nlp.numerics import SETTLED
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.problem import Contact
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+RINGS = 24
+"""Of the mesh from which boundaries are read."""
+CLOSE, DOUBLINGS = 0.04, 12
+"""Largest change of a fold angle between points of a line [rad], and how often points are added for it."""
+GRID = 1e-10
+"""To which corners of regions are rounded [rad]."""
+MOSTLY = 0.9
+"""Share of the vertices inside that lie in a region; sides of polygons pass a few."""
+SLIVER = 1e-10
+"""Faces with less area [rad^2] are rounding between two lines that touch."""
+
+
+@dataclass(frozen=True, repr=False)
+class BoundaryLine(ShortRepr):
+    """One contact boundary between two corners.
+
+    contacts: closed along it.  branch: of the chart.  points: chart coordinates [m, 2].  fold_angles: [m, N].
+    s: arclength in the space of all N fold angles [m], 0 at the start.
+    thin: the states around exist only on this line (a 1-handle of the paper).
+    """
+
+    contacts: tuple[str, ...]
+    branch: int
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
+    fold_angles: np.ndarray = field(repr=False, metadata={"plain": False})
+    s: np.ndarray = field(repr=False, metadata={"plain": False})
+    thin: bool = False
+
+    ALSO = ("length", "ends")
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles of its first and its last state."""
+        return self.fold_angles[0], self.fold_angles[-1]
+
+    @property
+    def length(self) -> float:
+        """Arclength [rad] in the space of all N fold angles."""
+        return float(self.s[-1])
+
+    def rows(self, problem: PatternProblem) -> tuple[Contact, ...]:
+        """Return what is closed along it, as contacts of a problem, which numbers them as it meets them."""
+        # what is closed in the middle of a line is closed all along it; at its ends more is
+        middle = problem.reduce(self.fold_angles[len(self.s) // 2])
+        return State(problem, middle).pieces[0]
+
+    @property
+    def hidden(self) -> bool:
+        """Whether all its states share one point of the chart."""
+        return bool(np.ptp(self.points, axis=0).max() < SETTLED)
+
+
+@dataclass(frozen=True, repr=False)
+class Boundary(ShortRepr):
+    """What bounds the states of a chart.
+
+    lines: all of them.  regions: admissible part of each branch (`shapely.MultiPolygon`), in the chart's
+    coordinates [rad]; () where lines alone
+    do not bound them, but the fold at which branches meet does too.
+    """
+
+    lines: tuple[BoundaryLine, ...]
+    regions: tuple[Any, ...] = field(repr=False, metadata={"plain": False})
+
+
+def trace_boundary(scene: Scene) -> Boundary:
+    """Trace the boundary of the admissible set of `scene` over its chart; scenes that differ in springs share it.
+
+    Parameters
+    ----------
+    scene
+        With a chart of two coordinates.
+
+    Returns
+    -------
+    Boundary
+        Its lines, and the regions that they bound.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no chart of two coordinates, or full contact is not asked for: other boundaries of a
+        chart are no contacts.
+    MeshError
+        If contacts meet more closely than a mesh tells apart.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> from origami_nlp.chart import trace_boundary
+    >>> [round(r.area, 2) for r in trace_boundary(examples.degree6("pi/4")).regions]
+    [12.34]
+    """
+    return _boundary(geometry(scene))
+
+
+def outline_of(scene: Scene) -> Boundary | None:
+    """Return the boundary of a scene's chart; None where contact is not full, and where it cannot be told."""
+    try:
+        return trace_boundary(scene) if scene.contact == "full" else None
+    except MeshError:
+        return None
+
+
+@lru_cache(maxsize=32)
+def _boundary(scene: Scene) -> Boundary:
+    import shapely
+
+    cells, problem = cells_of(scene, RINGS), pose(scene)
+    chart = chart_of(scene)
+    assert chart is not None
+    lines = [
+        _line(chart, problem, cells, path, branch, thin)
+        for path, branch, thin in border_paths(cells)
+    ]
+    branch = branches_of(cells)[0]
+    regions = [_region(chart, k, lines) for k in range(len(chart.signs))]
+    free = np.flatnonzero(cells.on == 0)
+    for k, region in enumerate(regions):
+        at = chart_points(chart, cells.wedge[free[branch[free] == k]][:, cells.cover.chain.orbit])
+        if shapely.contains_xy(region, at).sum() < MOSTLY * len(at):
+            regions = []
+            break
+    return Boundary(tuple(lines), tuple(regions))
+
+
+def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
+    """Return the border from corner to corner: vertices in order, branch of the chart, and whether it is a handle."""
+    branch, sure = branches_of(cells)
+    edges, thin = borders(cells.triangles, cells.extra_edges)
+    a, b = edges.T
+    # of two ends that one is asked for its branch which is farther from where branches meet
+    on = np.where(sure[a] >= sure[b], branch[a], branch[b])
+    walls = cells.on[a] & cells.on[b] & ~(1 << SEAM)
+    kinds, kind = np.unique(np.stack([walls, on, thin], axis=1), axis=0, return_inverse=True)
+    # a path goes on through a vertex of two edges that are alike
+    many = np.bincount(edges.ravel(), minlength=len(cells.wedge))
+    paths = []
+    for k, (_, of, alone) in enumerate(kinds.tolist()):
+        own = edges[kind.ravel() == k]
+        inner = (many == 2) & (np.bincount(own.ravel(), minlength=len(many)) == 2)
+        paths += [(path, of, bool(alone)) for path in arcs(own, inner)]
+    return paths
+
+
+def _line(
+    chart: Chart, problem: PatternProblem, cells: Cells, path: np.ndarray, branch: int, thin: bool
+) -> BoundaryLine:
+    x = _dense(cells.cover.chain, cells, path)
+    phi = x[:, cells.cover.chain.orbit]
+    s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
+    line = BoundaryLine((), branch, chart_points(chart, phi), phi, s, thin)
+    return replace(line, contacts=tuple(map(problem.name, line.rows(problem))))
+
+
+def _dense(chain: HalfChain, cells: Cells, path: np.ndarray) -> np.ndarray:
+    """Return the states [m, k] of a chain of vertices, with more between those that are far apart."""
+    cover, x, at = cells.cover, cells.wedge[path], cells.origin[path]
+    base, leaf, on = cover.base[at], cover.leaf[at], int(np.bitwise_and.reduce(cells.on[path]))
+    for _ in range(DOUBLINGS):
+        far = np.flatnonzero(np.abs(np.diff(x, axis=0)).max(axis=1) > CLOSE)
+        if not len(far):
+            break
+        side = np.where(leaf[far] != 0, leaf[far], leaf[far + 1])
+        walls = np.full(len(far), on)
+        new = pulled(chain, 0.5 * (base[far] + base[far + 1]), side, walls)
+        states = exact_states(chain, new, side, walls)
+        if has(walls, CUT).all():
+            states[:, -2] = np.copysign(np.pi, x[far, -2])
+        base, leaf = np.insert(base, far + 1, new, axis=0), np.insert(leaf, far + 1, side)
+        x = np.insert(x, far + 1, chain.limits.clip(states), axis=0)
+    return x
+
+
+def branches_of(cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+    """Return the branch of the chart on which each vertex lies, and how far it is from where branches meet, [V]."""
+    chain, elevation = cells.cover.chain, cells.cover.base[cells.origin, 0]
+    if chain.kind == "degree6":
+        return np.zeros(len(elevation), dtype=int), np.ones(len(elevation))
+    if chain.scene.group.order == 2:  # each side of the flat state has one: `closed_forms.wedge3`
+        return np.where(elevation > 0, 1, 0), np.abs(elevation)
+    chart = chart_of(chain.scene)
+    assert chart is not None
+    misfit = []
+    for k in (0, 1):
+        there = chart.fold_angles(k, cells.wedge[:, 1], elevation)
+        error = np.abs(there - cells.wedge[:, chain.orbit]).max(axis=1)
+        misfit.append(np.where(np.isfinite(error), error, 10.0))
+    return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
+
+
+def _region(chart: Chart, branch: int, lines: list[BoundaryLine]) -> MultiPolygon:
+    """Return the faces between the lines of a branch that hold an admissible state."""
+    import shapely
+
+    own = [line for line in lines if line.branch == branch and not (line.thin or line.hidden)]
+    # corners are known to some 1e-14: on a grid lines that share one meet
+    faces = shapely.polygonize(
+        [shapely.unary_union([shapely.LineString(line.points) for line in own], grid_size=GRID)]
+    )
+    inside = []
+    for face in faces.geoms:
+        at = face.representative_point()
+        if face.area >= SLIVER and allowed(chart, branch, at.x, at.y)[0]:
+            inside.append(face)
+    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
+    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])
+
+
+def with_energy(problem: PatternProblem, line: BoundaryLine) -> BoundaryCurve:
+    """Evaluate a scene's energy, its derivatives and the contact moments along a line."""
+    at, rows = problem.reduce(line.fold_angles), line.rows(problem)
+    along = np.gradient(at * problem.root, axis=0)
+    points: list[Point] = []
+    kept = []
+    for k, x in enumerate(at):
+        size = float(np.linalg.norm(along[k]))
+        point = evaluate(State(problem, x).on(rows), along[k] / size) if size > 0 else None
+        if point is not None and point.dimension == 1:
+            points.append(point)
+            kept.append(k)
+    return boundary_of(rows, points, line.s[kept], 1.0, ("corner", "corner"))

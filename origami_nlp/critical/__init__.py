@@ -1,5 +1,0 @@
-"""All critical points of a scene, counted by their links."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,0 @@
-"""Exact energy landscapes: boundary, minima, passes, drawn and as JSON."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

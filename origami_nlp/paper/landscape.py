@@ -1,0 +1,323 @@
+"""A landscape with everything on it exact: boundaries, minima with verdicts, metastable stretches.
+
+The energy is evaluated on a grid (`chart.landscape`); what bounds it is not: the admissible region is put together from
+contact boundaries exact to rounding (`chart.trace_boundary`), so that the grid's size decides how smooth the colours
+are and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_type
+from origami_nlp.chart import (
+    Boundary,
+    Landscape,
+    Place,
+    landscape,
+    outline_of,
+    with_energy,
+)
+from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
+from origami_nlp.io import to_plain
+from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern_problem import pose
+
+if TYPE_CHECKING:
+    from origami_nlp.barriers import Barriers
+    from origami_nlp.paper.morse import CriticalPoints
+    from origami_nlp.paper.space import Space
+
+PIECE = 0.01
+"""Spacing [rad of arclength] of the points of a metastable stretch."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A metastable stretch of a contact boundary: where the energy is nearly flat (see `contact.find_segments`).
+
+    Attributes
+    ----------
+    branch
+        Of the chart.
+    points
+        Chart coordinates [m, 2].
+    length
+        Arclength in all N fold angles [rad].
+    contacts
+        Held closed along it.
+    hidden
+        Whether all of it shares one point of the chart.
+    """
+
+    branch: int
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
+    length: float
+    contacts: tuple[str, ...]
+    hidden: bool
+
+    ALSO = ("ends",)
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Its first and its last point on the chart."""
+        return self.points[0], self.points[-1]
+
+
+@dataclass(frozen=True, repr=False)
+class ExactLandscape(Report, Viewable):
+    """Energy over the chart, its exact boundary, and the exact minima with their places.
+
+    Attributes
+    ----------
+    result
+        The minima.
+    chart
+        The energy on a grid over the coordinates of the chart.
+    boundary
+        Contact boundaries, and the regions that they bound; None where they are not traced (contact other than full).
+    places
+        Of the minima on the chart.
+    metastable
+        Stretches of nearly constant energy, in the order of the boundary's lines.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> exact = o.find_landscape(result, size=21)
+    >>> exact.counts, len(exact.boundary.lines)
+    ((2, 2, 2), 8)
+    """
+
+    result: MinimaResult
+    chart: Landscape = field(metadata={"plain": False})
+    boundary: Boundary | None
+    places: tuple[Place, ...]
+    metastable: tuple[Stretch, ...]
+
+    PICTURE, SCHEMA, READS = "draw_landscape", "origami-nlp/landscape/2", False
+    ALSO = ("counts",)
+
+    @property
+    def counts(self) -> tuple[int, int | None, int | None]:
+        """N_sym, N_not-ruled-out, N_full: symmetric minima, those not unstable and those stable in the full space.
+
+        The last two are None if the full space was not asked about.
+        """
+        verdicts = [m.full_space.verdict for m in self.result.minima if m.full_space]
+        if len(verdicts) < len(self.result.minima):
+            return len(self.result.minima), None, None
+        # the paper's triplet N_sym -> N_nr -> N_full: undecided ones are not ruled out
+        stable = verdicts.count("stable")
+        return len(verdicts), stable + verdicts.count("undecided"), stable
+
+    def table(self) -> Table:
+        """Return one row a minimum: energy, place on the landscape, kind and verdict."""
+        names = [name.split(" (")[0] for name in self.chart.coordinates]
+        rows = []
+        for k, m in enumerate(self.result.minima):
+            point = self.places[k].point[: len(names)] if self.places else ()
+            known = m.full_space.verdict if m.full_space else "-"
+            where = [f"{v:.6f}" for v in point] or ["-"] * len(names)
+            rows.append((str(k + 1), f"{m.energy:.9g}", *where, m.kind, known))
+        heads = ("#", "energy [J]", *names, "kind", "full space")
+        return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the minima with their places and verdicts, and the boundary."""
+        yield self.table()
+        symmetric, not_unstable, stable = self.counts
+        yield f"{symmetric} symmetric minima (N_sym)" + (
+            "; stability in the full space was not asked for"
+            if stable is None
+            else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
+        )
+        if self.boundary is None:
+            yield "boundary not traced: contact is not 'full', or contacts meet too closely"
+            return
+        lines = self.boundary.lines
+        total, thin = sum(line.length for line in lines), sum(line.thin for line in lines)
+        yield f"{len(lines)} contact boundaries, {total:.2f} rad; {thin} of them 1-handles"
+        for part in self.metastable:
+            where = "on one chart point, " if part.hidden else ""
+            yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
+
+    def view_content(self, barriers: Barriers | None = None) -> Content:
+        """Return states and the map with its exact boundaries as plain data, see `view`.
+
+        Parameters
+        ----------
+        barriers
+            Of `find_barriers`: also the paths over the passes.
+
+        Returns
+        -------
+        Content
+            What a page shows.
+        """
+        content = self.result.view_content(self.chart)
+        reported = [*self.report_sections(), *content.pieces]
+        if barriers is not None:
+            from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
+
+            content = add_passes(content, self.result.scene, barriers.passes, self.chart)
+            reported = [*barriers.report_sections(), *reported]
+        panels = [
+            replace(panel, lines=tuple(self._lines(k))) for k, panel in enumerate(content.panels)
+        ]
+        return replace(content, panels=tuple(panels), pieces=tuple(reported))
+
+    def _lines(self, branch: int) -> Iterator[Line]:
+        """Contact boundaries, 1-handles and metastable stretches on one panel."""
+        for line in self.boundary.lines if self.boundary else ():
+            if line.branch == branch and not line.hidden:
+                look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
+                yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)
+        for part in self.metastable:
+            if part.branch == branch and not part.hidden:
+                words = f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}"
+                yield Line(part.points, words, "metastable")
+
+
+def find_landscape(result: MinimaResult, *, size: int = 401) -> ExactLandscape:
+    """Put a landscape together: energy over the chart, exact boundaries and minima (the paper's figures 3 and 4).
+
+    Parameters
+    ----------
+    result
+        Minima of the scene, judged in the full space if verdicts are wanted.
+    size
+        Cells along each coordinate at which the energy is evaluated.
+
+    Returns
+    -------
+    ExactLandscape
+        Without boundary where the scene's contact is not ``"full"``.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> exact = o.find_landscape(result, size=21)
+    >>> exact.chart.coordinates, len(exact.places)
+    (('phi_2', 'phi_3'), 2)
+    """
+    check_type("result", result, MinimaResult)
+    scene = result.scene
+    chart = landscape(scene, size)
+    places = (
+        tuple(chart.place(m.fold_angles, m.winding) for m in result.minima)
+        if chart.branches
+        else ()
+    )
+    # the grid colours; what it colours is cut by the regions of the boundary
+    boundary = outline_of(scene) if chart.kind == "area" else None
+    stretches = metastable_stretches(result, boundary) if boundary else ()
+    return ExactLandscape(result, chart, boundary, places, stretches)
+
+
+def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stretch, ...]:
+    """Find the metastable stretches of every boundary line, with the thresholds of `find_segments`."""
+    total = sum(result.scene.stiffness)
+    angles = [np.array(m.fold_angles) for m in result.minima]
+    out, problem = [], pose(result.scene)
+    for number, line in enumerate(boundary.lines):
+        # the line is geometry; energy, slope and stiffness along it are the scene's
+        curve = with_energy(problem, line)
+        if len(curve.s) < 3:
+            continue
+        for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
+            # linear between points of the line, which lie on the boundary to rounding
+            s = np.linspace(part.start, part.end, 2 + int(part.length / PIECE))
+            points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
+            out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))
+    return tuple(out)
+
+
+def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
+    """Return everything as named NumPy arrays, for `numpy.savez_compressed`.
+
+    Parameters
+    ----------
+    exact
+        Of `find_landscape`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray
+        x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N] [rad], admissible_b [ny, nx] of branch b;
+        boundary_k_points, boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts,
+        boundary_thin;
+        minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
+        metastable_k_points with metastable_branch; coordinates: their names.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.paper import to_arrays
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> to_arrays(o.find_landscape(result, size=21))["energy_0"].shape
+    (21, 21)
+    """
+    chart, result = exact.chart, exact.result
+    arrays: dict[str, Any] = {
+        "coordinates": np.array(chart.coordinates),
+        "branches": np.array([b.name for b in chart.branches]),
+    }
+    for b, branch in enumerate(chart.branches):
+        arrays[f"x_{b}"], arrays[f"y_{b}"] = branch.axes
+        arrays[f"energy_{b}"] = branch.energy
+        arrays[f"fold_angles_{b}"] = branch.fold_angles
+        arrays[f"admissible_{b}"] = np.isfinite(branch.energy)
+    lines = exact.boundary.lines if exact.boundary else ()
+    arrays["boundary_branch"] = np.array([line.branch for line in lines], dtype=int)
+    arrays["boundary_contacts"] = np.array(["; ".join(line.contacts) for line in lines], dtype=str)
+    arrays["boundary_thin"] = np.array([line.thin for line in lines], dtype=bool)
+    for k, line in enumerate(lines):
+        arrays[f"boundary_{k}_points"] = line.points
+        arrays[f"boundary_{k}_fold_angles"] = line.fold_angles
+        arrays[f"boundary_{k}_s"] = line.s
+    minima, degree = result.minima, result.scene.degree
+    arrays["minima_fold_angles"] = np.array([m.fold_angles for m in minima]).reshape(-1, degree)
+    arrays["minima_energy"] = np.array([m.energy for m in minima])
+    arrays["minima_kind"] = np.array([m.kind for m in minima], dtype=str)
+    verdicts = [m.full_space.verdict if m.full_space else "not asked" for m in minima]
+    arrays["minima_verdict"] = np.array(verdicts, dtype=str)
+    arrays["minima_points"] = np.array([p.point for p in exact.places]).reshape(-1, 2)
+    arrays["minima_branch"] = np.array([p.branch for p in exact.places], dtype=int)
+    arrays["metastable_branch"] = np.array([m.branch for m in exact.metastable], dtype=int)
+    for k, part in enumerate(exact.metastable):
+        arrays[f"metastable_{k}_points"] = part.points
+    return arrays
+
+
+def landscape_to_dict(
+    exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
+) -> dict[str, Any]:
+    """Return everything known of a landscape as plain JSON data.
+
+    Parameters
+    ----------
+    exact, space, critical, barriers
+        Of `find_landscape`, `find_space`, `find_critical_points` and `find_barriers`, of one scene.
+
+    Returns
+    -------
+    dict
+        ``exact.to_dict()`` and, under their names, the plain data of the others.
+    """
+    judged = replace(critical, morse=critical.verdict(space.euler_characteristic))
+    parts = to_plain({"space": space, "critical": judged, "barriers": barriers})
+    del parts["barriers"]["result"]
+    return {**exact.to_dict(), **parts}

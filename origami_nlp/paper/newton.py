@@ -1,0 +1,57 @@
+"""Newton along a stratum, to minima, saddles and maxima alike: of one state to rounding, of many to their vicinity."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from origami_nlp.kkt import State, Stratum, project
+from origami_nlp.numerics import FOLLOWED, NONZERO, RANK, STATIONARY
+from origami_nlp.problem import Contact, Problem
+
+LONGEST_STEP = 0.3
+"""Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
+STEPS, MANY_STEPS = 12, 15
+"""Of Newton: from a state nearby, and from any."""
+DIFFERENCE = 1e-5
+"""Step of the differences by which many states learn how closure bends [rad]."""
+NEAR = 1e-3
+"""Length of a last step [rad] from which one state at a time goes on."""
+
+
+def settle(problem: Problem, x: np.ndarray, rows: tuple[Contact, ...] = ()) -> Stratum | None:
+    """Return the critical point along the stratum of `rows` near x [n], admissible or not; None where there is none."""
+    level = False
+    for _ in range(STEPS):
+        held = State(problem, project(problem, x, rows)[0]).on(rows)
+        z, left = held.tangent, held.tangent.T @ held.state.gradient
+        size = 1.0 + float(np.abs(held.state.gradient).max())
+        was, level = level, bool(np.abs(left).max(initial=0.0) <= STATIONARY * size)
+        if was and level:  # one step beyond, down to rounding
+            # closure and contacts say whether the state is one
+            off = max(held.state.residual, float(np.abs(held.openings).max(initial=0.0)))
+            return held if off <= FOLLOWED else None
+        step = -z @ np.linalg.lstsq(z.T @ held.hessian @ z, left, rcond=RANK)[0]
+        cut = min(1.0, LONGEST_STEP / max(float(np.linalg.norm(step)), NONZERO))
+        x = held.state.x + cut * step / problem.root
+    return None
+
+
+def approach(problem: Problem, x: np.ndarray) -> np.ndarray:
+    """Run Newton on closed states [K, n] of two degrees of freedom; return those that come to rest."""
+    for _ in range(MANY_STEPS):
+        jac = problem.constraints(x)[1]
+        z = np.linalg.svd(jac)[2][:, -2:]  # [K, 2, n]
+        pull = problem.parameters.torque(x)
+        lam = np.einsum("kij,kj->ki", np.linalg.pinv(jac.swapaxes(1, 2), rcond=RANK), pull)
+        hessian = np.einsum("kin,knm,kjm->kij", z, problem.parameters.hessian(x), z)
+        for i in (0, 1):  # less lam . c''
+            turn = [problem.constraints(x + h * z[:, i])[1] for h in (DIFFERENCE, -DIFFERENCE)]
+            bent = np.einsum("km,kmn->kn", lam, turn[0] - turn[1]) / (2 * DIFFERENCE)
+            hessian[:, i] -= np.einsum("kjn,kn->kj", z, bent)
+        step = -np.einsum("kij,kjn,kn->ki", np.linalg.pinv(hessian, rcond=RANK), z, pull)
+        length = np.linalg.norm(step, axis=1)
+        step *= np.minimum(1.0, LONGEST_STEP / np.maximum(length, NONZERO))[:, None]
+        x = project(problem, x + np.einsum("ki,kin->kn", step, z), steps=4)[0]
+        inside = problem.fold_limits.inside(x, LONGEST_STEP).all(axis=1)
+        x, length = x[inside], length[inside]
+    return np.asarray(x[length <= NEAR])

@@ -1,0 +1,386 @@
+"""The space X of all symmetric states that contact admits: components, holes, pinch points, handles.
+
+X lies in the space of wedge fold angles, where phi = +pi and phi = -pi are different points; the paper's
+coordinates are only one of its charts.  A point of X is a limit of embedded states (with a symmetric order of
+touching layers).  X is made of surfaces, of handles (arcs of states that exist only while creases stay closed) and of
+isolated states; surfaces can touch in single points (pinch points), the flat state above all.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.arguments import check_whole
+from origami_nlp.chart import (
+    Cells,
+    Component,
+    Spot,
+    all_edges,
+    branches_of,
+    cells_of,
+    chart_of,
+    chart_points,
+    handles,
+    parts,
+    several,
+    spots,
+)
+from origami_nlp.display import Report, Section
+from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import OUTSIDE, SETTLED, groups
+from origami_nlp.pattern import Scene, as_scene, format_angle
+
+SIZE, SIZES = 64, (8, 1025)
+"""Rings of the mesh around the flat state, by default and at least and most."""
+EXTENDED = 1e-3
+"""Handles that span less [rad] are points of a picture."""
+NEARBY = 0.5
+"""Families over one point of the chart hang together over a disc of this radius [rad] around it."""
+
+
+@dataclass(frozen=True, repr=False)
+class SpaceMesh(Cells):
+    """X as a complex (`chart.Cells`); vertices on contacts are exact states (rounding)."""
+
+    @cached_property
+    def fold_angles(self) -> np.ndarray:
+        """States, [V, N] [rad]."""
+        return np.asarray(self.wedge[:, self.cover.chain.orbit])
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls that `on` is a bit mask of."""
+        return self.cover.chain.walls
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """[E, 2] vertices: all edges, handles included."""
+        return all_edges(self.triangles, self.extra_edges)
+
+    @cached_property
+    def chart(self) -> np.ndarray:
+        """[V, 2] coordinates of the scene's chart."""
+        chart = chart_of(self.cover.chain.scene)
+        assert chart is not None
+        return chart_points(chart, self.fold_angles)
+
+    @cached_property
+    def branch(self) -> np.ndarray:
+        """[V] branch of that chart."""
+        return branches_of(self)[0]
+
+    def contacts(self, vertex: int) -> tuple[str, ...]:
+        """Name the contacts that are closed at a vertex."""
+        return tuple(name for k, name in enumerate(self.walls) if self.on[vertex] >> k & 1)
+
+    def signed_contacts(self, vertex: int) -> tuple[str, ...]:
+        """Name the contacts that are closed at a vertex, with the sign of fold angles at +-pi."""
+        names = []
+        for name in self.contacts(vertex):
+            if name.startswith("phi_"):
+                crease = int(name.removeprefix("phi_").split(" ")[0])
+                name = name.replace("+-", "+" if self.fold_angles[vertex, crease - 1] > 0 else "-")
+            names.append(name)
+        return tuple(sorted(names))
+
+
+@dataclass(frozen=True, repr=False)
+class PinchPoint(ShortRepr):
+    """A state without which its neighbourhood in X falls apart.
+
+    Attributes
+    ----------
+    kind
+        ``"pinch point"`` (surfaces touch), ``"handle end"`` (a handle meets a surface) or ``"handle junction"``.
+    fold_angles
+        All N [rad].
+    dimensions
+        Of the pieces that meet there, largest first.
+    contacts
+        Closed there, in words.
+    vertex
+        Of the mesh.
+    """
+
+    kind: str
+    fold_angles: tuple[float, ...]
+    dimensions: tuple[int, ...]
+    contacts: tuple[str, ...]
+    vertex: int = field(metadata={"plain": False})
+
+
+@dataclass(frozen=True)
+class Handle:
+    """An arc of states around which there are no others (the paper's 1-handles).
+
+    Attributes
+    ----------
+    contacts
+        The states exist only while these stay closed.
+    path
+        Vertices of the mesh, from end to end.
+    fold_angles
+        [m, N] [rad].
+    length
+        In the space of wedge fold angles [rad].
+    ends
+        What each end is (``"free"`` or the kind of the pinch point there).
+    """
+
+    contacts: tuple[str, ...]
+    path: np.ndarray = field(repr=False, metadata={"plain": False})
+    fold_angles: np.ndarray = field(repr=False)
+    length: float
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True, repr=False)
+class Space(Report):
+    """The space X of admissible states of a scene: its pieces and how they hang together.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    size
+        Rings of the mesh it was computed with.
+    components
+        Connected components.
+    holes
+        First Betti number.
+    pinch_points
+        States without which their neighbourhood falls apart.
+    handles
+        Arcs of states around which there are no others.
+    euler_characteristic
+        V - E + F.
+    mesh
+        X as a complex of vertices, edges and triangles.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
+    >>> space.signature
+    (1, 0, 1, 1, 4, 4)
+    """
+
+    scene: Scene
+    size: int
+    components: tuple[Component, ...]
+    holes: int
+    pinch_points: tuple[PinchPoint, ...]
+    handles: tuple[Handle, ...]
+    euler_characteristic: int
+    mesh: SpaceMesh = field(metadata={"plain": False})
+
+    PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        names = ("dimension", "euler_characteristic", "holes", "closed_surfaces")
+        for number, one in enumerate(self.components, start=1):
+            row = {"scene": self.scene.label, "component": number}
+            row |= {name: getattr(one, name) for name in names}
+            yield row
+
+    @property
+    def signature(self) -> tuple[int, ...]:
+        """(components, holes, Euler characteristic, pinch points, handle ends and junctions, handles)."""
+        kinds = [p.kind for p in self.pinch_points]
+        pinch = kinds.count("pinch point")
+        counts = (len(self.components), self.holes, self.euler_characteristic)
+        return (*counts, pinch, len(kinds) - pinch, len(self.handles))
+
+    @property
+    def corners(self) -> tuple[tuple[tuple[str, ...], int], ...]:
+        """States of X where two contacts or more close, by their contacts, with how many vertices have them."""
+        counts: dict[tuple[str, ...], int] = {}
+        mesh = self.mesh
+        for v in np.flatnonzero(several(mesh.on)).tolist():
+            key = mesh.signed_contacts(v)
+            counts[key] = counts.get(key, 0) + 1
+        return tuple(sorted(counts.items()))
+
+    @property
+    def picture_joins(
+        self,
+    ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
+        """Points of the paper's chart where states that are apart in X are drawn on top of each other.
+
+        For each such point: its coordinates, and one state [N] of each separate set of states over it.
+        """
+        return _picture_joins(self.mesh)
+
+    @property
+    def picture_holes(self) -> int:
+        """Loops (first Betti number) of the picture of X in the paper's chart, where states drawn at one point are one.
+
+        Families over one point are arcs (contractible), so each join of n separate sets lowers the Euler
+        characteristic by n - 1; a picture in the plane encloses no volume.
+        """
+        joins = [len(states) - 1 for _, states in self.picture_joins]
+        return _picture_components(self.mesh) - (self.euler_characteristic - sum(joins))
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
+        yield (
+            f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s), "
+            f"Euler characteristic {self.euler_characteristic} (mesh of {self.size} rings, "
+            f"{len(self.mesh.wedge)} vertices)"
+        )
+        for k, part in enumerate(self.components, start=1):
+            yield (
+                f"  component {k}: dimension {part.dimension}, Euler characteristic {part.euler_characteristic}, "
+                f"{part.holes} hole(s)"
+            )
+        for pinch in self.pinch_points:
+            dimensions = " + ".join(map(str, pinch.dimensions))
+            contacts = f", {'; '.join(pinch.contacts)}" if pinch.contacts else ""
+            yield f"  {pinch.kind} ({dimensions}): {angle_words(pinch.fold_angles)}{contacts}"
+        for handle in self.handles:
+            ends = " to ".join(
+                f"{angle_words(handle.fold_angles[k])} [{end}]"
+                for k, end in zip((0, -1), handle.ends, strict=True)
+            )
+            yield f"  handle, {'; '.join(handle.contacts)}, length {handle.length:.4f} rad: {ends}"
+        joins = self.picture_joins
+        if joins:
+            yield (
+                f"  the picture in the paper's chart encloses {self.picture_holes} hole(s), the space {self.holes}: "
+                "these chart points carry states that are apart in the space"
+            )
+        for point, states in joins:
+            yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
+
+
+def _places(mesh: SpaceMesh) -> np.ndarray:
+    """Number of the chart point (to `SETTLED`, branches apart) of each vertex."""
+    from scipy.spatial import cKDTree
+
+    points = np.column_stack([mesh.chart, 10.0 * mesh.branch])
+    return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
+
+
+def _picture_joins(
+    mesh: SpaceMesh,
+) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
+    """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
+    place = _places(mesh)
+    low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
+    low = -low
+    np.minimum.at(low, place, mesh.wedge)
+    np.maximum.at(high, place, mesh.wedge)
+    found = []
+    for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
+        over = np.flatnonzero(place == k)
+        point = mesh.chart[over[0]]
+        near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
+        edges = mesh.edges[near[mesh.edges].all(axis=1)]
+        piece = groups(len(place), edges)[over]
+        first = over[np.unique(piece, return_index=True)[1]]
+        if len(first) > 1:
+            states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
+            found.append(((float(point[0]), float(point[1])), states))
+    return tuple(found)
+
+
+def _picture_components(mesh: SpaceMesh) -> int:
+    place = _places(mesh)
+    return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
+
+
+def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
+    """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
+
+    Parameters
+    ----------
+    scene
+        What is folded; its springs play no part.
+    rings
+        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 rings^2 vertices.  A few more are
+        taken where that mesh is too coarse (see `Space.size`).
+
+    Returns
+    -------
+    Space
+        Components, holes, pinch points and handles, with the mesh.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such space, or `rings` is out of range.
+    MeshError
+        If the mesh is too coarse to decide.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
+    >>> len(space.components), space.holes, space.euler_characteristic
+    (1, 0, 1)
+    """
+    scene = as_scene(
+        scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
+    )
+    cells = cells_of(scene, check_whole("rings", rings, *SIZES))
+    mesh = SpaceMesh(**vars(cells))
+    count = len(cells.wedge)
+    components = tuple(parts(count, cells.triangles, cells.extra_edges))
+    pinch = tuple(
+        _pinch_point(mesh, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
+    )
+    kinds = {p.vertex: p.kind for p in pinch}
+    arcs = tuple(
+        _handle(mesh, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
+    )
+    holes = sum(c.holes for c in components)
+    euler = sum(c.euler_characteristic for c in components)
+    return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
+
+
+def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
+    dimensions = spot.dimensions
+    if dimensions.count(2) >= 2:
+        kind = "pinch point"
+    elif 2 in dimensions:
+        kind = "handle end"
+    else:
+        kind = "handle junction"
+    v = spot.vertex
+    phi = tuple(mesh.fold_angles[v].tolist())
+    return PinchPoint(kind, phi, dimensions, mesh.contacts(v), v)
+
+
+def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:
+    common = int(np.bitwise_and.reduce(mesh.on[path]))
+    contacts = tuple(name for k, name in enumerate(mesh.walls) if common >> k & 1)
+    length = float(np.linalg.norm(np.diff(mesh.wedge[path], axis=0), axis=1).sum())
+    ends = tuple(kinds.get(int(v), "free") for v in (path[0], path[-1]))
+    if path[0] == path[-1]:
+        ends = ("loop", "loop")
+    return Handle(contacts, path, mesh.fold_angles[path], length, (ends[0], ends[1]))
+
+
+def angle_words(values: Iterable[float]) -> str:
+    """Write fold angles for people: multiples of pi as such, others with four decimals.
+
+    Parameters
+    ----------
+    values
+        Fold angles [rad].
+
+    Returns
+    -------
+    str
+        Such as ``"(pi/2, 0.1234)"``.
+    """
+    texts = []
+    for v in values:
+        text = format_angle(v) if abs(v) > OUTSIDE else "0"
+        texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
+    return "(" + ", ".join(texts) + ")"
