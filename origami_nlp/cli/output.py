@@ -79,6 +79,10 @@ class Output:
         """Return the files of these kinds that were asked for."""
         return [file for kind, file in self._given if kind in kinds]
 
+    def or_stdout(self, kind: str) -> Output:
+        """Return what writes a file of this kind: itself where one was asked for, else to standard output."""
+        return self if self.files(kind) else Output(["-"], [kind])
+
     def refuse(self, why: str, *kinds: str) -> None:
         """Raise an error if a file of these kinds was asked for."""
         if files := self.files(*kinds):

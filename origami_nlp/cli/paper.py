@@ -14,18 +14,19 @@ from origami_nlp.cli.states import search
 from origami_nlp.cli.timed import Clock
 
 if TYPE_CHECKING:
-    from origami_nlp.symbolic.claim import Claim
+    from origami_nlp.minima import MinimaResult
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
 
-
+LISTED = 16
+"""Largest degree whose foldings are listed."""
 DRAWN_AT = 0.45
 """Elevation [rad] at which all foldings are drawn."""
 
 
-def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
-    """Find the minima of all 18 panels of the paper's two landscape figures."""
+def _search_panels(clock: Clock, seed: int, full: bool) -> tuple[list[MinimaResult], str]:
+    """Find the minima of all 18 panels of the paper's two landscape figures; a title."""
     from origami_nlp.pattern import examples
 
     results, scenes = list[Any](), examples.panels()
@@ -33,7 +34,8 @@ def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
         for scene in scenes:
             results.append(search(clock, scene, scene.label, seed=seed, full=full))
             done(len(results))
-    return results
+    seconds = sum(r.search.seconds for r in results)
+    return results, f"all panels of the paper, {seconds:.1f} s in total"
 
 
 @writes()
@@ -47,20 +49,15 @@ def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.
     folder = make_folder(folder, "--folder")
     files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
     out.check(*(("--folder", file) for file in files))
-    results = _search_panels(clock, seed, full=True)
-    shown = [
-        results[[r.scene.name for r in results].index(scene.name)]
-        for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
-    ]
-    for result in shown:
+    results, title = _search_panels(clock, seed, full=True)
+    drawn = [examples.degree6("pi/3", 1.0).name, examples.degree8("pi/4", 1.0).name]
+    shown = [result for name in drawn for result in results if result.scene.name == name]
+    for file, result in zip(files[1:], shown, strict=True):
         result.print_to(out.console)
         out.say("")
-    seconds = sum(r.search.seconds for r in results)
-    title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    out.say(rows_table(DEMO_HEADS, demo_rows(results), title))
-    write_json([r.to_dict() for r in results], files[0])
-    for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)
+    out.say(rows_table(DEMO_HEADS, demo_rows(results), f"{title}: stable in the full space"))
+    write_json([r.to_dict() for r in results], files[0])
     out.written(*files)
 
 
@@ -70,14 +67,13 @@ def panels(out: Output, clock: Clock, full: bool | None = o.FULL, seed: int = o.
     from origami_nlp.display import rows_table
     from origami_nlp.minima import table
 
-    results = _search_panels(clock, seed, bool(full))
+    results, title = _search_panels(clock, seed, bool(full))
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
     if full:
         totals = [str(sum(int(row[k]) for row in rows)) for k in range(1, 5)]
         rows.append(("total", *totals, ""))
-    seconds = sum(r.search.seconds for r in results)
-    out.say(rows_table(heads, rows, f"all panels of the paper, {seconds:.1f} s in total"))
+    out.say(rows_table(heads, rows, title))
     out.write("json", lambda: [r.to_dict() for r in results])
 
 
@@ -95,11 +91,7 @@ def verify(out: Output, only: list[str] | None = o.CLAIM) -> int:
 
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
-
-        def advance(claim: Claim) -> None:
-            said((said.done or 0) + 1, text=claim.id)
-
-        results = decide_all(chosen, progress=advance)
+        results = decide_all(chosen, progress=lambda claim: said.at(claim.id, (said.done or 0) + 1))
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("latex", as_latex, results)
@@ -119,24 +111,12 @@ def audit(out: Output, file: str = o.CANDIDATES, seed: int = o.SEED) -> None:
 
 
 @writes("json")
-def transitions(
-    family: str = o.FAMILY,
-    samples: int = o.SAMPLES,
-    rings: int = o.RINGS_OF_SAMPLES,
-    seed: int = o.SEED,
-) -> Any:
-    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space.
-
-    The sweep starts from so many --samples of alpha_1.
-    """
+def transitions(family: str = o.FAMILY, seed: int = o.SEED) -> Any:
+    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
     from origami_nlp.paper import find_transitions
 
-    with progress(family, 1.0) as show:
-
-        def report(what: str, done: float) -> None:
-            show(done, text=what)
-
-        return find_transitions(family, samples=samples, rings=rings, report=report, seed=seed)
+    with progress(family, 1.0) as report:
+        return find_transitions(family, report=report.at, seed=seed)
 
 
 # ---------------------------------------------------------------- cones
@@ -148,7 +128,6 @@ def count(
     degree: int = o.DEGREE,
     rest_elevation: str = o.REST_ELEVATION,
     ratio: float = o.RATIO,
-    depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     full: bool | None = o.FULL,
@@ -166,24 +145,23 @@ def count(
         cones.print_full_space(judged, out.console)
         out.write("json", cones.full_space_to_dict, judged)
         return
-    found = cones.count(cone, ratio, nu, depth=depth)
+    found = cones.count(cone, ratio, nu)
     cones.print_count(found, out.console)
     out.save("json", cones.write_lines, cones.count_to_dict(found))
 
 
 @writes("json", "figure")
-def foldings(out: Output, degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> None:
-    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets); -o FILE.png draws them.
+def foldings(out: Output, degree: int = o.DEGREE) -> None:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets).
 
-    Drawn they are up to degree 16.
+    Up to degree 16 they are listed, and -o FILE.png draws them.
     """
     from origami_nlp.paper import cone as cones
 
-    cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
-    shown = degree <= 16 if listed is None else listed
-    cones.print_foldings(degree, out.console, shown)
-    out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
-    out.write("figure", lambda: cones.draw_foldings(cones.check_degree(degree), DRAWN_AT))
+    cones.check_degree(degree, MOST_DIGITS)
+    cones.print_foldings(degree, out.console, degree <= LISTED)
+    out.save("json", cones.write_lines, cones.foldings_to_dict(degree, degree <= LISTED))
+    out.write("figure", lambda: cones.draw_foldings(degree, DRAWN_AT))
 
 
 @writes("json", "figure")
@@ -205,19 +183,16 @@ def branch(
 def phase(
     out: Output,
     degree: int = o.DEGREE,
-    depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     size: int = o.PHASE_SIZE,
-    without_contact: bool = o.WITHOUT_CONTACT,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from origami_nlp.paper import cone as cones
 
     cones.check_size(size)
-    options: dict[str, Any] = {"size": size, "depth": depth, "contact": not without_contact}
     with progress(f"cone of degree {degree}", size) as report:
-        diagram = cones.phase_diagram(cones.Cone(degree, rest, end), progress=report, **options)
+        diagram = cones.phase_diagram(cones.Cone(degree, rest, end), size=size, progress=report)
     cones.print_diagram(diagram, out.console)
     out.write("csv", cones.map_as_csv, diagram)
     out.write("json", cones.diagram_to_dict, diagram)

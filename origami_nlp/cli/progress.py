@@ -42,6 +42,10 @@ class ProgressReport:
         if self.listener is not None:
             self.listener(self)
 
+    def at(self, text: str, done: float | None = None) -> None:
+        """Say what the job is at."""
+        self(done, text=text)
+
     @property
     def line(self) -> str:
         """Title, count (``3 of 18``, a share as ``40%``) and text."""

@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import did_you_mean, require
+from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
-from origami_nlp.cli.source import Source, note, note_normalized
+from origami_nlp.cli.source import Source, check_named, note, note_normalized
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError, SweepError
 
@@ -86,15 +86,10 @@ def minima(
     stated = origami.read_whole(contact=True)
     if certificate is not None and origami.is_whole:
         _check_provable(stated, certificate, origami.contact or "full")
-    counts: dict[str, Any] = {
-        "max_starts": max_starts,
-        "starts": starts,
-        "full": full,
-    }
-    counts |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
-    found = search(
-        clock, stated, origami.name, last=True, seed=seed, effort=effort, method=method, **counts
-    )
+    options: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "full": full}
+    options |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
+    options |= {"seed": seed, "effort": effort, "method": method}
+    found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found
     out.report(found)
@@ -156,9 +151,8 @@ def contacts(
 
     stated, contact = origami.read_whole(contact=True), origami.whole_contact
     options: dict[str, Any] = {"contact": contact, "escape": False, "seed": seed, "effort": effort}
-    return find_contacts(
-        search(clock, stated, origami.name, **options), state=state, segments=segments
-    )
+    found = search(clock, stated, origami.name, **options)
+    return find_contacts(found, state=state, segments=segments)
 
 
 @writes("json", "csv", "figure", "html", "fold", verbose=True)
@@ -172,9 +166,7 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 
     stated = origami.read_whole()
     with progress(f"{origami.name}: barriers") as report:
-        return clock.within(
-            find_barriers, stated, seed=seed, progress=lambda text: report(text=text)
-        )
+        return clock.within(find_barriers, stated, seed=seed, progress=report.at)
 
 
 SMALLEST, LARGEST = 16, 4097
@@ -186,14 +178,17 @@ def landscape(
     out: Output,
     clock: Clock,
     size: int = o.SIZE,
-    passes: bool = o.PASSES,
     space: bool = o.SPACE,
     critical: bool = o.CRITICAL,
-    rings: int = o.RINGS,
     seed: int = o.SEED,
 ) -> Any:
-    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes."""
+    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes.
+
+    Passes between minima are for -o FILE.json and FILE.html; barriers lists them.
+    """
+    from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
+    from origami_nlp.display import InteractivePage
     from origami_nlp.landscape import draw_landscape, find_landscape, landscape_to_dict, to_arrays
     from origami_nlp.space import find_space
 
@@ -202,7 +197,7 @@ def landscape(
         return _critical(stated, origami.name, clock, seed)
     if space:
         with progress(f"{stated.label or origami.name}: mesh, walls, layers"):
-            return find_space(stated, rings=rings)
+            return find_space(stated)
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
@@ -218,25 +213,16 @@ def landscape(
     with progress("boundary"):
         exact = find_landscape(result, size=size)
     exact.print_to(out.console)
-    found: Any = None
-    if passes or out.files("json"):
-        from origami_nlp.barriers import find_barriers
-
+    passes: Any = None
+    if out.files("json", "html"):
         with progress("passes between minima"):
-            found = find_barriers(stated, result, seed=seed)
-        for step in found.passes:
-            out.say(
-                f"pass {step.from_state} - {step.to_state}: {step.pass_kind}, {step.energy:.9g} J"
-            )
+            passes = find_barriers(stated, result, seed=seed)
     if out.files("json"):
         points = _critical(stated, origami.name, clock, seed, result)
-        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, found))
+        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, passes))
     out.write("npz", lambda: _npz(to_arrays(exact)))
-    out.write("figure", draw_landscape, exact, found)
-    if out.files("html"):
-        from origami_nlp.display import InteractivePage
-
-        out.save("html", lambda file: InteractivePage(exact.view_content(found)).save(file))
+    out.write("figure", draw_landscape, exact, passes)
+    out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
     return None
 
 
@@ -279,12 +265,8 @@ def design(
 
     if targets in EXAMPLES and not Path(targets).exists():
         question, ask, name = parse_targets(EXAMPLES[targets], source=targets)
-    elif targets != "-" and not Path(targets).suffix and not Path(targets).exists():
-        meant = did_you_mean(targets, EXAMPLES)
-        raise OptionError(
-            f"TARGETS = {targets!r} is no file, and no example: those are {', '.join(EXAMPLES)}{meant}"
-        )
     else:
+        check_named("TARGETS", targets, EXAMPLES)
         question, ask, name = read_targets(targets)
     if isinstance(question.origami, Vertex):
         note_normalized(question.origami.normalized)

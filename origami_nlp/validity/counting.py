@@ -154,9 +154,7 @@ class LayerOrders(Report):
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD: the crease pattern, and a frame with faceOrders for each order that is listed."""
         if not self.orders:
-            raise OptionError(
-                f"-o: {self.reason or 'no order is listed: ask for some with --most'}"
-            )
+            raise OptionError(f"-o: {self.reason or 'no order is listed: ask for some, most=100'}")
         frame = pattern_frame(self.pattern, self.fold_angles, "layer order 1")
         frames = [
             {**frame, "frame_title": f"layer order {k}", "faceOrders": [list(o) for o in order]}

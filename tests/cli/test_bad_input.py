@@ -182,7 +182,6 @@ BAD_CALLS = {
     "arrays as text": (["landscape", SCENE, "-o", "a.txt"], "must end in one of .json"),
     "figure of no format": (["landscape", SCENE, "-o", "a.bmp"], "-o"),
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
-    "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
     "a file twice": (["minima", SCENE, "-o", "a.png", "-o", "a.png"], "is given twice"),
     "binary as text": (["minima", SCENE, "-o", "-.png"], "only text goes to standard output"),
     "a load of nothing": (["load", SCENE], "--crease K is missing"),

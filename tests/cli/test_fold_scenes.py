@@ -163,8 +163,6 @@ def test_examples_are_written_as_asked(tmp_path):
         (("miura:4",), "ROWSxCOLUMNS"),
         (("miura:4x4",), "-o FILE"),
         (("birdbase", "--alpha", "1"), "no option alpha"),
-        (("miura", "--mountain", "1"), "[-pi, 0)"),
-        (("miura", "--valley", "4"), "(0, pi]"),
         (("miura:0x4", "-o", fold), "rows"),
     ):
         code, out, err = run("example", *arguments)

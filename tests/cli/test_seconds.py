@@ -135,7 +135,7 @@ def test_a_proof_inside_a_time_limit_keeps_to_wall_time(monkeypatch):
 
 def test_barriers_of_a_pattern_that_were_found_in_time_are_written(tmp_path):
     out, figure = tmp_path / "out.json", tmp_path / "out.png"
-    done = run("barriers", "yoshimura:2x1", "--seconds", 0.5, "-o", out, "-o", figure)
+    done = run("barriers", "yoshimura:2x2", "--seconds", 1, "-o", out, "-o", figure)
     assert done.code == Ended.OUT_OF_TIME and figure.exists(), done
     assert "interrupted by the time limit" in " ".join(done.out.split())
     assert json.loads(out.read_text())["left_out"]

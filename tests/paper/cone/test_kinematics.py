@@ -235,7 +235,6 @@ def test_foldings_are_listed(tmp_path):
     assert len(data["necklace_list"]) == 14 and len(data["bracelet_list"]) == 13
     many = run(*asked, 1000, "-o", "-")
     assert json.loads(many.out)["necklaces"] == str(cone.number_of_foldings(1000))
-    assert run(*asked, 34, "--list").code == 2
     assert len(cone.draw_foldings(6, 0.7).axes) == 4
     with pytest.raises(OptionError, match="to draw"):
         cone.draw_foldings(18, 0.3)
