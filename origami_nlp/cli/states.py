@@ -299,8 +299,7 @@ def sweep(
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
     stated = read_sweep(spec)
-    if change := getattr(stated, "normalized", 0.0):
-        note_normalized(change, ", at most")
+    note_normalized(stated.normalized, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
         options: dict[str, Any] = {"executor": executor, "workers": workers}
