@@ -56,17 +56,12 @@ def draw_sweep(folder: str | Path) -> Figure:
     missing = [patch(MISSING, NOT_KNOWN)] if (count < 0).any() else []
     with mpl.rc_context({"font.size": 10, "axes.titlesize": 10}):
         figure = Figure(layout="constrained", dpi=110)
-        legend: dict[str, Any] = {"ncols": 4, "frameon": False}
         if count.ndim == 1:
-            handles, legend["loc"] = (
-                _curve(figure, grid, names[0], of_kinds) + missing,
-                "outside upper center",
-            )
+            missing = _curve(figure, grid, names[0], of_kinds) + missing
         else:
             _maps(figure, grid, names, of_kinds)
-            handles, legend["loc"] = missing, "outside lower center"
-        if handles:
-            figure.legend(handles=handles, **legend)
+        if missing:
+            figure.legend(handles=missing, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 

@@ -26,8 +26,8 @@ values = ["pi/4", 1.2]
 mode = "grid"                  # every combination (default), or list: axes run together
 effort = "normal"              # quick, normal or thorough
 starts = 0                     # random starts in a row that find nothing new; 0: as the effort says
-max_starts = 100000
 seed = 0
+max_starts = 100000            # of scenes
 full = false                   # of scenes: also decide each state in the full space
 contact = true                 # of patterns: whether facets must not cross
 ```
@@ -94,8 +94,8 @@ _STATED: dict[str, tuple[Any, Any]] = {
 """What a sweep may be of: by the name of its table, what reads the table, and what makes one with places set."""
 _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
-_SEARCH = {"mode": "grid", "effort": "normal", "starts": 0, "max_starts": 100_000, "seed": 0}
-_OWN = {"scene": {"full": False}, "pattern": {"contact": True}}
+_SEARCH = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
+_OWN = {"scene": {"max_starts": 100_000, "full": False}, "pattern": {"contact": True}}
 """Of [search], with what holds where they are left out: of all, and of one kind."""
 
 
