@@ -298,7 +298,7 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    defaults = _SEARCH | _OWN[of]
+    defaults: dict[str, Any] = {**_SEARCH, **_OWN[of]}
     known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": defaults}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
     if not isinstance(data.get(of), Mapping):

@@ -125,18 +125,13 @@ class LayerOrders(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over a table of the components."""
-        rows = []
         parts = sorted(self.components, key=lambda c: (-c.orders, -c.pairs))
-        for (pairs, orders, whole), many in itertools.groupby(
-            parts, key=lambda c: (c.pairs, c.orders, c.whole)
-        ):
-            rows.append((str(len(list(many))), str(pairs), f"{'' if whole else '>= '}{orders:,}"))
-        if not rows:
-            yield self.verdict
-        else:
-            yield Table(
-                ("components", "pairs in each", "orders of each"), rows, self.verdict, "rrr", False
-            )
+        rows = [
+            (str(len([*many])), str(c.pairs), f"{'' if c.whole else '>= '}{c.orders:,}")
+            for c, many in itertools.groupby(parts)
+        ]
+        heads = ("components", "pairs in each", "orders of each")
+        yield Table(heads, rows, self.verdict, "rrr", False) if rows else self.verdict
         if not self.reason:
             left = self.pairs - sum(c.pairs for c in self.components)
             yield (
