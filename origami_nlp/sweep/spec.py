@@ -95,7 +95,10 @@ _STATED: dict[str, tuple[Any, Any]] = {
 _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
 _SEARCH = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
-_OWN = {"scene": {"max_starts": 100_000, "full": False}, "pattern": {"contact": True}}
+_OWN: dict[str, dict[str, Any]] = {
+    "scene": {"max_starts": 100_000, "full": False},
+    "pattern": {"contact": True},
+}
 """Of [search], with what holds where they are left out: of all, and of one kind."""
 
 
