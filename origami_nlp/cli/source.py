@@ -186,7 +186,10 @@ class Source:
         if self.is_example:
             cells = cell_options(self.cell, self.rolled)
             return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
-        check_named("ORIGAMI", self.name, examples.names())
+        if self.name != "-" and not self._ending and not Path(self.name).exists():
+            known = examples.names()
+            those = f"{', '.join(known)}{did_you_mean(self.name.partition(':')[0], known)}"
+            raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
         if self._ending in (".fold", ".json"):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         if self._ending != ".toml" and is_drawing(self.name):
@@ -210,16 +213,6 @@ class Source:
         if self.rest_angle is not None:
             found["rest_angle"] = math.radians(_size(self.rest_angle))
         return found
-
-
-def check_named(what: str, name: str, known: Iterable[str]) -> None:
-    """Raise an error for a word that is neither a file nor the name of an example."""
-    path = Path(name)
-    if name != "-" and not path.suffix and not path.exists():
-        listed = [*known]
-        meant = did_you_mean(name.partition(":")[0], listed)
-        those = f"no file, and no example: those are {', '.join(listed)}{meant}"
-        raise OptionError(f"{what} = {name!r} is {those}")
 
 
 DRAWN = 0.02

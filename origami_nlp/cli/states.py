@@ -15,7 +15,7 @@ from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
-from origami_nlp.cli.source import Source, check_named, note, note_normalized
+from origami_nlp.cli.source import Source, note, note_normalized
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError, SweepError
 
@@ -259,21 +259,17 @@ def design(
     -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
-    from origami_nlp.inverse_design import EXAMPLES, design as find, parse_targets, read_targets
+    from origami_nlp.inverse_design import design as find, read_targets
     from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
-    if targets in EXAMPLES and not Path(targets).exists():
-        question, ask, name = parse_targets(EXAMPLES[targets], source=targets)
-    else:
-        check_named("TARGETS", targets, EXAMPLES)
-        question, ask, name = read_targets(targets)
+    question = read_targets(targets)
     if isinstance(question.origami, Vertex):
         note_normalized(question.origami.normalized)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
-    answer = find(question, ask, name=name, seed=seed, effort=effort)
+    answer = find(question, seed=seed, effort=effort)
     answer.print_to(out.console, out.verbose)
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:

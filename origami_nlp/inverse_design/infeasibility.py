@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -75,20 +76,17 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
     Infeasibility
         With changes that would help.
     """
-    weights: dict[str, float] = {}
+    weights = Counter[str]()
     for rows, y in zip(posed.problem.rows, posed.answer.duals, strict=True):
         if isinstance(rows.words, str):
-            weights[rows.words] = weights.get(rows.words, 0.0) + float(np.abs(y).max(initial=0.0))
+            weights[rows.words] += float(np.abs(y).max(initial=0.0))  # type: ignore[assignment]
         else:
-            for words, value in zip(rows.words, y, strict=True):
-                weights[words] = weights.get(words, 0.0) + abs(float(value))
-    named = ("the mean stiffness is 1", "the margin has a cap")
-    most = max((w for words, w in weights.items() if words not in named), default=0.0)
+            weights.update(dict(zip(rows.words, np.abs(y).tolist(), strict=True)))
+    for words in ("the mean stiffness is 1", "the margin has a cap"):
+        weights.pop(words, None)
     # rows with a dual that counts are those whose combination is contradictory
-    heavy = sorted(
-        ((w, words) for words, w in weights.items() if w > WEIGHTY * most and words not in named),
-        reverse=True,
-    )
+    least = WEIGHTY * max(weights.values(), default=0.0)
+    heavy = sorted(((w, words) for words, w in weights.items() if w > least), reverse=True)
     names = [t.name for t in posed.targets.states]
     states = tuple(
         n

@@ -98,7 +98,6 @@ BAD = {
     "energy text": (GOOD + 'energy_above = "a"\nenergy_difference = ["x", 1]\n', ["'x'", "[J]"]),
     "barrier to nobody": (GOOD + '[[barriers]]\nfrom = "a"\nto = "z"\n', ["'z'", "a, b"]),
     "rounds": (GOOD + "[ask]\nrounds = 5\n", ["rounds"]),
-    "maximise": (GOOD + '[ask]\nmaximise = "all"\n', ["'all'", "margin"]),
     "preload": (GOOD + '[springs]\npreload = "yes"\n', ["preload = 'yes'"]),
 }
 

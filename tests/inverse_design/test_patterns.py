@@ -67,7 +67,7 @@ fold_angles = %s
     pattern = o.examples.pattern("miura:2x3")
     lowest = o.find_minima(pattern, effort="quick", escape=False).minima[0]
     text %= np.asarray(lowest.fold_angles).tolist()
-    answer = o.design(*parse_targets(text)[:2], effort="quick")
+    answer = o.design(parse_targets(text), effort="quick")
     letters = np.array(list(pattern.assignment))
     for letter in "MV":
         assert np.ptp(answer.scene.stiffness[letters == letter]) < 1e-9
@@ -95,7 +95,4 @@ def test_what_is_for_vertices_alone_is_named():
         Targets(pattern, state, equal=(1, 2))
     with pytest.raises(OptionError, match=r"contact = .none. must be"):
         Targets(pattern, state, contact="none")
-    ask = o.inverse_design.Ask(maximise="barrier")
-    with pytest.raises(OptionError, match=r"maximise = 'barrier' is not for a pattern: "):
-        o.design(Targets(pattern, state), ask)
     assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]
