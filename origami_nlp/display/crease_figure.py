@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display.drawing import MOUNTAIN, VALLEY
+from origami_nlp.display.style import MOUNTAIN, VALLEY
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import NONZERO
 from origami_nlp.pattern import Frame, fold_vertices

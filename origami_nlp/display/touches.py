@@ -10,8 +10,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.drawing import UPPER
-from origami_nlp.display.style import IDLE, PUSHES, patch
+from origami_nlp.display.style import IDLE, PUSHES, UPPER, patch
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display import MOUNTAIN, VALLEY, draw_pattern_state, draw_state, label_text
+from origami_nlp.display import MOUNTAIN, VALLEY, draw_state, label_text
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.result import Design
 from origami_nlp.pattern import Pattern
@@ -55,10 +55,7 @@ def draw_design(design: Design) -> Figure:
     for axes in grid.flat[len(states) :]:
         axes.axis("off")
     for k, (axes, (name, energy, phi)) in enumerate(zip(grid.flat, states, strict=False)):
-        if isinstance(made, Pattern):
-            draw_pattern_state(axes, made, np.array(phi))
-        else:
-            draw_state(axes, made.vertex, phi, size=7.0)
+        draw_state(axes, made, phi, size=7.0)
         colour = "black" if k < len(design.states) else GREY
         axes.set_title(label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color=colour)
     what = "verified" if design.verified else "NOT verified"

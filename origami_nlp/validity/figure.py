@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display import WARNING, draw_pattern, draw_pattern_state, pattern_view
+from origami_nlp.display import WARNING, draw_pattern, draw_state, pattern_view
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.pattern import Frame, frame_pattern
 from origami_nlp.validity.faults import Fault, Findings
@@ -101,7 +101,7 @@ def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None
         try:
             pattern = frame_pattern(frame)
             view = pattern_view([pattern.corners[list(p)] for p in pattern.polygons])
-            draw_pattern_state(axes, pattern, pattern.reference)
+            draw_state(axes, pattern, pattern.reference)
         except OrigamiError:  # no sheet: its edges alone
             view = pattern_view([frame.coords[list(face)] for face in frame.faces])
             lines = (frame.coords @ view.T)[frame.edges][:, :, :2]

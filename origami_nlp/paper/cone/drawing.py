@@ -12,7 +12,6 @@ from origami_nlp.display import (
     StackedFigure,
     crease_legend,
     draw_state,
-    drawn_height,
     label_text,
 )
 from origami_nlp.errors import OptionError
@@ -100,20 +99,15 @@ def _sheet(states: Sequence[tuple[ConeBranch, float, str]], note: str) -> Figure
     # of three or four columns those that fill the last row better
     columns = min(len(states), max((4, 3), key=lambda c: -(-len(states) % c)))
     angles = [np.asarray(branch.fold_angles(elevation)) for branch, elevation, _ in states]
-    shares = [
-        CELL * drawn_height(branch.vertex, phi)
-        for (branch, _, _), phi in zip(states, angles, strict=True)
-    ]
-    heights = [max(shares[k : k + columns]) + TITLE + 0.1 for k in range(0, len(states), columns)]
+    heights = [CELL + TITLE + 0.1 for _ in range(0, len(states), columns)]
     width = max(columns, 2) * CELL + 2 * MARGIN
-    drawn = [(branch.vertex, phi) for (branch, _, _), phi in zip(states, angles, strict=True)]
-    stack = StackedFigure(width, sum(heights), handles=crease_legend(drawn), notes=[note])
+    stack = StackedFigure(width, sum(heights), handles=crease_legend(), notes=[note])
     left = (width - columns * CELL) / 2
     for k, (branch, _, title) in enumerate(states):
         row, column = divmod(k, columns)
         x, y = left + column * CELL, sum(heights[:row]) + TITLE
-        axes = stack.axes(x, y, CELL, shares[k])
+        axes = stack.axes(x, y, CELL, CELL)
         size = 8.0 if branch.degree <= 12 else 6.5
-        draw_state(axes, branch.vertex, angles[k], size=size, crop=True)
+        draw_state(axes, branch.vertex, angles[k], size=size)
         stack.text(x + CELL / 2, y - 0.08, title, fontsize=9, ha="center", linespacing=1.25)
     return stack.figure
