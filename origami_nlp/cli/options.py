@@ -49,6 +49,18 @@ def _file_flag(help: str, name: str) -> Any:
     return _flag(help, name, usual=None, rich_help_panel=FOLD_FILES)
 
 
+def _folder(usual: Any) -> Any:
+    return _option("DIR", "Folder for the results; made if new.", "--folder", usual=usual)
+
+
+def _grid(usual: int) -> Any:
+    return _option("N", "Grid points along each coordinate.", "--size", usual=usual)
+
+
+def _angle(help: str, *names: str) -> Any:
+    return _option("ANGLE", f'{help} [rad], up > 0: 0.3 or "-pi/6".', *names, usual=...)
+
+
 def _prove(value: str | None) -> str | None:
     """Let what stands after --prove be a number of seconds, or nothing."""
     if value is not None and value != ASKED:
@@ -81,12 +93,8 @@ SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
 PROOF = _argument("FILE", "Proof (JSON), or - for stdin.")
 FAMILY = _argument("FAMILY", "degree6 or degree8.", autocompletion=lambda: ["degree6", "degree8"])
-EXAMPLE = _argument(
-    "NAME", "An origami, a hinge or the targets of a design; a name that is none lists those."
-)
-TARGETS = _argument(
-    "TARGETS", "What is asked for (TOML), - for stdin, or an example, whose file example prints."
-)
+EXAMPLE = _argument("NAME", "An origami, hinge or targets; what is none of them lists all.")
+TARGETS = _argument("TARGETS", "What is asked for (TOML), - for stdin, or an example by name.")
 DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
 CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")
 HINGE_DATA = _argument(
@@ -104,9 +112,7 @@ CONTACT = _of_file("full|fold-limits|none", "Which facets may not cross (default
 STIFFNESS = _of_file("K", "Stiffness where the file gives none [N m/rad] (default 1).")
 PER_LENGTH = _file_flag("Stiffness is per length of crease [N/rad].", "--per-length")
 REST_ANGLE = _of_file("DEG", "Size of rest angles where the file gives none [deg] (default 180).")
-REST_FROM = _of_file(
-    "file|measured", "Rest angles of a folded form (default: the file's, where it has them)."
-)
+REST_FROM = _of_file("file|measured", "Where a folded form rests (default: as its file says).")
 BEND = _of_file("K", "Facets bend about diagonals of stiffness K per length [N/rad].")
 DIAGONAL = _of_file("short|long|both", "Which diagonals --bend takes (default short).")
 SNAP = _of_file(
@@ -115,9 +121,7 @@ SNAP = _of_file(
     "fold flat do so exactly.",
 )
 CELL = _file_flag("Of an example such as miura:1x1: a cell that repeats.", "--cell")
-ROLLED = _of_file(
-    "N", "Of --cell: copies once round a closed tube, N, or P,Q along both vectors; 0: may curl."
-)
+ROLLED = _of_file("N", "Of --cell: copies once round a tube, N or P,Q along both; 0: may curl.")
 
 # ---------------------------------------------------------------- how to search
 
@@ -139,12 +143,9 @@ PROVE = _option(
 CERTIFICATE = _option(WRITES, "Write the proof (of a sheet, for check-proof).")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
 DASK = _option("ADDRESS", "Run on an existing Dask cluster (extra sweep).")
-SIZE = _option("N", "Grid points along each coordinate.", "--size", usual=401)
-PHASE_SIZE = _option("N", "Grid points along each coordinate.", "--size", usual=200)
-FOLDER = _option("DIR", "Folder for the results; made if new.", "--folder", usual=...)
-DEMO_FOLDER = _option(
-    "DIR", "Folder for the results; made if new.", "--folder", usual=Path("origami_demo")
-)
+SIZE, PHASE_SIZE = _grid(401), _grid(200)
+FOLDER = _folder(...)
+DEMO_FOLDER = _folder(Path("origami_demo"))
 STATE = _option("K", "Number of the minimum: the one that is loaded, or reported alone.")
 PATH = _flag("Trace the folding motion of the sheet up to the first contact.", "--path")
 
@@ -162,20 +163,12 @@ CHECKS = _option("N", "Searches: both ends, the middle, then the widest gaps.", 
 LINES = _option("N", "Values of the second at which the first is followed.", usual=3)
 CREASE = _option("K", "Torque on crease K, from 1, and its images; of a pattern repeatable.")
 PULL = _option("V,W", "Of a pattern: forces that pull vertices V and W apart, numbered from 0.")
-FORCE = _option(
-    "V,X,Y,Z", "Of a pattern: a force along (X, Y, Z) on vertex V, seen from --fixed-facet."
-)
+FORCE = _option("V,X,Y,Z", "Of a pattern: a force (X, Y, Z) on V, seen from --fixed-facet.")
 FIXED_FACET = _option("F", "Of --force: the facet that stays, from 1 (default 1).", "--fixed-facet")
-TO = _option(
-    "LOAD|snap", "Where it ends: a load [N m, N or factor]; or snap, either way.", usual="snap"
-)
+TO = _option("LOAD|snap", "Where it ends: N m, N or a factor; snap: either way.", usual="snap")
 UNLOAD = _flag("Take the load back to 0 afterwards.", "--unload")
 CONFIRM = _flag("Confirm each snap by a search beside it.", "--confirm/--no-confirm", usual=True)
-YIELDS = _option(
-    "T|K=T",
-    "Torque at which creases yield plastically [N m], or crease K does; repeatable.",
-    "--yield",
-)
+YIELDS = _option("T|K=T", "Torque at which creases yield [N m]; repeatable.", "--yield")
 SEGMENTS = _flag("Also follow the contact boundaries (metastability).", "--segments")
 SPACE = _flag("In place of the map: components, holes and pinch points of the space.", "--space")
 CRITICAL = _flag("In place of the map: critical points and the Morse identity.", "--critical")
@@ -183,13 +176,9 @@ CRITICAL = _flag("In place of the map: critical points and the Morse identity.",
 # ---------------------------------------------------------------- files that are checked, converted, made
 
 CHECKED_FRAME = _option("N", "Frame that is checked, from 0 (default: all).", "--frame")
-TOLERANCE = _option(
-    "SHARE", "Share of the sheet by which places may be off (default: by the digits they have)."
-)
+TOLERANCE = _option("SHARE", "By how much places are off, of the sheet (default: their digits).")
 ORDERS = _flag("Count the layer orders of one ORIGAMI; -o FILE.fold lists them.", "--orders")
-COLOUR = _option(
-    "KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, - to leave it out; repeatable."
-)
+COLOUR = _option("KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, or - for nothing.")
 CURVES = _option("refuse|leave|N", "Leave curves out, or take N chords for each.", usual="refuse")
 PART = _option("K", "One of several sheets, from 1, the largest first.")
 SCALE = _option("MM", "Millimetres for one unit of the file.")
@@ -204,14 +193,8 @@ RATIO = _option("R", _RATIO, usual=1.0)
 RATIO_WANTED = _option("R", _RATIO, "--ratio")
 DEGREE = _option("N", "Number N of creases: even, at least 6.", usual=...)
 FLAPS = _option("FLAPS", "Valley and mountain flaps round the ring: VVM, or V2M.", usual=...)
-ELEVATION = _option("ANGLE", 'Elevation nu [rad], up > 0: 0.3 or "-pi/6".', usual=...)
-REST_ELEVATION = _option(
-    "ANGLE", 'Elevation nu_0 at rest [rad], up > 0: 0.3 or "-pi/6".', "--rest-elevation", usual=...
-)
-REST_RULE = _option(
-    "waterbomb|paper", "Rest angles: of a state of the cone, or as printed.", usual="waterbomb"
-)
-END_RULE = _option(
-    "contract|contact", "A steep flap ends at pi/2 - 2 pi/N, or where it touches.", usual="contract"
-)
+ELEVATION = _angle("Elevation nu")
+REST_ELEVATION = _angle("Elevation nu_0 at rest", "--rest-elevation")
+REST_RULE = _option("waterbomb|paper", "What the cone rests in.", usual="waterbomb")
+END_RULE = _option("contract|contact", "Where a steep flap ends.", usual="contract")
 CLAIM = _option("ID", "Decide this claim only (repeatable).", "--only", autocompletion=_claims)

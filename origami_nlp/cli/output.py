@@ -99,21 +99,18 @@ class Output:
         from origami_nlp.display import InteractivePage
         from origami_nlp.minima import write_parts
 
-        gone: BaseException | None = None
+        gone = False
         try:
             found.print_to(self.console, self.verbose)
-        except (
-            BrokenPipeError,
-            SystemExit,
-        ) as error:  # rich ends so; files are written all the same
-            gone, self.console.quiet = error, True
+        except (BrokenPipeError, SystemExit):  # rich ends so; files are written all the same
+            gone = self.console.quiet = True
         self.write("json", lambda: found.to_dict())
         self.write("csv", lambda: found.to_csv())
         self.write("figure", lambda: found.draw())
         self.write("fold", lambda: found.to_fold())
         self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
         self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
-        if gone is not None:
+        if gone:
             raise BrokenPipeError
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
