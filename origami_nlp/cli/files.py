@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import inspect as introspection
-import math
 import textwrap
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,6 @@ from origami_nlp.cli.timed import Clock, CommandOutOfTime
 from origami_nlp.errors import FoldFileError, OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Table
     from origami_nlp.pattern import Scene
 
 
@@ -107,44 +105,22 @@ def inspect(
 
 
 def _inspect_vertex(stated: Scene, out: Output) -> None:
+    from origami_nlp.display import record_table, springs_of
     from origami_nlp.pattern import format_scene
     from origami_nlp.pattern_problem import pose
 
     why = "one vertex is written as a scene: end the name in .toml"
     out.refuse(why, "json", "fold", "figure", "html")
     model = str(pose(stated))
-    out.say(_springs(stated))
+    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
+    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
+    out.say(record_table(springs_of(stated), title))
     for law in dict.fromkeys(filter(None, stated.laws)):
         out.say(f"law {law}")
     for load in stated.loads:
         out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed")
     out.say(model)
     out.write("scene", format_scene, stated)
-
-
-def _springs(stated: Scene) -> Table:
-    """Return one row a crease: the sector to the next crease, and its spring."""
-    from origami_nlp.display import rows_table
-
-    def shown(values: Iterable[float]) -> list[str]:
-        return [f"{value:.7g}" for value in values]
-
-    laws = stated.laws or (None,) * stated.degree
-    columns = {
-        "crease": [*map(str, range(1, stated.degree + 1))],
-        "sector to the next [deg]": shown(map(math.degrees, stated.vertex.sector_angles)),
-        "stiffness [N m/rad]": shown(stated.stiffness),
-        "rest angle [deg]": shown(map(math.degrees, stated.rest_angles)),
-        "preload [N m]": shown(stated.preload or ()),
-        "stops [deg]": [" to ".join(shown(map(math.degrees, p))) for p in stated.limits or ()],
-        "law": [law.name if law else "" for law in stated.laws],
-    }
-    for name in ("stiffness [N m/rad]", "rest angle [deg]"):  # of a law they are in its line
-        columns[name] = ["" if law else v for law, v in zip(laws, columns[name], strict=True)]
-    columns = {name: values for name, values in columns.items() if values}
-    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
-    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
-    return rows_table([*columns], [*zip(*columns.values(), strict=True)], title)
 
 
 @writes("json", "figure")

@@ -22,7 +22,13 @@ from .labels import label_marks as label_marks
 from .painter import crease_legend as crease_legend, draw_state as draw_state
 from .papers import pattern_view as pattern_view
 from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
+from .records import (
+    Shown as Shown,
+    record_row as record_row,
+    shown as shown,
+)
 from .result import Result as Result, angle_columns as angle_columns, read_data as read_data
+from .springs import Spring as Spring, springs_of as springs_of
 from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,
@@ -68,6 +74,7 @@ from .table import (
     folding_table as folding_table,
     pieces_html as pieces_html,
     plain_text as plain_text,
+    record_table as record_table,
     rows_table as rows_table,
 )
 from .text import (

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Details, Report, Section, Table, Words, rows_table
+from origami_nlp.display import (
+    Details,
+    Report,
+    Section,
+    Table,
+    Words,
+    record_table,
+    shown,
+    springs_of,
+)
 from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
@@ -52,15 +61,15 @@ class HeldState:
         Verdict where the symmetry may break: ``"stable"``, ``"unstable"``, ``"undecided"``; None where not asked.
     """
 
-    name: str
+    name: str = field(metadata=shown("state"))
     target: tuple[float, ...]
     fold_angles: tuple[float, ...]
-    moved: float
+    moved: float = field(metadata=shown("moved to close", "rad", ".2g"))
     found: float
-    energy: float
-    kind: str | None
+    energy: float = field(metadata=shown("energy", "J", ".5g"))
+    kind: str | None = field(metadata=shown("kind", missing="no minimum"))
     certificate: str
-    full_space: str | None
+    full_space: str | None = field(metadata=shown("full space"))
 
 
 @dataclass(frozen=True)
@@ -147,7 +156,7 @@ class Design(Report):
     (True, ['book'])
     """
 
-    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/2", False
+    PICTURE, SCHEMA, READS, ROWS = "draw_design", "origami-nlp/design/2", False, "states"
     ALSO = ("feasible", "verified", "images")
 
     targets: Targets = field(metadata={"plain": False})
@@ -255,31 +264,9 @@ class Design(Report):
 
     def table(self) -> Table:
         """The states, one a row."""
-        columns = {
-            "state": [s.name for s in self.states],
-            "energy [J]": [f"{s.energy:.5g}" for s in self.states],
-            "kind": [s.kind or "no minimum" for s in self.states],
-            "full space": [s.full_space or "-" for s in self.states],
-            "moved to close [deg]": [f"{math.degrees(s.moved):.2g}" for s in self.states],
-        }
-        if not any(s.full_space for s in self.states):
-            del columns["full space"]
-        return rows_table([*columns], [*zip(*columns.values(), strict=True)], self.verdict)
+        return record_table(self.states, self.verdict)
 
     def springs(self) -> Table:
         """The springs, one crease a row."""
         assert self.scene is not None
-        k, rest = self.scene.stiffness, np.degrees(rest_of(self.scene))
-        columns = {
-            "crease": [str(i + 1) for i in range(len(k))],
-            "stiffness [N m/rad]": [f"{v:.5g}" for v in k],
-            "rest angle [deg]": [f"{v:.4f}" for v in rest],
-        }
-        if any(preload := getattr(self.scene, "preload", ())):
-            columns["preload [N m]"] = [f"{v:.5g}" for v in preload]
-        return rows_table([*columns], [*zip(*columns.values(), strict=True)], "Springs")
-
-
-def rest_of(made: Scene | Pattern) -> Sequence[float]:
-    """Return rest angles, [N] [rad]."""
-    return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()
+        return record_table(springs_of(self.scene), "Springs")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_whole
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, Table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
 from origami_nlp.pattern import Pattern, as_pattern
@@ -47,9 +47,9 @@ class LayerComponent:
         Whether that is the number, or one that is no larger since the search was given up.
     """
 
-    pairs: int
-    orders: int
-    whole: bool = True
+    pairs: int = field(metadata=shown("pairs"))
+    orders: int = field(metadata=shown("orders"))
+    whole: bool = field(default=True, metadata=shown("all"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,7 +86,7 @@ class LayerOrders(Report):
     (3, 3, '3')
     """
 
-    SCHEMA = "origami-nlp/layers/1"
+    SCHEMA, ROWS = "origami-nlp/layers/1", "components"
     ALSO = ("count", "whole")
     pattern: Pattern
     fold_angles: np.ndarray
@@ -156,10 +156,6 @@ class LayerOrders(Report):
             for k, order in enumerate(self.orders, start=1)
         ]
         return pattern_to_fold(self.pattern, frames)
-
-    def _rows(self) -> Iterable[dict[str, object]]:
-        for k, one in enumerate(self.components, start=1):
-            yield {"component": k, "pairs": one.pairs, "orders": one.orders, "whole": one.whole}
 
 
 def flat_folded(pattern: Pattern) -> tuple[np.ndarray, set[int]]:
