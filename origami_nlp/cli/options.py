@@ -93,7 +93,11 @@ SWEEP = _argument("SWEEP", "Sweep file (TOML).")
 CANDIDATES = _argument("FILE", "Candidates (JSON).")
 PROOF = _argument("FILE", "Proof (JSON), or - for stdin.")
 FAMILY = _argument("FAMILY", "degree6 or degree8.", autocompletion=lambda: ["degree6", "degree8"])
-EXAMPLE = _argument("NAME", "An origami, hinge or targets; what is none of them lists all.")
+EXAMPLE = _argument(
+    "NAME",
+    "miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; metasheet with "
+    "-o FILE.fold; targets of a design: waitukaitis-five, six-states, three-equal, switch, flat-and-one.",
+)
 TARGETS = _argument("TARGETS", "What is asked for (TOML), - for stdin, or an example by name.")
 DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
 CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")

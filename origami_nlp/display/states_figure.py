@@ -138,21 +138,27 @@ class StatesDrawn:
         stack
             With at least `width` and `height`.
         """
+        boxes = []
         for states, left, top in self.rows:
             head = max(self.head(k) for k in states)
             for k in states:
                 x, wide = left + (k - states.start) * self.cell, self.cell - 0.08
-                box = stack.axes(x + 0.04, top + head, wide, SHARE * wide)
-                self._draw(box, k)
+                boxes.append(stack.axes(x + 0.04, top + head, wide, SHARE * wide))
+                self._draw(boxes[-1], k)
                 look = {"ha": "center", "va": "top", "linespacing": 1.25, "fontsize": 9.5}
                 colour = self.colours[k] if self.colours else "black"
                 stack.text(x + self.cell / 2, top + 0.04, self.title(k), color=colour, **look)
+        limits = np.array([(box.get_xlim(), box.get_ylim()) for box in boxes]).reshape(-1, 2, 2)
+        spans = np.ptp(limits, axis=2)
+        # one scale for all
+        half = 0.5 * max((max(x, y / SHARE) for x, y in spans), default=0.0)
+        for box, (x, y) in zip(boxes, limits.mean(axis=2), strict=True):
+            box.set(xlim=(x - half, x + half), ylim=(y - SHARE * half, y + SHARE * half))
 
     def _draw(self, box: Axes, k: int) -> None:
         named = self.named if k + 1 == len(self.titles) else ()
         touches = self.contacts[k] if k < len(self.contacts) else ()
         draw_state(box, self.origami, self.fold_angles[k], named, touches)
-        _widen(box, 1 / SHARE)
 
     def legend(self) -> list[Any]:
         """Return entries of a legend: creases, sides of the paper, and contacts that are marked."""
@@ -214,11 +220,3 @@ def draw_states(
 
         save_figure(stack.figure, path)
     return stack.figure
-
-
-def _widen(axes: Axes, shape: float) -> None:
-    """Widen the limits of axes until width over height is as given."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    across = max(0.0, shape * (high - low) - (right - left)) / 2
-    up = max(0.0, (right - left) / shape - (high - low)) / 2
-    axes.set(xlim=(left - across, right + across), ylim=(low - up, high + up))
