@@ -135,6 +135,24 @@ boundary scene.toml --event ratio=1:2 --parameter ratio=1:2: name two parameters
 minima waterbomb:2x2 --certificate a: the list of a pattern is not proved
 minima metasheet:3x3 --effort quick --certificate a: --contact fold-limits
 minima miura:2x2 --stiffness -1: --stiffness = -1
+inspect miura:3x3 --vertex 0: border
+inspect miura:3x3 --vertex 99: vertices are 0 to 15
+inspect miura:3x3 --vertex -1: at least 0
+inspect miura:3x3 --vertex 5 --frame 7: there is 0
+landscape miura:3x3: --vertex is needed
+example miur: miura, waterbomb
+example miura:4: ROWSxCOLUMNS
+example miura:4x4: -o FILE
+example birdbase --alpha 1: no option alpha
+example miura:0x4 -o a.fold: rows
+minima: missing argument 'ORIGAMI'
+minima a.toml b.toml: unexpected extra argument
+minima a.toml --verbos: no such option
+minima a.toml --seed 1 --seed 2.5: '--seed'
+minima a.toml --seconds=soon: '--seconds'
+load a.toml --crease one: '--crease'
+follow a.toml: missing option '--parameter'
+paper cone coutn: no such command 'coutn'
 """
 MISSPELT = """
 minima muira:3x3: did you mean miura?
