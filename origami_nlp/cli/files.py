@@ -266,7 +266,8 @@ def example(
     if out.files("scene") or not whole:
         if cell:
             raise OptionError("--cell: a cell that repeats is a crease pattern, no scene")
-        text = _about(examples.maker(word)) + format_scene(examples.by_name(word, **given))
+        stated = examples.by_name(word, **given)
+        text = _about(examples.maker(word)) + format_scene(stated)
         out.or_stdout("scene").write("scene", lambda: text)
 
 

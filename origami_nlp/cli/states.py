@@ -249,7 +249,7 @@ def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = N
         return replace(found, morse=found.verdict(find_space(stated).euler_characteristic))
 
 
-@writes("json", "scene", "fold", "figure", verbose=True)
+@writes("json", "csv", "scene", "fold", "figure", verbose=True)
 def design(
     out: Output, targets: str = o.TARGETS, seed: int = o.SEED, effort: str = o.EFFORT
 ) -> int:
@@ -272,6 +272,7 @@ def design(
     answer = find(question, seed=seed, effort=effort)
     answer.print_to(out.console, out.verbose)
     out.write("json", answer.to_dict)
+    out.write("csv", answer.to_csv)
     if (made := answer.scene) is not None:
         if isinstance(made, Pattern):
             out.write("fold", pattern_to_fold, made, [])
