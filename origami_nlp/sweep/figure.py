@@ -90,8 +90,8 @@ def _maps(figure: Figure, grid: dict[str, Any], names: list[str], of_kinds: dict
     count, stable = (grid["data"][key] for key in ("count", "count_stable"))
     y, x = (_edges(_values(grid, n), grid["log"][n]) for n in names)
     panels = {"all minima": count, **of_kinds}
-    if (grid["data"]["count_unstable"] > 0).any():
-        panels["stable"] = np.nan_to_num(stable, nan=-1)
+    if np.isfinite(stable[count >= 0]).all():  # else what a broken symmetry does was not asked
+        panels = {"stable states": np.nan_to_num(stable, nan=-1), **panels}
     columns = 2 if len(panels) == 4 else min(3, len(panels))
     rows = -(-len(panels) // columns)
     figure.set_size_inches(1.4 + 2.9 * columns, 0.4 + 2.9 * rows)

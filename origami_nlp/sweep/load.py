@@ -58,9 +58,9 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``count_stable`` and ``count_unstable`` (NaN
-        where that is not known of each), ``lowest_energy``, ``status``; a scene that is not done has count -1 and
-        energy NaN.
+        Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``count_shallow``, ``count_stable`` and
+        ``count_unstable`` (NaN where that is not known of each), ``lowest_energy``, ``status``; a scene that is not done
+        has count -1 and energy NaN.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     sweep, rows = read_store(folder)
     with readable(folder):
         shape = tuple(sweep["shape"])
-        names = ["count", *(f"count_{kind.replace('-', '_')}" for kind in KINDS)]
+        names = ["count", "count_shallow", *(f"count_{kind.replace('-', '_')}" for kind in KINDS)]
         data: dict[str, Any] = {name: np.full(shape, -1) for name in names}
         for name in ("count_stable", "count_unstable", "lowest_energy"):
             data[name] = np.full(shape, np.nan)
@@ -111,6 +111,7 @@ def _counted(states: list[dict[str, Any]]) -> dict[str, float]:
     lowest = min((float(s["energy_J"]) for s in states), default=np.nan)
     return found | {
         "count": len(states),
+        "count_shallow": sum(s["shallow"] is True for s in states),
         "count_stable": known * stable.count(True),
         "count_unstable": known * stable.count(False),
         "lowest_energy": lowest,
