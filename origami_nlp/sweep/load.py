@@ -59,8 +59,8 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     -------
     xarray.Dataset
         Over the axes of the sweep: ``count`` (minima), ``count_<kind>``, ``count_shallow``, ``count_stable`` and
-        ``count_unstable`` (NaN where that is not known of each), ``lowest_energy``, ``status``; a scene that is not done
-        has count -1 and energy NaN.
+        ``count_unstable`` (NaN where that is not known of each), ``lowest_energy``, ``status``; a scene that is not
+        done has count -1 and energy NaN.
 
     Raises
     ------
