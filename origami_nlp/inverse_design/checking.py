@@ -15,7 +15,6 @@ from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import pose
 
 
 def check(
@@ -129,7 +128,7 @@ def _barrier(
         return HeldBarrier(ask.start, ask.end, math.nan, (), why)
     # one way serves both directions: its top is the same
     pair = (ask.start, ask.end)
-    model = pose(scene)
+    model = targets.posed(scene)
     top, x = height(model, passes.ways[pair if pair in passes.ways else pair[::-1]])
     why = _outside(top, energy[ask.start], ask.least, ask.most)
     why = f"barrier from {ask.start!r} to {ask.end!r} {why}" if why else ""

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -136,7 +137,10 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
             far = f * size > math.pi * (1 + SETTLED)
             return replace(targets, preload=far, rest_angles=(f * low, f * high))
 
-        least = _least(tried, wound, 1.0, TURNS / size, steps)
+        # springs of sheets are not wound
+        ends = (TURNS / size, math.pi / size)
+        found = (_least(tried, wound, 1.0, end, steps) for end in ends)
+        least = next(filter(None, found), None)
         if least is not None:
             how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
             out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
@@ -150,7 +154,7 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
         out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
     if len(targets.states) > 1:
         for target in targets.states:
-            if _works(tried, without(targets, target.name)):
+            if _works(tried, partial(without, targets, target.name)):
                 out.append(f"leave out state {target.name!r}")
     return tuple(out)
 
@@ -160,18 +164,19 @@ def _least(
 ) -> float | None:
     """Return the smallest factor in (good, bad] that works, by bisection; None if the largest does not."""
     low, high = good, bad
-    if not _works(tried, make(high)):
+    if not _works(tried, partial(make, high)):
         return None
     for _ in range(steps):
         # geometric: factors, not differences
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if _works(tried, make(middle)) else (middle, high)
+        low, high = (low, middle) if _works(tried, partial(make, middle)) else (middle, high)
     return high
 
 
-def _works(tried: Works, targets: Targets) -> bool:
+def _works(tried: Works, make: Callable[[], Targets]) -> bool:
+    """Return whether a changed question has an answer; one that cannot be asked has none."""
     try:
-        return tried(targets)
+        return tried(make())
     except OrigamiError:
         return False
 

@@ -26,7 +26,6 @@ _OF_A_VERTEX = {
     "preload": "its springs rest within [-pi, pi]",
     "limits": "the pattern has its own (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
     "panels": "the pattern has its own limits (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
-    "barriers": "springs are made for barriers of one vertex",
 }
 """What is not for a pattern, and why."""
 OF_THE_SCENE = ("symmetry", "contact", "mirror", "limits", "panels")
