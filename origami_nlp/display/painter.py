@@ -17,7 +17,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.papers import paper_of, pattern_view
+from origami_nlp.display.papers import area_of, paper_of, pattern_view
 from origami_nlp.display.style import (
     BORDER,
     FLAT,
@@ -198,7 +198,7 @@ def _paint(
     top = np.full((shape[1], shape[0]), -1)
     near = LAYER * step * PIXELS
     for x, own, tint in zip(pieces, polygon, tinted, strict=True):
-        normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        normal = area_of(x)
         normal /= np.linalg.norm(normal)
         if abs(normal[2]) < 1e-3:
             continue
@@ -229,7 +229,7 @@ def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.
     above = np.zeros((len(corners) + 1, len(corners)), bool)
     if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
         return above
-    towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
+    towards = [area_of(x)[2] for x in corners]
     for f, g, s in order_layers(PatternProblem(pattern), phi).orders:
         above[(f, g) if s * towards[g] > 0 else (g, f)] = True
     return above

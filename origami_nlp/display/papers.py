@@ -42,6 +42,12 @@ def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
     return replace(paper, corners=np.array(corners), polygons=tuple(polygons))
 
 
+def area_of(polygon: np.ndarray) -> np.ndarray:
+    """Return twice the area of a plane polygon [q, 3], as a vector along its normal."""
+    at = polygon - polygon[0]
+    return np.asarray(np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0))
+
+
 def pattern_view(polygons: list[np.ndarray]) -> np.ndarray:
     """Return from where a sheet is seen.
 
@@ -55,9 +61,7 @@ def pattern_view(polygons: list[np.ndarray]) -> np.ndarray:
     numpy.ndarray
         Rows right, up and towards the viewer, [3, 3].
     """
-    areas = np.array(
-        [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0) for x in polygons]
-    )
+    areas = np.array([area_of(x) for x in polygons])
     area = areas.sum(axis=0)
     seen = np.linalg.norm(area) > CANCELS * np.linalg.norm(areas, axis=1).sum()
     points = np.concatenate(polygons)
