@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
     Stack,
     Unclear,
+    conflict,
     pattern_frame,
     pattern_to_fold,
     pose_stack,
@@ -249,31 +250,54 @@ def count_orders(
         f, g = pierced[0]
         return without(f"facets {f + 1} and {g + 1} pass through each other")
     stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
-    many = len(stack.pairs)
-    try:
-        posed = pose_stack(stack, unassigned, guesses)
-    except Unclear:
-        return without(UNCLEAR, False, many)
-    if isinstance(posed, Layers):
-        return without(posed.reason, pairs=many)
-    orders = posed[0]
-    parts = orders.counts()
-    found = tuple(LayerComponent(len(part), number, whole) for part, number, whole in parts)
-    reason, decided = "", True
-    if any(c.whole and not c.orders for c in found):
-        reason = "layers have no order in which they do not cross"
-    elif any(not c.orders for c in found):
-        reason, decided = f"no order was found with {guesses:,} guesses in each component", False
+    found = count_stack(stack, unassigned, guesses)
     listed: tuple[Any, ...] = ()
-    if not reason and most:
+    if found.orders is not None and not found.reason and most:
         # of each part no more than are listed: the product begins with those
-        each = [list(itertools.islice(orders.answers(part), most)) for part, _, _ in parts]
-        unknowns = [u for part, _, _ in parts for u in part]
-        values = [v == 1 for v in orders.values]
+        each = [list(itertools.islice(found.orders.answers(p), most)) for p, _, _ in found.parts]
+        unknowns = [u for part, _, _ in found.parts for u in part]
+        values = [v == 1 for v in found.orders.values]
         written = []
         for answer in itertools.islice(itertools.product(*each), most):
             for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
                 values[u] = v
             written.append(stack.polygons(values))
         listed = tuple(written)
-    return replace(without(reason, decided, many), components=found, orders=listed)
+    parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
+    made = without(found.reason, found.decided, len(stack.pairs))
+    return replace(made, components=parts, orders=listed)
+
+
+class Counted(NamedTuple):
+    """Orders of a stack: its parts with the number of orders of each and whether that is all, and why there is none."""
+
+    parts: Sequence[tuple[Sequence[int], int, bool]] = ()
+    reason: str = ""
+    decided: bool = True
+    orders: Any = None
+
+
+def count_stack(
+    stack: Stack,
+    unassigned: Container[int] = (),
+    guesses: int = GUESSES,
+    stated: Sequence[tuple[int, int, int]] = (),
+) -> Counted:
+    """Count the orders of pieces that lie on each other, with what is stated of them."""
+    try:
+        posed = pose_stack(stack, unassigned, guesses)
+        if isinstance(posed, Layers):
+            return Counted(reason=posed.reason)
+        orders = posed[0]
+        if stated:
+            conflict(stack, orders, stated)
+        parts = orders.counts()
+    except Unclear:
+        return Counted(reason=UNCLEAR, decided=False)
+    except TimeoutError:
+        return Counted(reason="the search for one was given up", decided=False)
+    none = [whole for _, many, whole in parts if not many]
+    if any(none):
+        return Counted(parts, "layers have no order in which they do not cross", True, orders)
+    why = f"no order was found with {guesses:,} guesses in each component" if none else ""
+    return Counted(parts, why, not none, orders)

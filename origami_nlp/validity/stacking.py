@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.folding import MOST_NODES, TRANSITIVE, Rule
+from origami_nlp.folding import TRANSITIVE, Rule
 from origami_nlp.numerics import INSIDE
 from origami_nlp.pattern_problem import Layers, PatternProblem, Stack, Unclear, conflict, pose_stack
 from origami_nlp.validity.closing import face_words
-from origami_nlp.validity.counting import UNCLEAR
+from origami_nlp.validity.counting import UNCLEAR, count_stack
 from origami_nlp.validity.faults import MILLI, Findings
 
 STATED = "faceOrders agree with each other"
@@ -168,31 +168,21 @@ def _check_whole(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
 
 def _check_exists(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
     """Check that the layers have an order (with what is stated)."""
-    try:
-        posed = pose_stack(stack, most=4 * MOST_NODES)
-        if isinstance(posed, Layers):
-            f.fault(EXISTS, posed.reason)
-            f.settle(EXISTS)
-            return
-        orders, _ = posed
-        if stated:
-            conflict(stack, orders, stated)
-        counts = orders.counts()
-    except TimeoutError:
-        f.skip(EXISTS, "the search for one was given up", undecided=True)
-        return
-    for part in (part for part, many, whole in counts if whole and not many):
+    found = count_stack(stack, stated=stated)
+    for part in (part for part, many, whole in found.parts if whole and not many):
         which = sorted({*stack.crossings.polygon[stack.pairs[list(part)]].ravel().tolist()})
         words = face_words(f, stack.crossings.pattern, *which[:6]) if part else "the faces"
         more = f", ... ({len(which)})" if len(which) > 6 else ""
         text = f"{words}{more} have no order in which they do not pass through each other"
         place = _place(stack, part[0]) if part else None
         f.fault(EXISTS, text, faces=which if f.frame.faces else [], place=place)
-    doubt = "" if all(many for _, many, _ in counts) else "the search for one was given up"
-    total, whole = math.prod(many for _, many, _ in counts), all(w for _, _, w in counts)
+    if found.reason and found.decided and not f.of(EXISTS):
+        f.fault(EXISTS, found.reason)
+    total = math.prod(many for _, many, _ in found.parts)
+    whole = all(one for *_, one in found.parts)
     said = f"{'' if whole else 'at least '}{total:,} order{'' if total == 1 and whole else 's'}"
     said += " with what is stated" if stated else ""
-    f.settle(EXISTS, "" if f.of(EXISTS) else said, doubt)
+    f.settle(EXISTS, "" if f.of(EXISTS) else said, "" if found.decided else found.reason)
 
 
 def _place(stack: Stack, unknown: int) -> np.ndarray:
