@@ -61,10 +61,9 @@ boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.s
 barriers scene.toml -o barriers.json
 landscape degree6.toml --size 33 -o landscape.npz
 landscape degree6.toml --critical
-landscape degree6.toml --space --rings 16
+landscape degree6.toml --space
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
-paper transitions degree6 --samples 3 --rings 8
 paper cone count --full --degree 6 --rest-elevation 0.3
 paper cone branch --flaps mvv --elevation 0.2
 paper cone foldings --degree 6 -o cone.png

@@ -23,8 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 import origami_nlp as o
-from origami_nlp.display import draw_state, draw_states
-from origami_nlp.display.drawing import UPPER
+from origami_nlp.display import UPPER, draw_state, draw_states
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,7 +78,7 @@ def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
     axes.set_title("flat", fontsize=FONT)
     for place, minimum in enumerate(shown):
         axes = figure.add_subplot(grid[place // across, 1 + place % across])
-        draw_state(axes, vertex, minimum.fold_angles, size=FONT, crop=True)
+        draw_state(axes, vertex, minimum.fold_angles, size=FONT)
         axes.set_anchor("N")
         axes.set_title(f"{minimum.energy:.4f} J", fontsize=FONT, pad=2)
     figure.subplots_adjust(0.005, 0.005, 0.995, 0.93, wspace=0.04, hspace=0.12)

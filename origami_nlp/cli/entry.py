@@ -102,10 +102,8 @@ def _called(commands: Group) -> Group:
     return commands
 
 
-def _end(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
+def _end(error: Any, inputs: Mapping[str, bytes]) -> NoReturn:
     """End with one line, or without one where nobody reads."""
-    if isinstance(error, OrigamiError):
-        _stop(str(error))
     if isinstance(error, OSError):
         try:  # let Python not try again at its end what cannot be written now
             sys.stdout.flush()
@@ -115,18 +113,16 @@ def _end(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
             sys.exit(Ended.CLOSED_PIPE)
         where = repr(error.filename) if error.filename else "input or output"
         _stop(f"{where}: {error.strerror or error}")
+    if isinstance(error, OrigamiError):
+        _stop(str(error))
     if isinstance(error, MemoryError):
         _stop("the memory does not suffice: give a smaller origami")
-    if hasattr(error, "format_message"):  # a wrong call, of the parser that typer brings
-        _refuse(error)
-    report_fault(error, inputs)
-
-
-def _refuse(error: Any) -> NoReturn:
-    """Say in one line what is wrong with a call; a group that is called without a command shows its help."""
-    if "Help" in type(error).__name__:
+    if not hasattr(error, "format_message"):
+        _stop(report_fault(error, inputs), Ended.FAULT)
+    if "Help" in type(error).__name__:  # a group that is called without a command
         print(error.format_message(), file=sys.stderr)
         sys.exit(Ended.WRONG)
+    # a wrong call, of the parser that typer brings
     said = " ".join(error.format_message().split()).rstrip(".")
     path = error.ctx.command_path if error.ctx else "origami-nlp"
     _stop(f"{said[:1].lower()}{said[1:]}; {path} --help lists what there is")
@@ -141,39 +137,30 @@ MOST_LETTERS = 200
 """Of a message of a fault that is shown; the report has all of it."""
 
 
-def report_fault(error: Exception, inputs: Mapping[str, bytes]) -> NoReturn:
-    """Print one line, write a report, and end: a fault of ours.
+def report_fault(error: Exception, inputs: Mapping[str, bytes]) -> str:
+    """Write a report of a fault of ours, into the working folder, else into that for temporary files; say so.
 
     inputs: content of each file that was read, by its name; ``-`` is standard input.
     """
+    import tempfile  # what it loads takes its time, and no command needs it
+
     parts = [
         f"origami-nlp {__version__}, Python {platform.python_version()}, {platform.platform()}",
         f"command: {shlex.join(['origami-nlp', *sys.argv[1:]])}",
         "".join(traceback.format_exception(error)),
         *(f"---- {k}\n{v.decode(errors='backslashreplace')}" for k, v in inputs.items()),
     ]
-    try:
-        file: object = _write("\n".join(parts))
+    where = "no report could be written"
+    for folder in (folder for folder in (".", tempfile.gettempdir()) if os.access(folder, os.W_OK)):
+        names = (f"origami-nlp-error-{number}.txt" for number in range(1, 1000))
+        file = next(p for name in names if not (p := Path(folder, name)).exists())
+        try:
+            file.write_text("\n".join(parts), encoding="utf-8", errors="backslashreplace")
+        except OSError:
+            continue
         where = f"command, input and traceback are in {str(file)!r}"
-    except OSError as problem:
-        where = f"no report could be written ({problem.strerror or problem})"
+        break
     message = " ".join(f"{type(error).__name__}: {error}".split())
     if len(message) > MOST_LETTERS:
         message = message[: MOST_LETTERS - 3] + "..."
-    _stop(f"internal error, please report: {message}; {where}", Ended.FAULT)
-
-
-def _write(text: str) -> Path:
-    """Write into the working folder, else into that for temporary files; no file is written over."""
-    import tempfile  # what it loads takes its time, and no command needs it
-
-    for folder in (Path(), Path(tempfile.gettempdir())):
-        for number in range(1, 1000) if os.access(folder, os.W_OK) else ():
-            file = folder / f"origami-nlp-error-{number}.txt"
-            try:
-                with open(file, "x", encoding="utf-8", errors="backslashreplace") as out:
-                    out.write(text)
-                return file
-            except FileExistsError:
-                continue
-    raise OSError("no folder can be written to")
+    return f"internal error, please report: {message}; {where}"

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import inspect as introspection
-import math
 import textwrap
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
-from origami_nlp.cli.output import Output
+from origami_nlp.cli.output import KINDS, Output
 from origami_nlp.cli.source import Source, cell_options
 from origami_nlp.cli.timed import Clock, CommandOutOfTime
 from origami_nlp.errors import FoldFileError, OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Table
     from origami_nlp.pattern import Scene
 
 
@@ -45,8 +44,7 @@ class _Inspected:
     def to_dict(self) -> dict[str, Any]:
         from origami_nlp.folding import vertices_to_dict
 
-        data: dict[str, Any] = vertices_to_dict(self.lists)
-        data |= self.seen.to_dict() if self.seen else {}
+        data = vertices_to_dict(self.lists) | (self.seen.to_dict() if self.seen else {})
         return data | ({"motion": self.motion.to_dict()} if self.motion else {})
 
     def draw(self) -> Any:
@@ -58,20 +56,17 @@ class _Inspected:
         return self.motion.draw() if self.motion else draw_pattern(flat[0])
 
     def to_fold(self) -> dict[str, Any]:
-        from functools import partial
-
         from origami_nlp.folding import path_frames
         from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
 
-        sheet, motion = self.seen.pattern, self.motion
-        frame = partial(pattern_frame, sheet)
-        if motion is not None:
-            path = motion.fold_angles, motion.energy
-            return pattern_to_fold(sheet, path_frames(frame, *path, "folding motion"))
-        folded = self.seen.folded
-        return pattern_to_fold(
-            sheet, [] if folded is None else [frame(folded, f"folded: {self.seen.start}")]
-        )
+        frame = partial(pattern_frame, self.seen.pattern)
+        frames, folded = [], self.seen.folded
+        if self.motion is not None:
+            path = self.motion.fold_angles, self.motion.energy
+            frames = path_frames(frame, *path, "folding motion")
+        elif folded is not None:
+            frames = [frame(folded, f"folded: {self.seen.start}")]
+        return pattern_to_fold(self.seen.pattern, frames)
 
     def view_content(self) -> Any:
         return self.motion.view_content()
@@ -110,48 +105,22 @@ def inspect(
 
 
 def _inspect_vertex(stated: Scene, out: Output) -> None:
+    from origami_nlp.display import record_table, springs_of
     from origami_nlp.pattern import format_scene
     from origami_nlp.pattern_problem import pose
 
     why = "one vertex is written as a scene: end the name in .toml"
     out.refuse(why, "json", "fold", "figure", "html")
     model = str(pose(stated))
-    out.say(_springs(stated))
+    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
+    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
+    out.say(record_table(springs_of(stated), title))
     for law in dict.fromkeys(filter(None, stated.laws)):
         out.say(f"law {law}")
     for load in stated.loads:
         out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed")
     out.say(model)
     out.write("scene", format_scene, stated)
-
-
-def _springs(stated: Scene) -> Table:
-    """Return one row a crease: the sector to the next crease, and its spring."""
-    from origami_nlp.display import rows_table
-
-    sectors, rest = (
-        map(math.degrees, a) for a in (stated.vertex.sector_angles, stated.rest_angles)
-    )
-    columns = {
-        "crease": [*map(str, range(1, stated.degree + 1))],
-        "sector to the next [deg]": [f"{v:.7g}" for v in sectors],
-        "stiffness [N m/rad]": [f"{v:.7g}" for v in stated.stiffness],
-        "rest angle [deg]": [f"{v:.7g}" for v in rest],
-    }
-    if stated.preload:
-        columns["preload [N m]"] = [f"{m:.7g}" for m in stated.preload]
-    if stated.limits:
-        columns["stops [deg]"] = [
-            " to ".join(f"{math.degrees(a):.7g}" for a in pair) for pair in stated.limits
-        ]
-    if stated.laws:
-        for name in ("stiffness [N m/rad]", "rest angle [deg]"):  # its numbers are in its line
-            own = zip(stated.laws, columns[name], strict=True)
-            columns[name] = ["" if law else v for law, v in own]
-        columns["law"] = [law.name if law else "" for law in stated.laws]
-    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
-    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
-    return rows_table([*columns], [*zip(*columns.values(), strict=True)], title)
 
 
 @writes("json", "figure")
@@ -171,10 +140,8 @@ def check(
     clock: Clock,
     files: list[str] = o.FILES,
     frame: int | None = o.CHECKED_FRAME,
-    flat_frame: int | None = o.FLAT_FRAME,
     tolerance: float | None = o.TOLERANCE,
     orders: bool = o.ORDERS,
-    most: int = o.MOST,
 ) -> Any:
     """Check whether folded states are real, and whether crease patterns fold flat: all faults, with place and size.
 
@@ -186,42 +153,38 @@ def check(
     """
     from origami_nlp.validity import Validity, check as check_file, layer_orders
 
+    one = len(files) == 1
     if orders:
-        if len(files) > 1:
+        if not one:
             raise OptionError("--orders is of one ORIGAMI: give one")
-        return layer_orders(Source(files[0], *[None] * 13).read_pattern(), most=most)
+        return layer_orders(Source.of(files[0]).read_pattern())
     out.refuse("orders of layers are written with --orders", "fold")
-    if len(files) > 1:
+    if not one:
         out.refuse("a picture is of one file: give one", "figure")
     seen: list[Validity] = []
-    unread = 0
+    ends = Counter[str]()
     for file in files:
         try:
-            one = check_file(file, frame=frame, flat_frame=flat_frame, tolerance=tolerance)
-        except (FoldFileError, OptionError) as error:
-            if len(files) == 1:
+            seen.append(check_file(file, frame=frame, tolerance=tolerance))
+        except (FoldFileError, OptionError, CommandOutOfTime) as error:
+            if one:
                 raise
-            unread += 1
+            if isinstance(error, CommandOutOfTime):
+                clock.rest()
+                out.say(f"{file}: {clock.said()}")
+                break
+            ends["not read"] += 1
             out.say(f"{file}: not read: {error}")
-            continue
-        except CommandOutOfTime:
-            if len(files) == 1:
-                raise
-            clock.rest()
-            out.say(f"{file}: {clock.said()}")
-            break
-        one.print_to(out.console, out.verbose)
-        seen.append(one)
-    if len(files) > 1:
-        counts = Counter(one.verdict for one in seen)
-        out.say(
-            f"{len(files)} files: {counts['valid']} valid, {counts['faults']} with faults, "
-            f"{counts['not decided']} not decided, {unread} not read"
-        )
-    out.write("json", lambda: seen[0].to_dict() if len(files) == 1 else [s.to_dict() for s in seen])
+        else:
+            ends[seen[-1].verdict] += 1
+            seen[-1].print_to(out.console, out.verbose)
+    if not one:
+        counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
+        out.say(f"{len(files)} files: {', '.join(counts)}")
+    out.write("json", lambda: seen[0].to_dict() if one else [s.to_dict() for s in seen])
     out.write("figure", lambda: seen[0].draw())
-    good = all(one.verdict == "valid" for one in seen)
-    return Ended.WRONG if unread else Ended.DONE if good else Ended.NO
+    good = ends["valid"] == sum(ends.values())
+    return Ended.WRONG if ends["not read"] else Ended.DONE if good else Ended.NO
 
 
 @writes()
@@ -246,20 +209,14 @@ def convert(
     from origami_nlp.pattern import convert as written
 
     out.check(("OUT", to))
-    letters = {}
-    for pair in colour or ():
-        key, sign, letter = pair.rpartition("=")
-        if not (key and sign and letter):
+    pairs = [pair.rpartition("=") for pair in colour or ()]
+    for pair, parts in zip(colour or (), pairs, strict=True):
+        if not all(parts):
             raise OptionError(f"--colour = {pair!r} must be KEY=LETTER, such as '#EE1032=M'")
-        letters[key] = letter.upper()
+    letters = {key: letter.upper() for key, _, letter in pairs}
     asked = DrawingOptions(tolerance, letters, int(curves) if curves.isdigit() else curves, part)
-    made = written(
-        source,
-        to,
-        frame=frame,
-        drawing=asked if asked != DrawingOptions() else None,
-        write=WriteOptions(scale, size),
-    )
+    drawing = asked if asked != DrawingOptions() else None
+    made = written(source, to, frame=frame, drawing=drawing, write=WriteOptions(scale, size))
     for note in made.notes:
         out.say(f"note: {note}")
     counts = Counter(made.letters)
@@ -273,8 +230,6 @@ def example(
     name: str = o.EXAMPLE,
     alpha: str | None = o.ALPHA,
     ratio: float | None = o.RATIO_WANTED,
-    mountain: str | None = o.MOUNTAIN,
-    valley: str | None = o.VALLEY,
     symmetry: str | None = o.SYMMETRY,
     contact: str | None = o.CONTACT,
     cell: bool | None = o.CELL,
@@ -289,39 +244,31 @@ def example(
     from origami_nlp.pattern import examples, format_scene
 
     word, size = examples.split_size(name)
-    options = {"alpha": alpha, "ratio": ratio, "mountain": mountain, "valley": valley}
-    options |= {"symmetry": symmetry, "contact": contact}
+    options = {"alpha": alpha, "ratio": ratio, "symmetry": symmetry, "contact": contact}
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     texts = EXAMPLES | {name: make() for name, make in HINGE_EXAMPLES.items()}
+    repeated: Any = given | cell_options(cell, rolled)
+    whole = bool(out.files("fold"))
     if name in texts:
-        if given or cell or rolled:
+        if given or cell:
             raise OptionError(f"{name!r} has no options: edit the file")
         kind, other = ("fold", "scene") if texts[name].startswith("{") else ("scene", "fold")
-        out.refuse(
-            f"{name} is no such file: end the name in {dict(fold='.fold', scene='.toml')[kind]}",
-            other,
-        )
-        out = out if out.files(kind) else Output(["-"], [kind])
-        out.write(kind, lambda: texts[name])
+        out.refuse(f"{name} is no such file: give one that ends in {KINDS[kind][0][0]}", other)
+        out.or_stdout(kind).write(kind, lambda: texts[name])
         return
     if not examples.is_example(word):
-        known = (*examples.names(), *texts)
-        listed = ", ".join(dict.fromkeys(known))
-        raise OptionError(
-            f"NAME = {name!r} is no example: those are {listed}{did_you_mean(word, known)}"
-        )
-    if out.files("fold"):
-        more: Any = given | cell_options(cell, rolled)
-        out.write("fold", lambda: examples.crease_pattern(word, *size, **more))
-        if not out.files("scene"):
-            return
-    if cell or rolled:
-        raise OptionError("--cell: a cell that repeats is a crease pattern: give -o FILE.fold")
-    if ":" in name and not out.files("fold"):
-        raise OptionError(f"NAME = {name!r}: a size is that of a crease pattern: give -o FILE.fold")
-    stated = examples.by_name(word, **given)
-    text = _about(examples.maker(word)) + format_scene(stated)
-    (out if out.files("scene") else Output(["-"], ["scene"])).write("scene", lambda: text)
+        known = [*dict.fromkeys((*examples.names(), *texts))]
+        meant = did_you_mean(word, known)
+        raise OptionError(f"NAME = {name!r} is no example: those are {', '.join(known)}{meant}")
+    if not whole and (cell or ":" in name):
+        raise OptionError(f"NAME = {name!r}: a size or a cell is of a pattern: give -o FILE.fold")
+    out.write("fold", lambda: examples.crease_pattern(word, *size, **repeated))
+    if out.files("scene") or not whole:
+        if cell:
+            raise OptionError("--cell: a cell that repeats is a crease pattern, no scene")
+        stated = examples.by_name(word, **given)
+        text = _about(examples.maker(word)) + format_scene(stated)
+        out.or_stdout("scene").write("scene", lambda: text)
 
 
 def _about(make: Callable[..., Any]) -> str:

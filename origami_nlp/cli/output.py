@@ -79,6 +79,10 @@ class Output:
         """Return the files of these kinds that were asked for."""
         return [file for kind, file in self._given if kind in kinds]
 
+    def or_stdout(self, kind: str) -> Output:
+        """Return what writes a file of this kind: itself where one was asked for, else to standard output."""
+        return self if self.files(kind) else Output(["-"], [kind])
+
     def refuse(self, why: str, *kinds: str) -> None:
         """Raise an error if a file of these kinds was asked for."""
         if files := self.files(*kinds):
@@ -95,21 +99,18 @@ class Output:
         from origami_nlp.display import InteractivePage
         from origami_nlp.minima import write_parts
 
-        gone: BaseException | None = None
+        gone = False
         try:
             found.print_to(self.console, self.verbose)
-        except (
-            BrokenPipeError,
-            SystemExit,
-        ) as error:  # rich ends so; files are written all the same
-            gone, self.console.quiet = error, True
+        except (BrokenPipeError, SystemExit):  # rich ends so; files are written all the same
+            gone = self.console.quiet = True
         self.write("json", lambda: found.to_dict())
         self.write("csv", lambda: found.to_csv())
         self.write("figure", lambda: found.draw())
         self.write("fold", lambda: found.to_fold())
         self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
         self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
-        if gone is not None:
+        if gone:
             raise BrokenPipeError
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:

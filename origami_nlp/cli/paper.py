@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
+LISTED = 16
+"""Largest degree whose foldings are listed."""
 
 
 def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
@@ -115,14 +117,9 @@ def audit(file: str = o.CANDIDATES, seed: int = o.SEED) -> Any:
 @writes("json")
 def transitions(
     family: str = o.FAMILY,
-    samples: int = o.SAMPLES,
-    rings: int = o.RINGS_OF_SAMPLES,
     seed: int = o.SEED,
 ) -> Any:
-    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space.
-
-    The sweep starts from so many --samples of alpha_1.
-    """
+    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
     from origami_nlp.paper import find_transitions
 
     with progress(family, 1.0) as show:
@@ -130,7 +127,7 @@ def transitions(
         def report(what: str, done: float) -> None:
             show(done, text=what)
 
-        return find_transitions(family, samples=samples, rings=rings, report=report, seed=seed)
+        return find_transitions(family, report=report, seed=seed)
 
 
 # ---------------------------------------------------------------- cones
@@ -141,7 +138,6 @@ def count(
     degree: int = o.DEGREE,
     rest_elevation: str = o.REST_ELEVATION,
     ratio: float = o.RATIO,
-    depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     full: bool | None = o.FULL,
@@ -154,18 +150,21 @@ def count(
 
     cone, nu = cones.Cone(degree, rest, end), _angle(rest_elevation, "--rest-elevation")
     if not full:
-        return cones.count(cone, ratio, nu, depth=depth)
+        return cones.count(cone, ratio, nu)
     with progress("branch minima") as report:
         return cones.full_space(cone, ratio, nu, progress=report)
 
 
 @writes("json")
-def foldings(degree: int = o.DEGREE, listed: bool | None = o.LISTED) -> Any:
-    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
+def foldings(degree: int = o.DEGREE) -> Any:
+    """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets).
+
+    Up to degree 16 they are listed.
+    """
     from origami_nlp.paper import cone as cones
 
     cones.check_degree(degree, MOST_DIGITS)
-    return cones.Foldings(degree, degree <= 16 if listed is None else listed)
+    return cones.Foldings(degree, degree <= LISTED)
 
 
 @writes("json")
@@ -180,18 +179,15 @@ def branch(flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_
 @writes("json", "csv", "figure")
 def phase(
     degree: int = o.DEGREE,
-    depth: float = o.DEPTH,
     rest: str = o.REST_RULE,
     end: str = o.END_RULE,
     size: int = o.PHASE_SIZE,
-    without_contact: bool = o.WITHOUT_CONTACT,
 ) -> Any:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
     from origami_nlp.paper import cone as cones
 
-    options: dict[str, Any] = {"size": size, "depth": depth, "contact": not without_contact}
     with progress(f"cone of degree {degree}", size) as report:
-        return cones.phase_diagram(cones.Cone(degree, rest, end), progress=report, **options)
+        return cones.phase_diagram(cones.Cone(degree, rest, end), size=size, progress=report)
 
 
 def _angle(text: str, option: str) -> float:

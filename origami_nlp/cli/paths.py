@@ -11,6 +11,7 @@ from origami_nlp.cli.progress import progress
 from origami_nlp.cli.source import Source
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError
+from origami_nlp.io import is_number
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Pattern
@@ -21,7 +22,6 @@ def load(
     origami: Source,
     clock: Clock,
     crease: list[int] | None = o.CREASE,
-    edge: list[int] | None = o.EDGE,
     pull: str | None = o.PULL,
     force: str | None = o.FORCE,
     fixed_facet: int | None = o.FIXED_FACET,
@@ -37,67 +37,50 @@ def load(
 ) -> Any:
     """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
-    A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
-    forces.  Images of the crease under the symmetry of a vertex bear the same torque; where the state breaks the
-    symmetry (a pitchfork) the path goes on along stable states that branch off, or snaps.  --no-full keeps the
-    symmetry; --symmetry none loads the one crease alone.  With --yield creases yield: their rest angles move, and stay
-    moved as the load falls; the path ends where it first snaps.
+    A pattern is loaded by one of --crease, --pull and --force, a vertex by --crease, else by the scene's own forces.
+    Images of the crease under the symmetry of a vertex bear the same torque; where the state breaks the symmetry (a
+    pitchfork) the path goes on along stable states that branch off, or snaps.  --no-full keeps the symmetry; --symmetry
+    none loads the one crease alone.  With --yield creases yield: their rest angles move, and stay moved as the load
+    falls; the path ends where it first snaps.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
 
-    end = to if to == "snap" else _number("--to", to, "a load, or snap")
+    end = to if to == "snap" else _numbers("--to", to, 1)[0]
     if fixed_facet is not None and not force:
         raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
-    if origami.is_whole and sum(map(bool, (crease, edge, pull, force))) != 1:
+    given = [*filter(None, (crease, pull, force))]
+    if origami.is_whole and len(given) != 1:
         raise OptionError(
-            "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
+            "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
         )
     pulled, forced = _numbers("--pull", pull, 2), _numbers("--force", force, 4)
-    what, work = origami.read_whole(), crease
-    if not isinstance(what, Scene):
-        work = _work(what, crease, edge, pulled, forced, fixed_facet or 1)
-    elif edge or pull or force or len(crease or ()) > 1:
-        raise OptionError("--edge, --pull, --force and several --crease are for patterns")
-    elif not crease and not what.loads:
-        raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
-    count = what.degree if isinstance(what, Scene) else what.creases
-    options: dict[str, Any] = {
-        "yield_torque": _yields(yields, count),
-        "full": full,
-        "starts": starts,
-    }
+    what = origami.read_whole()
+    if isinstance(what, Scene):
+        if given and (not crease or len(given) > 1 or len(crease) > 1):
+            raise OptionError("--pull, --force and several --crease are for patterns")
+        if not given and not what.loads:
+            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
+        count, bears = what.degree, crease[0] if crease else None
+    else:
+        count, bears = what.creases, _work(what, crease, pulled, forced, fixed_facet)
+    options: dict[str, Any] = {"to": end, "unload": unload, "confirm": confirm, "full": full}
+    options |= {"effort": effort, "seed": seed, "starts": starts, "state": state}
+    options["yield_torque"] = _yields(yields, count)
     with progress(f"{origami.name} under load"):
-        return clock.within(
-            load_path,
-            what,
-            work[0] if isinstance(work, list) and work else work or None,
-            to=end,
-            state=1 if state is None else state,
-            unload=unload,
-            confirm=confirm,
-            effort=effort,
-            seed=seed,
-            **options,
-        )
-
-
-def _number(option: str, text: str, what: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise OptionError(f"{option} = {text!r} must be {what}") from None
+        return clock.within(load_path, what, bears, **options)
 
 
 def _numbers(option: str, text: str | None, count: int) -> list[float]:
-    """Return numbers with commas between them, the first of them vertices."""
-    what = f"{count} numbers with commas between them"
-    values = [_number(option, part, what) for part in text.split(",")] if text else []
-    if text and (len(values) != count or not all(map(math.isfinite, values))):
-        raise OptionError(f"{option} = {text!r} must be {what}")
-    for value in values[: 2 if count == 2 else 1]:
-        if value != int(value):
-            raise OptionError(f"{option}: vertex {value:g} must be a whole number, as in the file")
+    """Return numbers with commas between them; of two the first are vertices, of four the first one is."""
+    if text is None:
+        return []
+    values = [float(part) if is_number(part) else math.nan for part in text.split(",")]
+    vertices = values[: {2: 2, 4: 1}.get(count, 0)]
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
+    if any(value % 1 for value in vertices):
+        raise OptionError(f"{option} = {text!r}: a vertex is a whole number, as in the file")
     return values
 
 
@@ -106,39 +89,28 @@ def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
     found: dict[int, float] = {}
     for text in given or ():
         crease, some, torque = text.rpartition("=")
-        try:
-            which = [int(crease)] if some else range(1, creases + 1)
-            found |= dict.fromkeys(which, float(torque))
-        except ValueError:
-            raise OptionError(
-                f"--yield = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01"
-            ) from None
+        if not is_number(torque) or (some and not crease.isdecimal()):
+            raise OptionError(f"--yield = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01")
+        which = [int(crease)] if some else range(1, creases + 1)
+        found |= dict.fromkeys(which, float(torque))
     return found or None
 
 
 def _work(
     sheet: Pattern,
     creases: list[int] | None,
-    edges: list[int] | None,
     pull: list[float],
     force: list[float],
-    fixed_facet: int,
+    facet: int | None,
 ) -> Any:
     """Return what a load on a pattern works on."""
-    from origami_nlp.pattern import listed
     from origami_nlp.pattern_problem import DeadForce, Pull, Torque
 
-    number = {edge: crease for crease, edge in enumerate(sheet.numbers.tolist(), start=1)}
-    for edge in edges or ():
-        if edge not in number:
-            raise OptionError(
-                f"--edge = {edge} is no crease: the file has creases at edges {listed([*number])}"
-            )
-    if creases or edges:
-        return Torque(sheet, tuple(creases or [number[edge] for edge in edges or ()]))
+    if creases:
+        return Torque(sheet, tuple(creases))
     if pull:
         return Pull(sheet, (int(pull[0]), int(pull[1])))
-    return DeadForce(sheet, int(force[0]), (force[1], force[2], force[3]), fixed_facet)
+    return DeadForce(sheet, int(force[0]), (force[1], force[2], force[3]), facet or 1)
 
 
 @writes("json", "csv", "figure", "html", "fold", verbose=True)
@@ -158,16 +130,11 @@ def follow(
 
     # options of an example by name are among what it can be followed over
     named = origami.is_example and not origami.given
-    options: dict[str, Any] = {
-        "prove": o.wanted_proof(prove),
-        "starts": starts,
-        "full": full,
-        "checks": checks,
-    }
+    options: dict[str, Any] = {"starts": starts, "full": full, "checks": checks, "effort": effort}
     with progress(f"{origami.name} over {parameter}") as report:
-        options["progress"] = lambda text: report(text=text)
+        options |= {"prove": o.wanted_proof(prove), "seed": seed, "progress": report.at}
         what = origami.name if named else origami.read_whole()
-        return clock.within(follow_states, what, parameter, effort=effort, seed=seed, **options)
+        return clock.within(follow_states, what, parameter, **options)
 
 
 @writes("json", "figure")

@@ -42,6 +42,10 @@ class ProgressReport:
         if self.listener is not None:
             self.listener(self)
 
+    def at(self, text: str, done: float | None = None) -> None:
+        """Say what the job is at."""
+        self(done, text=text)
+
     @property
     def line(self) -> str:
         """Title, count (``3 of 18``, a share as ``40%``) and text."""
@@ -87,22 +91,22 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     from rich.table import Column
 
     text = TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True))
-    columns = TimeElapsedColumn(), BarColumn(16), text
     # rich would send what is printed meanwhile to standard error
-    aside: Any = {"redirect_stdout": False, "redirect_stderr": False}
-    with Progress(*columns, console=console, transient=True, **aside) as bar:
+    aside: Any = {"redirect_stdout": False, "redirect_stderr": False, "transient": True}
+    with Progress(TimeElapsedColumn(), BarColumn(16), text, console=console, **aside) as bar:
         task = bar.add_task(printable(report.line), total=report.total)
-        report.listener = lambda r: bar.update(
-            task, completed=r.done, total=r.total, description=printable(r.line)
-        )
+
+        def show(r: ProgressReport) -> None:
+            bar.update(task, completed=r.done, total=r.total, description=printable(r.line))
+
+        report.listener = show
         yield
 
 
 @contextmanager
 def _lines(report: ProgressReport, console: Console) -> Iterator[None]:
     start, over, stream = time.monotonic(), threading.Event(), console.file
-    if not _heard:
-        _heard.append(start)
+    _heard[:] = _heard or [start]
 
     def show() -> None:
         while not over.wait(max(0.0, _heard[0] + INTERVAL - time.monotonic())):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,6 +18,11 @@ from origami_nlp.io import is_number, read_limited
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Frame, Pattern, Scene
+
+
+REPEATS = ("cell", "rolled")
+OF_PATTERNS = ("per_length", "bend", "diagonal", "snap", *REPEATS)
+"""Options that mean something for whole patterns only."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +59,11 @@ class Source:
     snap: float | None = o.SNAP
     cell: bool | None = o.CELL
     rolled: str | None = o.ROLLED
+
+    @classmethod
+    def of(cls, name: str) -> Source:
+        """Return a file, or an example, of which no option was given."""
+        return cls(name, *[None] * (len(fields(cls)) - 1))
 
     @cached_property
     def given(self) -> dict[str, Any]:
@@ -93,19 +104,17 @@ class Source:
         from origami_nlp.pattern import decode_scene, vertex_scene
 
         if not self.is_fold:
-            self._refuse(
-                "is for FOLD files (.fold); a scene file states it itself", but=("symmetry",)
-            )
+            states = "is for FOLD files (.fold); a scene file states it itself"
+            self._refuse(states, {*self.given} - {"symmetry"})
             scene = decode_scene(self._content, self.name)
             note_normalized(scene.vertex.normalized)
             if self.symmetry is None:
                 return scene
             return replace(scene, symmetry=self.symmetry, mirror=None, winding=None)
-        whole = {"per_length", "bend", "diagonal", "snap", "cell", "rolled"} & self.given.keys()
-        self._refuse("is for whole patterns, not for a vertex of one", only=whole)
+        self._refuse("is for whole patterns, not for a vertex of one", OF_PATTERNS)
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
-        kept = {k: v for k, v in self.given.items() if k in ("symmetry", "contact")}
+        kept = self._of("symmetry", "contact")
         return vertex_scene(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
@@ -117,9 +126,8 @@ class Source:
         whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1 and whole.cell is None:
-            note(
-                f"one vertex, taken as a pattern; --vertex {one[0].number} takes it as a vertex, with its symmetry"
-            )
+            taken = f"--vertex {one[0].number} takes it as a vertex, with its symmetry"
+            note(f"one vertex, taken as a pattern; {taken}")
         for odd in whole.notes:
             note(odd)
         return whole
@@ -129,17 +137,15 @@ class Source:
         from origami_nlp.pattern import frame_pattern, with_bending
 
         if not self.is_fold:
-            raise OptionError(
-                f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
-            )
+            why = "is the scene of one vertex: give a FOLD file or an example"
+            raise OptionError(f"{self.name!r} {why}")
         one = "is for one vertex, not for a pattern: "
-        self._refuse(one + "leave it out", only=("vertex",))
-        self._refuse(one + "name it with --vertex", only=("symmetry", *["contact"] * (not contact)))
-        for option, key in (("cell", "lattice"), ("rolled", "rolled")):
-            if self.given.get(option) and not self.is_example:
-                raise OptionError(
-                    f"--{option}: {self.name!r} is no example; what a FOLD file states is its origaminlp:{key}"
-                )
+        self._refuse(one + "leave it out", {"vertex"})
+        self._refuse(one + "name it with --vertex", {"symmetry", *["contact"] * (not contact)})
+        if not self.is_example:
+            self._refuse(f"is for examples; {self.name!r} states its origaminlp:lattice", REPEATS)
+        if self.bend is None:
+            self._refuse("is for facets that bend: give their stiffness, --bend K", {"diagonal"})
         frame = self._frame()
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
         if self.snap is None and (off := _misses(frame, whole)):
@@ -149,12 +155,9 @@ class Source:
                 "bend"
             )
         whole = whole.with_springs(per_length=True) if self.per_length else whole
-        if self.bend is None:
-            self._refuse(
-                "is for facets that bend: give their stiffness, --bend K", only=("diagonal",)
-            )
-            return whole
-        return with_bending(whole, self.bend, self.diagonal or "short")
+        return (
+            whole if self.bend is None else with_bending(whole, self.bend, self.diagonal or "short")
+        )
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
@@ -185,28 +188,28 @@ class Source:
             return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
         if self.name != "-" and not self._ending and not Path(self.name).exists():
             known = examples.names()
-            meant = did_you_mean(self.name.partition(":")[0], known)
-            raise OptionError(
-                f"{self.name!r} is no file, and no example: those are {', '.join(known)}{meant}"
-            )
+            those = f"{', '.join(known)}{did_you_mean(self.name.partition(':')[0], known)}"
+            raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
         if self._ending in (".fold", ".json"):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         if self._ending != ".toml" and is_drawing(self.name):
             return read_limited(self.name, LARGEST, "drawing", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 
-    def _refuse(self, why: str, but: Any = (), only: Any = None) -> None:
-        """Raise an error for the first option that was given, of some, or of all but some."""
+    def _of(self, *names: str) -> dict[str, Any]:
+        return {name: self.given[name] for name in names if name in self.given}
+
+    def _refuse(self, why: str, names: Iterable[str]) -> None:
+        """Raise an error for the first option of these that was given."""
         for name in self.given:
-            if name not in but and (only is None or name in only):
+            if name in names:
                 raise OptionError(f"--{name.replace('_', '-')} {why}")
 
     def _springs(self) -> dict[str, Any]:
         """Return the options about springs that were given, angles in radians."""
-        names = ("stiffness", "rest_angle", "rest_from")
-        found = {name: self.given[name] for name in names if name in self.given}
         if self.stiffness is not None and not 0 < self.stiffness < math.inf:
             raise OptionError(f"--stiffness = {self.stiffness:g} must be positive and finite")
+        found = self._of("stiffness", "rest_angle", "rest_from")
         if self.rest_angle is not None:
             found["rest_angle"] = math.radians(_size(self.rest_angle))
         return found
@@ -243,21 +246,17 @@ def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:
         return {"cell": bool(cell)}
     if not cell:
         raise OptionError("--rolled is for cells that repeat: give --cell as well")
-    try:
-        copies = [int(n) for n in rolled.split(",")]
-    except ValueError:
-        raise OptionError(
-            f"--rolled = {rolled!r} must be a number of copies, such as 6, or 6,2"
-        ) from None
-    return {"cell": True, "rolled": copies if len(copies) > 1 else copies[0]}
+    copies = rolled.split(",")
+    if not all(copy.strip().lstrip("-").isdecimal() for copy in copies):
+        raise OptionError(f"--rolled = {rolled!r} must be a number of copies, such as 6, or 6,2")
+    return {"cell": True, "rolled": [*map(int, copies)] if len(copies) > 1 else int(rolled)}
 
 
 def note_normalized(change: float, most: str = "") -> None:
     """Say on standard error by how much ``normalize`` changed each sector angle [rad], where it did."""
     if change:
-        note(
-            f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
-        )
+        each = f"each by {math.degrees(change):+.6g} deg{most}"
+        note(f"sector angles normalized to a sum of 360 deg: {each}")
 
 
 def note(text: str) -> None:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import did_you_mean, require
+from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
@@ -86,15 +86,10 @@ def minima(
     stated = origami.read_whole(contact=True)
     if certificate is not None and origami.is_whole:
         _check_provable(stated, certificate, origami.contact or "full")
-    counts: dict[str, Any] = {
-        "max_starts": max_starts,
-        "starts": starts,
-        "full": full,
-    }
-    counts |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
-    found = search(
-        clock, stated, origami.name, last=True, seed=seed, effort=effort, method=method, **counts
-    )
+    options: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "full": full}
+    options |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
+    options |= {"seed": seed, "effort": effort, "method": method}
+    found = search(clock, stated, origami.name, last=True, **options)
     if certificate is None:
         return found
     out.report(found)
@@ -156,9 +151,8 @@ def contacts(
 
     stated, contact = origami.read_whole(contact=True), origami.whole_contact
     options: dict[str, Any] = {"contact": contact, "escape": False, "seed": seed, "effort": effort}
-    return find_contacts(
-        search(clock, stated, origami.name, **options), state=state, segments=segments
-    )
+    found = search(clock, stated, origami.name, **options)
+    return find_contacts(found, state=state, segments=segments)
 
 
 @writes("json", "csv", "figure", "html", "fold", verbose=True)
@@ -172,9 +166,7 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 
     stated = origami.read_whole()
     with progress(f"{origami.name}: barriers") as report:
-        return clock.within(
-            find_barriers, stated, seed=seed, progress=lambda text: report(text=text)
-        )
+        return clock.within(find_barriers, stated, seed=seed, progress=report.at)
 
 
 SMALLEST, LARGEST = 16, 4097
@@ -186,14 +178,17 @@ def landscape(
     out: Output,
     clock: Clock,
     size: int = o.SIZE,
-    passes: bool = o.PASSES,
     space: bool = o.SPACE,
     critical: bool = o.CRITICAL,
-    rings: int = o.RINGS,
     seed: int = o.SEED,
 ) -> Any:
-    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes."""
+    """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes.
+
+    Passes between minima are for -o FILE.json and FILE.html; barriers lists them.
+    """
+    from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
+    from origami_nlp.display import InteractivePage
     from origami_nlp.paper import (
         draw_landscape,
         find_landscape,
@@ -207,7 +202,7 @@ def landscape(
         return _critical(stated, origami.name, clock, seed)
     if space:
         with progress(f"{stated.label or origami.name}: mesh, walls, layers"):
-            return find_space(stated, rings=rings)
+            return find_space(stated)
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
@@ -223,25 +218,16 @@ def landscape(
     with progress("boundary"):
         exact = find_landscape(result, size=size)
     exact.print_to(out.console)
-    found: Any = None
-    if passes or out.files("json"):
-        from origami_nlp.barriers import find_barriers
-
+    passes: Any = None
+    if out.files("json", "html"):
         with progress("passes between minima"):
-            found = find_barriers(stated, result, seed=seed)
-        for step in found.passes:
-            out.say(
-                f"pass {step.from_state} - {step.to_state}: {step.pass_kind}, {step.energy:.9g} J"
-            )
+            passes = find_barriers(stated, result, seed=seed)
     if out.files("json"):
         points = _critical(stated, origami.name, clock, seed, result)
-        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, found))
+        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, passes))
     out.write("npz", lambda: _npz(to_arrays(exact)))
     out.write("figure", draw_landscape, exact)
-    if out.files("html"):
-        from origami_nlp.display import InteractivePage
-
-        out.save("html", lambda file: InteractivePage(exact.view_content(found)).save(file))
+    out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
     return None
 
 
@@ -267,7 +253,7 @@ def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = N
         return replace(found, morse=found.verdict(find_space(stated).euler_characteristic))
 
 
-@writes("json", "scene", "fold", "figure", verbose=True)
+@writes("json", "csv", "scene", "fold", "figure", verbose=True)
 def design(
     out: Output, targets: str = o.TARGETS, seed: int = o.SEED, effort: str = o.EFFORT
 ) -> int:
@@ -277,27 +263,20 @@ def design(
     -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
-    from origami_nlp.inverse_design import EXAMPLES, design as find, parse_targets, read_targets
+    from origami_nlp.inverse_design import design as find, read_targets
     from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
-    if targets in EXAMPLES and not Path(targets).exists():
-        question, ask, name = parse_targets(EXAMPLES[targets], source=targets)
-    elif targets != "-" and not Path(targets).suffix and not Path(targets).exists():
-        meant = did_you_mean(targets, EXAMPLES)
-        raise OptionError(
-            f"TARGETS = {targets!r} is no file, and no example: those are {', '.join(EXAMPLES)}{meant}"
-        )
-    else:
-        question, ask, name = read_targets(targets)
+    question = read_targets(targets)
     if isinstance(question.origami, Vertex):
         note_normalized(question.origami.normalized)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
-    answer = find(question, ask, name=name, seed=seed, effort=effort)
+    answer = find(question, seed=seed, effort=effort)
     answer.print_to(out.console, out.verbose)
     out.write("json", answer.to_dict)
+    out.write("csv", answer.to_csv)
     if (made := answer.scene) is not None:
         if isinstance(made, Pattern):
             out.write("fold", pattern_to_fold, made, [])
@@ -321,8 +300,7 @@ def sweep(
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
     stated = read_sweep(spec)
-    if change := getattr(stated, "normalized", 0.0):
-        note_normalized(change, ", at most")
+    note_normalized(stated.normalized, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         make_folder(folder, "--folder")
         options: dict[str, Any] = {"executor": executor, "workers": workers}

@@ -10,20 +10,7 @@ from .bodies import (
     Trajectory as Trajectory,
 )
 from .crease_figure import draw_pattern as draw_pattern
-from .drawing import (
-    BORDER as BORDER,
-    FLAT as FLAT,
-    LIGHT as LIGHT,
-    LOWER as LOWER,
-    MOUNTAIN as MOUNTAIN,
-    UPPER as UPPER,
-    VALLEY as VALLEY,
-    crease_legend as crease_legend,
-    draw_state as draw_state,
-    drawn_height as drawn_height,
-)
 from .flags import Flags as Flags, FlagText as FlagText
-from .folded_pattern import pattern_view as pattern_view
 from .html import inline_image as inline_image
 from .interactive import (
     InteractivePage as InteractivePage,
@@ -32,10 +19,16 @@ from .interactive import (
     page_data as page_data,
 )
 from .labels import label_marks as label_marks
-from .pattern_drawing import draw_pattern_state as draw_pattern_state
-from .pose import Pose as Pose, pose_state as pose_state
+from .painter import crease_legend as crease_legend, draw_state as draw_state
+from .papers import pattern_view as pattern_view
 from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
+from .records import (
+    Shown as Shown,
+    record_row as record_row,
+    shown as shown,
+)
 from .result import Result as Result, angle_columns as angle_columns, read_data as read_data
+from .springs import Spring as Spring, springs_of as springs_of
 from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,
@@ -44,16 +37,23 @@ from .states_figure import (
 )
 from .style import (
     BAND as BAND,
+    BORDER as BORDER,
+    FLAT as FLAT,
     HANDLE as HANDLE,
     IDLE as IDLE,
     INK as INK,
     INKS as INKS,
     KINDS as KINDS,
+    LIGHT as LIGHT,
+    LOWER as LOWER,
     METASTABLE as METASTABLE,
     MISSING as MISSING,
+    MOUNTAIN as MOUNTAIN,
     PASSES as PASSES,
     PUSHES as PUSHES,
     RING as RING,
+    UPPER as UPPER,
+    VALLEY as VALLEY,
     VERDICTS as VERDICTS,
     WARNING as WARNING,
     energy_colours as energy_colours,
@@ -74,6 +74,7 @@ from .table import (
     folding_table as folding_table,
     pieces_html as pieces_html,
     plain_text as plain_text,
+    record_table as record_table,
     rows_table as rows_table,
 )
 from .text import (

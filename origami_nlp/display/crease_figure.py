@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display.drawing import MOUNTAIN, VALLEY
+from origami_nlp.display.style import MOUNTAIN, VALLEY
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import NONZERO
 from origami_nlp.pattern import Frame, fold_vertices
@@ -31,17 +30,13 @@ MOST_NUMBERS = 150
 """Vertices whose numbers are written; more could not be read."""
 
 
-def draw_pattern(
-    frame: Frame, *, highlight: Sequence[int] = (), axes: Axes | None = None
-) -> Figure:
+def draw_pattern(frame: Frame, *, axes: Axes | None = None) -> Figure:
     """Draw a crease pattern with the numbers of its interior vertices, which `--vertex` takes.
 
     Parameters
     ----------
     frame
         A flat one, of `read_fold`.
-    highlight
-        Numbers of vertices to put in a frame.
     axes
         Where to draw; by default a figure of its own, with a legend.
 
@@ -77,18 +72,10 @@ def draw_pattern(
             here.add_collection(LineCollection(list(lines), capstyle="butt", **look))
             handles.append(Line2D([], [], color=colour, linestyle=dashes, lw=width, label=name))
     numbers = [v.number for v in fold_vertices(frame)[0]]
-    for number in numbers if len(numbers) <= MOST_NUMBERS else highlight:
-        bold = number in highlight
-        here.annotate(
-            str(number),
-            xy[number],
-            ha="center",
-            va="center",
-            fontsize=9 if bold else 7,
-            fontweight="bold" if bold else "normal",
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-            bbox={"boxstyle": "circle,pad=0.25", "fc": "white", "ec": "black"} if bold else None,
-        )
+    around = [withStroke(linewidth=2.5, foreground="white")]
+    for number in numbers if len(numbers) <= MOST_NUMBERS else ():
+        x, y = xy[number]
+        here.text(x, y, str(number), ha="center", va="center", fontsize=7, path_effects=around)
     here.set_aspect("equal")
     here.margins(0.04)
     here.autoscale_view()

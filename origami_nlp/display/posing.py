@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.display.bodies import Body, Crease, FoldedBody, Trajectory
-from origami_nlp.display.folded_pattern import pattern_poser
-from origami_nlp.folding import fold_vertex
+from origami_nlp.display.papers import pattern_view, triangles_of
 from origami_nlp.pattern import Pattern, Scene, Vertex
+from origami_nlp.pattern_problem import PatternCrossings
+
+CLOSED = 0.1
+"""Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
+SPREAD = 0.05
+"""Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
+LONG = 0.8
+"""Mean length of a crease on a page, whose lines are as wide as for a vertex with creases of length 1."""
 
 
 class Poser:
@@ -34,13 +42,18 @@ class Poser:
     """
 
     def __init__(self, origami: Scene | Vertex | Pattern) -> None:
-        if isinstance(origami, Pattern):
-            self.body, self._fold, self._view = pattern_poser(origami)
-            return
-        vertex = origami.vertex if isinstance(origami, Scene) else origami
-        self.body = vertex_body(vertex)
-        self._fold = lambda phi, energy: vertex_folded(vertex, phi, energy)
-        self._view = lambda phi: vertex_view(vertex, phi)
+        self._disc = not isinstance(origami, Pattern)
+        pattern = triangles_of(origami)
+        self._crease_of = np.arange(pattern.creases)
+        if pattern.cell:
+            pattern, self._crease_of = pattern.cell.tiles
+        self._crossings = PatternCrossings(pattern)
+        parts = [tuple(dict.fromkeys(piece)) for piece in self._crossings.pieces.tolist()]
+        left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
+        creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
+        self.body = Body(tuple(parts), creases, sectors=self._disc)
+        mean = pattern.lengths.mean() if pattern.creases else self._crossings.size
+        self._scale = 1.0 if self._disc else LONG / float(mean)
 
     def folded(self, fold_angles: object, energy: float) -> FoldedBody:
         """Put a state into space.
@@ -55,9 +68,17 @@ class Poser:
         Returns
         -------
         FoldedBody
-            The state.
+            The state; a single vertex is at the origin.
         """
-        return self._fold(np.asarray(fold_angles, float), float(energy))
+        phi = np.asarray(fold_angles, float)[self._crease_of]
+        x = np.nan_to_num(self._crossings.poses.corners(phi))
+        shifts = np.zeros((len(self.body.facets), 3))
+        middle = x[self._crossings.pieces.ravel()].mean(axis=0)
+        if self._disc:
+            middle = x[0]
+            normals = np.cross(x[1:] - x[0], np.roll(x[1:], -1, axis=0) - x[0])
+            shifts = _layer_offsets(phi, normals / np.linalg.norm(normals, axis=1, keepdims=True))
+        return FoldedBody((x - middle) * self._scale, phi, float(energy), shifts)
 
     def view(self, fold_angles: object) -> np.ndarray:
         """Return from where pictures show a state, as `Keyframe.view`.
@@ -72,7 +93,8 @@ class Poser:
         numpy.ndarray
             Rows: right, up, towards the viewer.
         """
-        return self._view(np.asarray(fold_angles, float))
+        phi = np.asarray(fold_angles, float)[self._crease_of]
+        return pattern_view(self._crossings.poses.polygons(phi))
 
     def track(
         self,
@@ -155,74 +177,21 @@ def join_states(
     )
 
 
-APEX = 0
-"""Corner where creases meet; crease i ends at corner i + 1 (from 0), a unit away."""
-
-
-def vertex_body(vertex: Vertex) -> Body:
-    """Return a single vertex as a body: its apex, and the ends of its unit creases.
-
-    Parameters
-    ----------
-    vertex
-        The vertex.
-
-    Returns
-    -------
-    Body
-        Facet i lies between creases i and i + 1 (from 0).
-    """
-    n = vertex.degree
-    facets = tuple((APEX, i + 1, (i + 1) % n + 1) for i in range(n))
-    return Body(facets, tuple(Crease(APEX, i + 1, (i - 1) % n, i) for i in range(n)), sectors=True)
-
-
-def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> FoldedBody:
-    """Fold a vertex.
-
-    Parameters
-    ----------
-    vertex
-        The vertex.
-    fold_angles
-        Of a state that closes, shape [N] [rad].
-    energy
-        Of it.
-
-    Returns
-    -------
-    FoldedBody
-        Corners as `folding.fold_vertex` has them, the apex at the origin.
-    """
-    from origami_nlp.display.pose import layer_offsets
-
-    phi = np.asarray(fold_angles, dtype=float)
-    creases, _ = fold_vertex(vertex, phi)
-    normals = np.cross(creases, np.roll(creases, -1, axis=0))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    corners = np.vstack([np.zeros((1, 3)), creases])
-    return FoldedBody(corners, phi, float(energy), layer_offsets(phi, normals))
-
-
-def vertex_view(vertex: Vertex, fold_angles: object) -> np.ndarray:
-    """Return the view of a state that `draw_state` takes.
-
-    Parameters
-    ----------
-    vertex
-        The vertex.
-    fold_angles
-        Of the state, shape [N] [rad].
-
-    Returns
-    -------
-    numpy.ndarray
-        As `Keyframe.view`.
-    """
-    from origami_nlp.display.pose import pose_state
-
-    phi = np.asarray(fold_angles, dtype=float)
-    return rotation_onto(fold_vertex(vertex, phi)[0], pose_state(vertex, phi).creases)
+def _layer_offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Displace the facets round a vertex at closed creases: a valley (+pi) lays the next facet on top."""
+    n = len(phi)
+    closed = np.abs(np.abs(phi) % (2 * math.pi) - math.pi) < CLOSED
+    # crease i lies between facets i - 1 and i; begun behind the most open crease
+    first = int(np.argmin(np.abs(phi)))
+    around = (first + 1 + np.arange(n)) % n
+    moves = (closed * np.copysign(SPREAD, phi))[around, None] * normals[around - 1]
+    offsets = np.zeros((n, 3))
+    offsets[around] = np.cumsum(moves, axis=0)
+    if closed.all():  # once round: share out what does not fit
+        offsets[around] -= offsets[first] * np.arange(1, n + 1)[:, None] / n
+    else:
+        offsets -= offsets[first]
+    return offsets - offsets.mean(axis=0)
 
 
 def rotation_onto(points: np.ndarray, target: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, require
+from origami_nlp.display.records import record_row
 from origami_nlp.errors import OptionError
 from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json
 
@@ -39,6 +40,8 @@ class Result:
         Of its JSON, a name with a version; "" where it has none.
     READS
         Whether it is read back: false where what it was made from is not in the file.
+    ROWS
+        Name of its field that holds the records (`display.records`) of its rows; "" where `_rows` says otherwise.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class Result:
     PICTURE = ""
     SCHEMA = ""
     READS = True
+    ROWS = ""
 
     def draw(self, path: str | PathLike[str] | None = None) -> Figure:
         """Draw the result; the picture is the one that its command writes with ``-o FILE.png``.
@@ -213,7 +217,9 @@ class Result:
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         """Return a mapping a row of the data frame; a class that has rows says which."""
-        raise self._lacks("no rows for a data frame")
+        if not self.ROWS:
+            raise self._lacks("no rows for a data frame")
+        return (record_row(record) for record in getattr(self, self.ROWS))
 
     @classmethod
     def _from_room(cls, name: str) -> Any:

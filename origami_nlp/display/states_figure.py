@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.display.drawing import crease_legend, draw_state, drawn_height
+from origami_nlp.display.painter import crease_legend, draw_state
 from origami_nlp.display.stacked import MARGIN, StackedFigure
 from origami_nlp.display.text import label_text
 from origami_nlp.display.touches import contact_legend
@@ -30,7 +30,7 @@ MOST_DRAWN = 24
 CELL, PATTERN_CELL = 2.0, 3.2
 """Width of the drawing of a state, of a vertex and of a pattern [in]."""
 SHARE = 0.75
-"""Height over width of drawings of patterns: all alike, so that their titles are in line."""
+"""Height over width of drawings: all alike, so that their titles are in line."""
 HEAD, GAP = 0.18, 0.12
 """Height of a line of a title, and between rows [in]."""
 MOST_BESIDE = 3
@@ -103,17 +103,11 @@ class StatesDrawn:
         """Return the height of the title of a state [in]."""
         return GAP + HEAD * (1 + self.title(k).count("\n"))
 
-    def share(self, k: int) -> float:
-        """Return the height of the drawing of a state over its width."""
-        if isinstance(self.origami, Pattern):
-            return SHARE
-        return drawn_height(self.origami.vertex, self.fold_angles[k])
-
     def _arranged(
         self, beside: int, whole: float
     ) -> tuple[list[tuple[range, float, float]], float, float]:
         """Arrange drawings: so many columns beside what is there, the others below."""
-        tall = [self.head(k) + self.cell * self.share(k) for k in range(len(self.titles))]
+        tall = [self.head(k) + self.cell * SHARE for k in range(len(self.titles))]
         width, height = self.beside
         rows: list[tuple[range, float, float]] = []
         k, y = 0, 0.0
@@ -144,35 +138,33 @@ class StatesDrawn:
         stack
             With at least `width` and `height`.
         """
+        boxes = []
         for states, left, top in self.rows:
             head = max(self.head(k) for k in states)
             for k in states:
                 x, wide = left + (k - states.start) * self.cell, self.cell - 0.08
-                box = stack.axes(x + 0.04, top + head, wide, self.share(k) * wide)
-                self._draw(box, k)
+                boxes.append(stack.axes(x + 0.04, top + head, wide, SHARE * wide))
+                self._draw(boxes[-1], k)
                 look = {"ha": "center", "va": "top", "linespacing": 1.25, "fontsize": 9.5}
                 colour = self.colours[k] if self.colours else "black"
                 stack.text(x + self.cell / 2, top + 0.04, self.title(k), color=colour, **look)
+        limits = np.array([(box.get_xlim(), box.get_ylim()) for box in boxes]).reshape(-1, 2, 2)
+        spans = np.ptp(limits, axis=2)
+        # one scale for all
+        half = 0.5 * max((max(x, y / SHARE) for x, y in spans), default=0.0)
+        for box, (x, y) in zip(boxes, limits.mean(axis=2), strict=True):
+            box.set(xlim=(x - half, x + half), ylim=(y - SHARE * half, y + SHARE * half))
 
     def _draw(self, box: Axes, k: int) -> None:
-        if isinstance(self.origami, Scene):
-            draw_state(box, self.origami.vertex, self.fold_angles[k], crop=True)
-            return
-        from origami_nlp.display.pattern_drawing import draw_pattern_state
-
         named = self.named if k + 1 == len(self.titles) else ()
         touches = self.contacts[k] if k < len(self.contacts) else ()
-        draw_pattern_state(box, self.origami, self.fold_angles[k], named, touches)
-        _widen(box, 1 / SHARE)
+        draw_state(box, self.origami, self.fold_angles[k], named, touches)
 
     def legend(self) -> list[Any]:
         """Return entries of a legend: creases, sides of the paper, and contacts that are marked."""
         if not self.titles:
             return []
-        shown = self.fold_angles[: len(self.titles)]
-        if isinstance(self.origami, Scene):
-            return crease_legend([(self.origami.vertex, phi) for phi in shown])
-        touches = () if self.origami.cell else self.contacts[: len(self.titles)]
+        touches = () if getattr(self.origami, "cell", None) else self.contacts[: len(self.titles)]
         return [*crease_legend(), *contact_legend(chain(*touches))]
 
 
@@ -228,11 +220,3 @@ def draw_states(
 
         save_figure(stack.figure, path)
     return stack.figure
-
-
-def _widen(axes: Axes, shape: float) -> None:
-    """Widen the limits of axes until width over height is as given."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    across = max(0.0, shape * (high - low) - (right - left)) / 2
-    up = max(0.0, (right - left) / shape - (high - low)) / 2
-    axes.set(xlim=(left - across, right + across), ylim=(low - up, high + up))

@@ -63,6 +63,11 @@ PASSES = {
     "bound": "h",
 }
 """Marker of each kind of pass; all are white."""
+MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
+UPPER, LOWER = "#f6ead2", "#c3d3dc"
+"""Creases, and the sides of the paper."""
+LIGHT = (-0.35, 0.55, 0.76)
+"""Towards the light, in the picture's frame."""
 INK, WARNING = "#1B1B1B", "#AD1457"
 """Lines and words; words about what is unstable."""
 METASTABLE, HANDLE_COLOUR = "#E10000", "#7B1FA2"

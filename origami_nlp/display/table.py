@@ -9,11 +9,12 @@ from __future__ import annotations
 import io
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from html import escape
 from textwrap import shorten
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from origami_nlp.display.records import Shown
 from origami_nlp.display.result import Result
 from origami_nlp.io import PrettyRepr, printable
 
@@ -306,6 +307,32 @@ def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) 
     if words[0] == "r":
         words[0] = "l"
     return Table(heads, rows, title, "".join(words), framed=False)
+
+
+def record_table(records: Sequence[Any], title: str) -> Table:
+    """Return records as a table; columns without a value are left out.
+
+    Parameters
+    ----------
+    records
+        Of one class, whose shown fields are the columns.
+    title
+        Above the table.
+
+    Returns
+    -------
+    Table
+        Without frame; words to the left, numbers to the right.
+    """
+    heads, cells, letters = [], [], ""
+    for f in fields(records[0]) if records else ():
+        values = [getattr(record, f.name) for record in records]
+        if "shown" in f.metadata and any(value is not None for value in values):
+            how: Shown = f.metadata["shown"]
+            heads.append(how.head)
+            cells.append([how.text(value) for value in values])
+            letters += "L" if any(isinstance(value, str) for value in values) else "r"
+    return Table(heads, [*zip(*cells, strict=True)], title, letters, framed=False)
 
 
 def folding_table(

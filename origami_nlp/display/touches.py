@@ -10,8 +10,8 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.drawing import UPPER
-from origami_nlp.display.style import IDLE, PUSHES, patch
+from origami_nlp.display.papers import area_of
+from origami_nlp.display.style import IDLE, PUSHES, UPPER, patch
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
@@ -84,18 +84,15 @@ def contact_places(
         p, q, r, s = (c - 1 for c in contact.corners)
         if contact.type == "vertex-face":
             end = point(p, b)
-            ring = [
-                v
-                for polygon, f in zip(pattern.polygons, pattern.facet_of, strict=True)
-                if f == a
-                for v in polygon
-            ]
-            own = [
-                v
-                for polygon, f in zip(pattern.polygons, pattern.facet_of, strict=True)
-                if f == b
-                for v in polygon
-            ]
+            ring, own = (
+                [
+                    v
+                    for q, g in zip(pattern.polygons, pattern.facet_of, strict=True)
+                    if g == f
+                    for v in q
+                ]
+                for f in (a, b)
+            )
             shared = sorted(set(ring) & set(own))
             if shared:
                 start = point(shared[0], a)
@@ -112,7 +109,7 @@ def contact_places(
 def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> float:
     """Return up to which share a segment in the plane of a convex polygon stays in it, at most 1."""
     x = np.array(ring)
-    normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+    normal = area_of(x)
     inward = np.cross(normal, np.roll(x, -1, axis=0) - x)
     room, gone = np.einsum("qi,qi->q", inward, start - x), inward @ (end - start)
     leaves = gone < -INDEPENDENT * np.abs(inward @ (end - start)).max()

@@ -1,10 +1,5 @@
 from .contact_choice import solve as solve
-from .convex import (
-    ConvexDesign as ConvexDesign,
-    ConvexOptimum as ConvexOptimum,
-    scene_of as scene_of,
-    springs_of as springs_of,
-)
+from .convex import ConvexDesign as ConvexDesign, scene_of as scene_of
 from .examples import EXAMPLES as EXAMPLES
 from .figure import draw_design as draw_design
 from .finding import design as design
@@ -18,9 +13,9 @@ from .targets import (
     Targets as Targets,
     place as place,
 )
-from .targets_file import Ask as Ask, parse_targets as parse_targets, read_targets as read_targets
+from .targets_file import parse_targets as parse_targets, read_targets as read_targets
 from .transition_paths import (
     TransitionPath as TransitionPath,
     height as height,
-    paths_between as paths_between,
+    path_between as path_between,
 )

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from origami_nlp.inverse_design.convex import ConvexDesign
 from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier, HeldState
-from origami_nlp.inverse_design.targets import Targets
-from origami_nlp.inverse_design.transition_paths import TransitionPath, height
+from origami_nlp.inverse_design.targets import BarrierAsk, ClosedTarget, Targets
+from origami_nlp.inverse_design.transition_paths import Passes, height
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import pose
 
 
 def check(
@@ -23,7 +22,7 @@ def check(
     posed: ConvexDesign,
     scene: Scene | Pattern,
     minima: MinimaResult,
-    ways: Mapping[tuple[str, str], TransitionPath],
+    passes: Passes | None,
 ) -> Design:
     """Compare the minima of a scene with what was asked for.
 
@@ -37,7 +36,7 @@ def check(
         With them.
     minima
         Of the scene.
-    ways
+    passes
         Curves between states whose barriers are asked for, with one degree of freedom.
 
     Returns
@@ -45,23 +44,20 @@ def check(
     Design
         With all that is wrong in `failed`.
     """
-    states, failed, ours = _states(targets, minima)
-    others = [m for i, m in enumerate(minima.minima) if i not in ours]
-    extra = tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others)
+    near = [_nearest(minima, targets.model.expand(p.state.x)) for p in targets.placed]
+    states = tuple(_held(targets, minima, *one) for one in zip(targets.placed, near, strict=True))
+    ours = {k for k, _ in near}
+    others = [m for k, m in enumerate(minima.minima) if k not in ours]
     energy = {s.name: s.energy for s in states}
-    failed += _energies(targets, energy)
-    barriers: tuple[HeldBarrier, ...] = ()
-    if isinstance(scene, Scene):
-        barriers = _barriers(targets, scene, ways, energy)
-    failed += [b.why for b in barriers if b.why]
+    barriers = tuple(_barrier(targets, scene, ask, passes, energy) for ask in targets.barriers)
+    failed = [*_unheld(targets, states), *_energies(targets, energy)]
     return Design(
-        targets=targets,
-        margin=posed.margin,
-        scene=scene,
-        states=states,
-        extra_minima=extra,
-        reason=None,
-        failed=tuple(failed),
+        targets,
+        posed.margin,
+        scene,
+        states,
+        tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others),
+        failed=(*failed, *(b.why for b in barriers if b.why)),
         minima=minima,
         iterations=posed.answer.iterations,
         residual=posed.answer.residual,
@@ -69,88 +65,72 @@ def check(
     )
 
 
-def _states(
-    targets: Targets, result: MinimaResult
-) -> tuple[tuple[HeldState, ...], list[str], set[int]]:
-    """Look for every target among the minima, and judge it by itself where it is not there."""
-    held, failed, ours = [], [], set()
-    for placed in targets.placed:
-        who = placed.target.name
-        phi = targets.model.expand(placed.state.x)
-        asked = tuple(map(float, placed.target.fold_angles))
-        this = who, asked, tuple(phi.tolist()), placed.moved
-        number, far = _nearest(result, phi)
-        if number:
-            m = result.minima[number - 1]
-            ours.add(number - 1)
-            verdict = m.full_space.verdict if m.full_space else None
-            held.append(HeldState(*this, far, m.energy, m.kind, m.certificate, verdict))
-            if targets.full_space and verdict not in (None, "stable"):
-                failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
-            continue
-        made = result.origami
-        judged = classify(State(targets.posed(made), placed.state.x))
-        energy = float(made.energy(phi))
-        held.append(HeldState(*this, math.inf, energy, judged.kind, judged.reason, None))
-        failed.append(
-            f"the search did not find state {who!r}, which by itself is "
-            + (f"a minimum ({judged.kind})" if judged.kind else f"none: {judged.reason}")
-        )
-    return tuple(held), failed, ours
-
-
-def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
-    out = []
-    for gap in targets.energies:
-        d = energy[gap.upper] - energy[gap.lower]
-        # rounding of a difference of two energies
-        room = SAME_ENERGY * (abs(energy[gap.upper]) + abs(energy[gap.lower]))
-        if not gap.least - room <= d <= gap.most + room:
-            out.append(
-                f"energy of {gap.upper!r} above {gap.lower!r} is {d:.9g} J, "
-                f"not within [{gap.least:g}, {gap.most:g}]"
-            )
-    for name, most in targets.highest.items():
-        if energy[name] > most + SAME_ENERGY * abs(energy[name]):
-            out.append(f"energy of {name!r} is {energy[name]:.9g} J, above {most:g}")
-    return out
-
-
-def _barriers(
-    targets: Targets,
-    scene: Scene,
-    ways: Mapping[tuple[str, str], TransitionPath],
-    energy: dict[str, float],
-) -> tuple[HeldBarrier, ...]:
-    """Measure every barrier along the curve of one degree of freedom; with more they are bounded from above alone."""
-    dof = targets.model.dof
-    if dof > 1:
-        return tuple(
-            HeldBarrier(
-                b.start, b.end, math.nan, (), f"barriers of {dof} degrees of freedom are not known"
-            )
-            for b in targets.barriers
-        )
-    model = pose(scene)
-    out = []
-    for b in targets.barriers:
-        # one way serves both directions: its top is the same
-        way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
-        top, x = height(model, way)
-        rise = top - energy[b.start]
-        room = SAME_ENERGY * (abs(top) + abs(energy[b.start]))
-        good = b.least - room <= rise <= b.most + room
-        why = (
-            f"barrier from {b.start!r} to {b.end!r} is {rise:.9g} J, not within "
-            f"[{b.least:g}, {b.most:g}]"
-        )
-        phi = tuple(model.expand(x).tolist())
-        out.append(HeldBarrier(b.start, b.end, rise, phi, "" if good else why))
-    return tuple(out)
-
-
 def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
-    """Return the number of the minimum that a state is, 0 for none, and how far the nearest one is [rad]."""
+    """Return which minimum a state is, -1 for none, and how far it is [rad]."""
     far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in found.minima]
     near = min(far, default=math.inf)
-    return (far.index(near) + 1 if near <= DESIGN_FOUND else 0), near
+    return (far.index(near), near) if near <= DESIGN_FOUND else (-1, math.inf)
+
+
+def _held(
+    targets: Targets, result: MinimaResult, placed: ClosedTarget, near: tuple[int, float]
+) -> HeldState:
+    """Return what became of a target: a minimum of the list, or what it is by itself."""
+    (k, far), phi = near, targets.model.expand(placed.state.x)
+    asked = tuple(map(float, placed.target.fold_angles))
+    this = placed.target.name, asked, tuple(phi.tolist()), placed.moved, far
+    if k >= 0:
+        m = result.minima[k]
+        verdict = m.full_space.verdict if m.full_space else None
+        return HeldState(*this, m.energy, m.kind, m.certificate, verdict)
+    judged = classify(State(targets.posed(result.origami), placed.state.x))
+    energy = float(result.origami.energy(phi))
+    return HeldState(*this, energy, judged.kind, judged.reason, None)
+
+
+def _unheld(targets: Targets, states: Sequence[HeldState]) -> Iterator[str]:
+    """Say which states are not found, or not stable."""
+    for s in states:
+        if math.isinf(s.found):
+            alone = f"a minimum ({s.kind})" if s.kind else f"none: {s.certificate}"
+            yield f"the search did not find state {s.name!r}, which by itself is {alone}"
+        elif targets.full_space and s.full_space not in (None, "stable"):
+            yield f"state {s.name!r} is {s.full_space} when the symmetry breaks"
+
+
+def _energies(targets: Targets, energy: dict[str, float]) -> Iterator[str]:
+    for gap in targets.energies:
+        high, low = energy[gap.upper], energy[gap.lower]
+        if why := _outside(high, low, gap.least, gap.most):
+            yield f"energy of {gap.upper!r} above {gap.lower!r} {why}"
+    for name, most in targets.highest.items():
+        if why := _outside(energy[name], 0.0, -math.inf, most):
+            yield f"energy of {name!r} {why}"
+
+
+def _outside(high: float, low: float, least: float, most: float) -> str:
+    """Say that a difference of energies is not within bounds, but for its rounding."""
+    room = SAME_ENERGY * (abs(high) + abs(low))
+    good = least - room <= high - low <= most + room
+    return "" if good else f"is {high - low:.9g} J, not within [{least:g}, {most:g}]"
+
+
+def _barrier(
+    targets: Targets,
+    scene: Scene | Pattern,
+    ask: BarrierAsk,
+    passes: Passes | None,
+    energy: dict[str, float],
+) -> HeldBarrier:
+    """Measure a barrier along the curve of one degree of freedom; with more they are bounded from above alone."""
+    if passes is None:
+        why = f"barriers of {targets.model.dof} degrees of freedom are not known"
+        return HeldBarrier(ask.start, ask.end, math.nan, (), why)
+    # one way serves both directions: its top is the same
+    pair = (ask.start, ask.end)
+    model = targets.posed(scene)
+    top, x = height(model, passes.ways[pair if pair in passes.ways else pair[::-1]])
+    why = _outside(top, energy[ask.start], ask.least, ask.most)
+    why = f"barrier from {ask.start!r} to {ask.end!r} {why}" if why else ""
+    phi = tuple(model.expand(x).tolist())
+    return HeldBarrier(ask.start, ask.end, top - energy[ask.start], phi, why)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from origami_nlp.inverse_design.convex import ConvexDesign, standing
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.numerics import ConeRows
@@ -16,11 +14,7 @@ MOST_CHOICES = 64
 """Choices of contacts that touch."""
 
 
-def solve(
-    targets: Targets,
-    more: Sequence[ConeRows] = (),
-    heights: Sequence[np.ndarray] = (),
-) -> ConvexDesign:
+def solve(targets: Targets, more: Sequence[ConeRows] = ()) -> ConvexDesign:
     """Pose and solve a question, with contacts pressed, or else touching.
 
     A contact that can carry no moment is no hindrance where the state is in equilibrium without it.  Each choice of
@@ -34,7 +28,7 @@ def solve(
     ----------
     targets
         The question.
-    more, heights
+    more
         See `ConvexDesign`.
 
     Returns
@@ -42,7 +36,7 @@ def solve(
     ConvexDesign
         Solved; where not feasible that of the refutation, or of largest margin.
     """
-    posed = ConvexDesign(targets, frozenset(), more, heights)
+    posed = ConvexDesign(targets, frozenset(), more)
     contacts = [
         sorted({c for p in standing(targets, i).pieces for c in p})
         for i in range(len(targets.placed))
@@ -50,14 +44,14 @@ def solve(
     if posed.feasible or (not any(contacts) and all(b.regular for _, b, _ in posed.balances)):
         posed.every_refuted = posed.refuted
         return posed
-    loose = ConvexDesign(targets, frozenset(), more, heights, loose=True)
+    loose = ConvexDesign(targets, frozenset(), more, loose=True)
     loose.every_refuted = loose.refuted
     if loose.refuted:
         return loose
     best, tried = posed, 1
     refuted = posed.refuted and all(len(c) <= 1 for c in contacts)
     for touching in itertools.islice(_choices(contacts), MOST_CHOICES):
-        posed, tried = ConvexDesign(targets, touching, more, heights), tried + 1
+        posed, tried = ConvexDesign(targets, touching, more), tried + 1
         if posed.feasible:
             return posed
         refuted = refuted and posed.refuted
@@ -71,17 +65,12 @@ def solve(
 def _choices(contacts: list[list[Contact]]) -> Iterator[frozenset[tuple[int, Contact]]]:
     """Return which contacts are to touch: all of some states, then some of all; none of them twice."""
     all_of = [frozenset((i, c) for c in some) for i, some in enumerate(contacts) if some]
-    each = sorted(frozenset().union(*all_of))
+    each = [frozenset([one]) for one in sorted(frozenset().union(*all_of))]
     seen = {frozenset[tuple[int, Contact]]()}
-    states = (
-        frozenset().union(*some)
-        for k in range(1, len(all_of) + 1)
-        for some in itertools.combinations(all_of, k)
-    )
-    single = (
-        frozenset(some) for k in range(1, len(each) + 1) for some in itertools.combinations(each, k)
-    )
-    for choice in itertools.chain(states, single):
-        if choice not in seen:
-            seen.add(choice)
-            yield choice
+    for parts in (all_of, each):
+        for k in range(1, len(parts) + 1):
+            for some in itertools.combinations(parts, k):
+                choice = frozenset[tuple[int, Contact]]().union(*some)
+                if choice not in seen:
+                    seen.add(choice)
+                    yield choice

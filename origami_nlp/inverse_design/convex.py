@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, balances
+from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs, balances, bounded
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
@@ -37,8 +36,6 @@ MOVED = 1e4 * DESIGN_ACTIVE
 condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
 ROOM = 2.0
 """Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
-LEAST_MARGIN = 0.01
-"""Of a design that makes barriers largest: at 0 its wells would vanish."""
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
 MOST_PIECES = 16
@@ -59,8 +56,6 @@ class ConvexDesign:
         nothing.  Where that has no answer, no springs hold the states.
     more
         Further rows over the springs and the margin, see `Springs`.
-    heights
-        Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
     """
 
     def __init__(
@@ -68,7 +63,6 @@ class ConvexDesign:
         targets: Targets,
         touching: frozenset[tuple[int, Contact]] = frozenset(),
         more: Sequence[ConeRows] = (),
-        heights: Sequence[np.ndarray] = (),
         loose: bool = False,
     ) -> None:
         self.targets, self.touching, self.loose = targets, touching, loose
@@ -85,19 +79,6 @@ class ConvexDesign:
         for rows in more:
             self.problem.add(rows.cone, rows.a, rows.b, rows.words)
         self.aim = _row(self.problem.size, (self.places.margin, 1.0))
-        if heights:
-            self._lift(heights)
-
-    def _lift(self, heights: Sequence[np.ndarray]) -> None:
-        """Make the smallest height the aim."""
-        p = self.problem
-        least = p.more(1).start
-        for row in heights:
-            up = _row(p.size, (slice(len(row)), row), (least, -1.0))
-            p.add(POSITIVE, up, 0.0, "the smallest barrier")
-        floor = _row(p.size, (self.places.margin, 1.0))
-        p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
-        self.aim = _row(p.size, (least, 1.0))
 
     def _bounds(self, kinds: int) -> None:
         p, v, t = self.problem, self.places, self.targets
@@ -128,56 +109,38 @@ class ConvexDesign:
         touching = {contact for j, contact in self.touching if j == i}
         pieces = balances(standing(t, i), kind, touching, self.loose)
         if len(pieces) > MOST_PIECES:
-            raise OptionError(
-                f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
-                f"{MOST_PIECES} are the most"
-            )
+            many = f"{len(pieces)} smooth pieces of the feasible set meet there"
+            raise OptionError(f"state {name!r}: {many}, {MOST_PIECES} are the most")
         for piece in pieces:
             if self.loose and not piece.regular:
                 continue
             where = piece.pose(self.problem, self.places, share, name)
             self.balances.append((i, piece, where))
 
-    def energy(self, name: str) -> np.ndarray:
-        """Row of the energy of a state less that of the flat state over the mean stiffness."""
-        t = self.targets
-        i = [s.name for s in t.states].index(name)
-        return SpringRows(t.model, t.kinds).energy(t.placed[i].state.x)
-
     def _energies(self) -> None:
+        """Bound differences of energies, by rows, and energies, by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
         p, v, t = self.problem, self.places, self.targets
+        springs = SpringRows(t.model, t.kinds)
+        at = {placed.target.name: placed.state.x for placed in t.placed}
+        scale = _row(v.size, (v.scale, 1.0))
         for gap in t.energies:
-            row = self.energy(gap.upper) - self.energy(gap.lower)
+            row = springs.energy(at[gap.upper]) - springs.energy(at[gap.lower])
             words = f"energy of {gap.upper} above {gap.lower}"
-            scale = _row(v.size, (v.scale, 1.0))
-            if gap.least == gap.most:
-                p.add(EQUAL, row - gap.least * scale, 0.0, f"{words} is {gap.least:g} J")
-                continue
-            if math.isfinite(gap.least):
-                p.add(POSITIVE, row - gap.least * scale, 0.0, f"{words} at least {gap.least:g} J")
-            if math.isfinite(gap.most):
-                p.add(POSITIVE, gap.most * scale - row, 0.0, f"{words} at most {gap.most:g} J")
+            for one in bounded(row, scale, gap.least, gap.most, words):
+                p.add(one.cone, one.a, one.b, one.words)
         for name, most in t.highest.items():
-            self._highest(name, most)
-
-    def _highest(self, name: str, most: float) -> None:
-        """Bound sum (k x - tau)^2 / (2 k) by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
-        p, v, t = self.problem, self.places, self.targets
-        i = [s.name for s in t.states].index(name)
-        x = t.placed[i].state.x
-        u = p.more(len(x))
-        for j, kind in enumerate(
-            SpringRows(t.model, t.kinds).kind
-        ):  # creases may share their springs
-            a = np.zeros((3, p.size))
-            k, tau, w = v.stiffness.start + kind, v.torque.start + kind, u.start + j
-            # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
-            a[0, [k, w]] = 1.0, 1.0
-            a[1, [k, w]] = 1.0, -1.0
-            a[2, [k, tau]] = 2 * x[j], -2.0
-            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {kind + 1}")
-        row = _row(p.size, (v.scale, 2 * most), (u, -t.model.multiplicity))
-        p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
+            x = at[name]
+            u = p.more(len(x))
+            for j, kind in enumerate(springs.kind):  # creases may share their springs
+                # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
+                a = np.zeros((3, p.size))
+                k, tau, w = v.stiffness.start + kind, v.torque.start + kind, u.start + j
+                a[0, [k, w]] = 1.0, 1.0
+                a[1, [k, w]] = 1.0, -1.0
+                a[2, [k, tau]] = 2 * x[j], -2.0
+                p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {kind + 1}")
+            row = _row(p.size, (v.scale, 2 * most), (u, -t.model.multiplicity))
+            p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
 
     @cached_property
     def answer(self) -> ConicSolution:
@@ -272,26 +235,8 @@ def standing(targets: Targets, i: int) -> State:
     return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
 
 
-@dataclass(frozen=True)
-class ConvexOptimum:
-    """Springs in the scene's units.
-
-    Attributes
-    ----------
-    stiffness, torque
-        Of each kind of crease [N m/rad], [N m].
-    margin
-        Smallest stiffness along a free motion of a state, and smallest moment [per rad] of a contact, over the mean
-        stiffness and over the share of that state.
-    """
-
-    stiffness: np.ndarray
-    torque: np.ndarray
-    margin: float
-
-
-def springs_of(posed: ConvexDesign) -> ConvexOptimum:
-    """Turn the optimum into springs that fulfil every equation to rounding.
+def scene_of(posed: ConvexDesign) -> Scene | Pattern:
+    """Return the scene, or the pattern, with the springs of the optimum, which fulfil every equation to rounding.
 
     Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
 
@@ -302,18 +247,15 @@ def springs_of(posed: ConvexDesign) -> ConvexOptimum:
 
     Returns
     -------
-    ConvexOptimum
-        The springs.
+    Scene or Pattern
+        A scene with a preload where no rest angle within [-pi, pi] gives the torque.
     """
     places = posed.places
     equal = [posed.problem.matrix(r) for r in posed.problem.rows if r.cone == EQUAL]
     right = np.concatenate([-r.b for r in posed.problem.rows if r.cone == EQUAL])
     rest, stiffness = _active(posed)
-    for pinned in (
-        (*rest, *stiffness),
-        rest,
-        (),
-    ):  # bounds that contradict the balance are no bounds
+    # bounds that contradict the balance are no bounds
+    for pinned in ((*rest, *stiffness), rest, ()):
         v = posed.answer.v.copy()
         a = np.vstack([*equal, *pinned])
         b = np.concatenate([right, np.zeros(len(pinned))])
@@ -324,63 +266,38 @@ def springs_of(posed: ConvexDesign) -> ConvexOptimum:
         if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
             break
     scale = _scale(posed, v)
-    return ConvexOptimum(
-        v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin])
-    )
+    return posed.targets.made(v[places.stiffness] / scale, v[places.torque] / scale)
 
 
 def _active(posed: ConvexDesign) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return rows that keep rest angles, and stiffnesses, exactly at the bounds that they are at."""
     v, places, t = posed.answer.v, posed.places, posed.targets
-    k, tau = v[places.stiffness], v[places.torque]
-    rest, stiffness = [], []
-    for j in range(len(k)):
-        for bound in t.rest if isinstance(t.preload, bool) else ():
-            if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
-                at = (places.torque.start + j, 1.0), (places.stiffness.start + j, -bound)
-                rest.append(_row(posed.problem.size, *at))
-        for bound in t.stiffness:
-            if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]:
-                at = (places.stiffness.start + j, 1.0), (places.scale, -bound)
-                stiffness.append(_row(posed.problem.size, *at))
+    k, tau, size = v[places.stiffness], v[places.torque], posed.problem.size
+    bounds = t.rest if isinstance(t.preload, bool) else ()
+    rest = [
+        _row(size, (places.torque.start + j, 1.0), (places.stiffness.start + j, -bound))
+        for j in range(len(k))
+        for bound in bounds
+        if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]
+    ]
+    stiffness = [
+        _row(size, (places.stiffness.start + j, 1.0), (places.scale, -bound))
+        for j in range(len(k))
+        for bound in t.stiffness
+        if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]
+    ]
     return rest, stiffness
-
-
-def _levels(targets: Targets) -> list[float]:
-    """Return all energies that differences and barriers are compared with [J]."""
-    gaps = [e for g in targets.energies for e in (g.least, g.most)]
-    return gaps + [e for b in targets.barriers for e in (b.least, b.most)]
 
 
 def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
     """Return 1 / mean stiffness: what energies ask for, or the geometric mean of what the bounds leave."""
     t = posed.targets
+    levels = [e for gap in t.energies for e in (gap.least, gap.most)]
+    levels += [e for ask in t.barriers for e in (ask.least, ask.most)]
     absolute = t.highest or not isinstance(t.preload, bool)
-    absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
-    if absolute:
+    if absolute or any(math.isfinite(e) and e != 0.0 for e in levels):
         return float(v[posed.places.scale])
     k, (low, high) = v[posed.places.stiffness], t.stiffness
-    k = np.maximum(
-        k, k.max() * low / high
-    )  # (which the bounds say, and a solver may leave by its accuracy)
+    # (which the bounds say, and a solver may leave by its accuracy)
+    k = np.maximum(k, k.max() * low / high)
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
-
-
-def scene_of(targets: Targets, found: ConvexOptimum, name: str | None = None) -> Scene | Pattern:
-    """Return the scene, or the pattern, with these springs.
-
-    Parameters
-    ----------
-    targets
-        The question.
-    found
-        The springs.
-    name
-        Of the scene.
-
-    Returns
-    -------
-    Scene or Pattern
-        A scene with a preload where no rest angle within [-pi, pi] gives the torque.
-    """
-    return targets.made(found.stiffness, found.torque, name)

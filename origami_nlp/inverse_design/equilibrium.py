@@ -21,7 +21,16 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import DEFINITE, EQUAL, INDEPENDENT, POSITIVE, RANK, ConicProgram, svector
+from origami_nlp.numerics import (
+    DEFINITE,
+    EQUAL,
+    INDEPENDENT,
+    POSITIVE,
+    RANK,
+    ConeRows,
+    ConicProgram,
+    svector,
+)
 from origami_nlp.problem import Contact
 
 
@@ -92,9 +101,8 @@ class Balance:
         loose: bool = False,
     ) -> None:
         self.stratum, self.kind = stratum, kind
-        self.pressed = np.array(
-            [not loose and c not in touching for c in stratum.contacts], dtype=float
-        )
+        pressed = [not loose and c not in touching for c in stratum.contacts]
+        self.pressed = np.array(pressed, dtype=float)
         state = stratum.state
         model, self.root = state.problem, state.problem.root
         j, self.kernel = state.jacobian, state.kernel
@@ -106,12 +114,8 @@ class Balance:
         self.tangent = state.on(tuple(held)).tangent
         unit = np.outer(self.root, self.root)
         m, r = len(j), len(stratum.contacts)
-        self.curvatures = np.array(
-            [
-                -model.lagrangian_hessian(state.x, e, stratum.contacts, 0.0) / unit
-                for e in np.eye(m + r)
-            ]
-        ).reshape(m + r, len(state.x), len(state.x))
+        bent = [model.lagrangian_hessian(state.x, e, stratum.contacts, 0.0) for e in np.eye(m + r)]
+        self.curvatures = -np.array(bent).reshape(m + r, len(state.x), len(state.x)) / unit
         self.lost = self._bent(u[:, rank:])
 
     def _bent(self, lost: np.ndarray) -> np.ndarray:
@@ -191,9 +195,9 @@ class Balance:
         rows = _independent(self.kernel.T @ balance)
         problem.add(EQUAL, rows, np.zeros(len(rows)), f"{name} balances")
         model, x = self.stratum.state.problem, self.stratum.state.x
+        pull = np.eye(r, problem.size, moments.start)
         if r:
-            push = np.zeros((r, problem.size))
-            push[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
+            push = pull.copy()
             push[:, places.margin] = -share * self.pressed
             words = tuple(
                 f"{name} {'presses on' if p else 'does not pull at'} {model.words(c, x).text}"
@@ -202,11 +206,8 @@ class Balance:
             problem.add(POSITIVE, push, np.zeros(r), words)
         z = self.tangent
         if z.shape[1]:
-            of_closure = self.to_closure @ balance  # lam = J'^+ (grad - A' mu) + W w, [m, V]
-            of_closure[:, forces] += self.lost
-            lam = of_closure
-            pull = np.zeros((r, problem.size))
-            pull[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
+            lam = self.to_closure @ balance  # J'^+ (grad - A' mu) + W w, [m, V]
+            lam[:, forces] += self.lost
             along = np.einsum("pi,kpq,qj->kij", z, self.curvatures, z)
             # Z' H Z as a matrix-valued linear function of the unknowns: lam is linear in them where x is fixed
             matrix = -np.einsum("kv,kij->vij", np.vstack([lam, pull]), along)
@@ -271,3 +272,17 @@ class SpringRows:
         """Return the row whose product with the unknowns is the slope of the energy at x along a step [n]."""
         step = self.model.multiplicity * step
         return self._of(x * step, -step)
+
+
+def bounded(
+    rows: np.ndarray, scale: np.ndarray, least: float, most: float, words: str
+) -> list[ConeRows]:
+    """Return what keeps energies [J], given by rows, between two bounds, which may be infinite."""
+    if least == most:
+        return [ConeRows.of(EQUAL, rows - least * scale, f"{words} is {least:g} J")]
+    out = []
+    if np.isfinite(least):
+        out.append(ConeRows.of(POSITIVE, rows - least * scale, f"{words} at least {least:g} J"))
+    if np.isfinite(most):
+        out.append(ConeRows.of(POSITIVE, most * scale - rows, f"{words} at most {most:g} J"))
+    return out

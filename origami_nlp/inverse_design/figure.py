@@ -10,14 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display import MOUNTAIN, VALLEY, draw_pattern_state, draw_state, label_text
+from origami_nlp.display import MOUNTAIN, VALLEY, draw_state, label_text
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.result import Design
 from origami_nlp.pattern import Pattern
 
 ACROSS = 5
 """States in one row."""
-GREY = "#8a8a8a"
+GREY, TOP = "#8a8a8a", "#c1121f"
 
 
 def draw_design(design: Design) -> Figure:
@@ -41,44 +41,31 @@ def draw_design(design: Design) -> Figure:
     """
     check_type("design", design, Design)
     if design.scene is None:
-        raise OptionError(
-            "the design has no springs to draw: " + (design.reason.text if design.reason else "")
-        )
-    states = [(s.name, s.energy, s.fold_angles, True) for s in design.states]
-    states += [
-        (f"not asked for ({kind})", energy, phi, False) for energy, kind, phi in design.extra_minima
-    ]
-    rows = math.ceil(len(states) / ACROSS)
-    figure = Figure(
-        figsize=(10.5, 2.5 * rows + 3.4), dpi=110, facecolor="white", layout="constrained"
-    )
+        why = design.reason.text if design.reason else ""
+        raise OptionError(f"the design has no springs to draw: {why}")
+    made = design.scene
+    states = [(s.name, s.energy, s.fold_angles) for s in design.states]
+    states += [(f"not asked for ({m.kind})", m.energy, m.fold_angles) for m in design.extra_minima]
+    rows, across = math.ceil(len(states) / ACROSS), min(ACROSS, max(len(states), 3))
+    size = (10.5, 2.5 * rows + 3.4)
+    figure = Figure(figsize=size, dpi=110, facecolor="white", layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4))
     above, below = parts
-    across = min(ACROSS, max(len(states), 3))
-    for k in range(rows * across):
-        axes = above.add_subplot(rows, across, k + 1)
-        if k >= len(states):
-            axes.axis("off")
-            continue
-        name, energy, phi, wanted = states[k]
-        if isinstance(design.scene, Pattern):
-            draw_pattern_state(axes, design.scene, np.array(phi))
-        else:
-            draw_state(axes, design.scene.vertex, phi, size=7.0)
-        axes.set_title(
-            label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color="black" if wanted else GREY
-        )
+    grid = above.subplots(rows, across, squeeze=False)
+    for axes in grid.flat[len(states) :]:
+        axes.axis("off")
+    for k, (axes, (name, energy, phi)) in enumerate(zip(grid.flat, states, strict=False)):
+        draw_state(axes, made, phi, size=7.0)
+        colour = "black" if k < len(design.states) else GREY
+        axes.set_title(label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color=colour)
     what = "verified" if design.verified else "NOT verified"
-    made = design.scene
-    label = (
-        made.name or "pattern"
-        if isinstance(made, Pattern)
-        else made.label or f"degree {made.degree}"
-    )
+    label = made.name or ("pattern" if isinstance(made, Pattern) else made.label)
     above.suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
     axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _springs(axes[0], axes[1], design)
     _levels(axes[2], design)
+    for one in axes:
+        one.spines[["top", "right"]].set_visible(False)
     return figure
 
 
@@ -105,52 +92,29 @@ def _springs(left: Axes, right: Axes, design: Design) -> None:
     for axes in (left, right):
         axes.set_xticks(number)
         axes.set_xlabel("crease")
-        axes.spines[["top", "right"]].set_visible(False)
 
 
 def _levels(axes: Axes, design: Design) -> None:
     """Draw energies as levels, and barriers between them as dashed lines to the pass."""
-    place = {s.name: 2.0 * k for k, s in enumerate(design.states)}
-    for s in design.states:
-        x = place[s.name]
-        axes.plot([x - 0.55, x + 0.55], [s.energy] * 2, color="black", lw=2.2)
-    others = () if design.barriers else design.extra_minima  # (they may be far below)
-    for k, (energy, _, _) in enumerate(others):
-        x = 2.0 * (len(place) + k)
-        axes.plot([x - 0.55, x + 0.55], [energy] * 2, color=GREY, lw=2.2)
-    energies = {s.name: s.energy for s in design.states}
-    drawn: set[frozenset[str]] = set()
+    levels = [(s.name, s.energy, "black") for s in design.states]
+    if not design.barriers:  # (they may be far below)
+        levels += [("extra", m.energy, GREY) for m in design.extra_minima]
+    for k, (_, energy, colour) in enumerate(levels):
+        axes.plot([2.0 * k - 0.55, 2.0 * k + 0.55], [energy] * 2, color=colour, lw=2.2)
+    at = {name: (2.0 * k, energy) for k, (name, energy, _) in enumerate(levels)}
     for b in design.barriers:
-        pair = frozenset((b.start, b.end))
-        if math.isnan(b.rise):
-            continue
-        top = energies[b.start] + b.rise
-        middle = 0.5 * (place[b.start] + place[b.end])
-        sign = 1.0 if place[b.end] > place[b.start] else -1.0
-        if pair not in drawn:
-            axes.plot([middle - 0.3, middle + 0.3], [top] * 2, color="#c1121f", lw=2.2)
-        drawn.add(pair)
-        axes.plot(
-            [place[b.start] + 0.55 * sign, middle - 0.3 * sign],
-            [energies[b.start], top],
-            color="#c1121f",
-            lw=0.9,
-            ls="--",
-        )
-        axes.annotate(
-            f"+{b.rise:.3g}",
-            (0.5 * (place[b.start] + middle), 0.5 * (energies[b.start] + top)),
-            fontsize=8,
-            ha="right" if sign > 0 else "left",
-            xytext=(-5 * sign, 0),
-            textcoords="offset points",
-            color="#c1121f",
-        )
-    names = [*place, *("extra" for _ in others)]
-    axes.set_xticks([2.0 * k for k in range(len(names))])
+        (x, low), (other, _) = at[b.start], at[b.end]
+        middle, sign, top = 0.5 * (x + other), math.copysign(1.0, other - x), low + b.rise
+        axes.plot([middle - 0.3, middle + 0.3], [top] * 2, color=TOP, lw=2.2)
+        way = [x + 0.55 * sign, middle - 0.3 * sign]
+        axes.plot(way, [low, top], color=TOP, lw=0.9, ls="--")
+        look: dict[str, Any] = {"fontsize": 8, "color": TOP, "textcoords": "offset points"}
+        place = (0.5 * (x + middle), 0.5 * (low + top))
+        side = "right" if sign > 0 else "left"
+        axes.annotate(f"+{b.rise:.3g}", place, (-5 * sign, 0), ha=side, **look)
+    names = [label_text(name) for name, *_ in levels]
     turned = 30 if max(map(len, names)) > 8 else 0
-    axes.set_xticklabels(list(map(label_text, names)), fontsize=8, rotation=turned)
+    axes.set_xticks([2.0 * k for k in range(len(names))], names, fontsize=8, rotation=turned)
     axes.set_ylabel("energy [J]")
-    axes.spines[["top", "right"]].set_visible(False)
     axes.margins(y=0.15)
     axes.set_xlim(-1.1, 2.0 * len(names) - 0.9)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -75,20 +77,17 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
     Infeasibility
         With changes that would help.
     """
-    weights: dict[str, float] = {}
+    weights = Counter[str]()
     for rows, y in zip(posed.problem.rows, posed.answer.duals, strict=True):
         if isinstance(rows.words, str):
-            weights[rows.words] = weights.get(rows.words, 0.0) + float(np.abs(y).max(initial=0.0))
+            weights[rows.words] += float(np.abs(y).max(initial=0.0))  # type: ignore[assignment]
         else:
-            for words, value in zip(rows.words, y, strict=True):
-                weights[words] = weights.get(words, 0.0) + abs(float(value))
-    named = ("the mean stiffness is 1", "the margin has a cap")
-    most = max((w for words, w in weights.items() if words not in named), default=0.0)
+            weights.update(dict(zip(rows.words, np.abs(y).tolist(), strict=True)))
+    for words in ("the mean stiffness is 1", "the margin has a cap"):
+        weights.pop(words, None)
     # rows with a dual that counts are those whose combination is contradictory
-    heavy = sorted(
-        ((w, words) for words, w in weights.items() if w > WEIGHTY * most and words not in named),
-        reverse=True,
-    )
+    least = WEIGHTY * max(weights.values(), default=0.0)
+    heavy = sorted(((w, words) for words, w in weights.items() if w > least), reverse=True)
     names = [t.name for t in posed.targets.states]
     states = tuple(
         n
@@ -138,7 +137,10 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
             far = f * size > math.pi * (1 + SETTLED)
             return replace(targets, preload=far, rest_angles=(f * low, f * high))
 
-        least = _least(tried, wound, 1.0, TURNS / size, steps)
+        # springs of sheets are not wound
+        ends = (TURNS / size, math.pi / size)
+        found = (_least(tried, wound, 1.0, end, steps) for end in ends)
+        least = next(filter(None, found), None)
         if least is not None:
             how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
             out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
@@ -152,7 +154,7 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
         out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
     if len(targets.states) > 1:
         for target in targets.states:
-            if _works(tried, without(targets, target.name)):
+            if _works(tried, partial(without, targets, target.name)):
                 out.append(f"leave out state {target.name!r}")
     return tuple(out)
 
@@ -162,18 +164,19 @@ def _least(
 ) -> float | None:
     """Return the smallest factor in (good, bad] that works, by bisection; None if the largest does not."""
     low, high = good, bad
-    if not _works(tried, make(high)):
+    if not _works(tried, partial(make, high)):
         return None
     for _ in range(steps):
         # geometric: factors, not differences
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if _works(tried, make(middle)) else (middle, high)
+        low, high = (low, middle) if _works(tried, partial(make, middle)) else (middle, high)
     return high
 
 
-def _works(tried: Works, targets: Targets) -> bool:
+def _works(tried: Works, make: Callable[[], Targets]) -> bool:
+    """Return whether a changed question has an answer; one that cannot be asked has none."""
     try:
-        return tried(targets)
+        return tried(make())
     except OrigamiError:
         return False
 

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Details, Report, Section, Table, Words, rows_table
+from origami_nlp.display import (
+    Details,
+    Report,
+    Section,
+    Table,
+    Words,
+    record_table,
+    shown,
+    springs_of,
+)
 from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
@@ -17,6 +26,11 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene, symmetries
 
+LISTS = {
+    "proved": "list proved complete",
+    "proved-except-singular": "list proved complete but for singular states",
+}
+"""What is said of a list, by how far it is proved."""
 MOST_ANGLES = 24
 """Fold angles that are printed of a minimum that was not asked for."""
 
@@ -47,15 +61,15 @@ class HeldState:
         Verdict where the symmetry may break: ``"stable"``, ``"unstable"``, ``"undecided"``; None where not asked.
     """
 
-    name: str
+    name: str = field(metadata=shown("state"))
     target: tuple[float, ...]
     fold_angles: tuple[float, ...]
-    moved: float
+    moved: float = field(metadata=shown("moved to close", "rad", ".2g"))
     found: float
-    energy: float
-    kind: str | None
+    energy: float = field(metadata=shown("energy", "J", ".5g"))
+    kind: str | None = field(metadata=shown("kind", missing="no minimum"))
     certificate: str
-    full_space: str | None
+    full_space: str | None = field(metadata=shown("full space"))
 
 
 @dataclass(frozen=True)
@@ -142,19 +156,19 @@ class Design(Report):
     (True, ['book'])
     """
 
-    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/2", False
+    PICTURE, SCHEMA, READS, ROWS = "draw_design", "origami-nlp/design/2", False, "states"
     ALSO = ("feasible", "verified", "images")
 
     targets: Targets = field(metadata={"plain": False})
     margin: float
-    scene: Scene | Pattern | None
-    states: tuple[HeldState, ...]
-    extra_minima: tuple[ExtraMinimum, ...]
-    reason: Infeasibility | None
-    failed: tuple[str, ...]
-    minima: MinimaResult | None = field(metadata={"plain": False})
-    iterations: int
-    residual: float
+    scene: Scene | Pattern | None = None
+    states: tuple[HeldState, ...] = ()
+    extra_minima: tuple[ExtraMinimum, ...] = ()
+    reason: Infeasibility | None = None
+    failed: tuple[str, ...] = ()
+    minima: MinimaResult | None = field(default=None, metadata={"plain": False})
+    iterations: int = 0
+    residual: float = 0.0
     barriers: tuple[HeldBarrier, ...] = ()
     refuted: bool = False
 
@@ -180,15 +194,14 @@ class Design(Report):
         moves = symmetries(self.minima.scene)
         known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
         out = []
-        for i, (_, _, angles) in enumerate(self.extra_minima, start=1):
-            phi = np.array(angles)
-            same = (
+        for i, extra in enumerate(self.extra_minima, start=1):
+            phi = np.array(extra.fold_angles)
+            found = (
                 name
                 for name, other in known
-                for move in moves
-                if np.abs(move.back(other) - phi).max() <= DUPLICATE_TOL
+                if any(np.abs(move.back(other) - phi).max() <= DUPLICATE_TOL for move in moves)
             )
-            out.append(next(same, ""))
+            out.append(next(found, ""))
             known.append((f"minimum {i}", phi))
         return tuple(out)
 
@@ -201,16 +214,13 @@ class Design(Report):
             proved = "" if self.refuted else " was found, which proves nothing"
             return f"{title}: no design{proved}: {self.reason.text}"
         n, more = len(self.states), len(self.extra_minima)
-        what = f"springs hold {'both' if n == 2 else 'the' if n == 1 else f'all {n}'} state{'s' * (n > 1)} asked for"
         if not self.verified:
             return f"{title}: springs for {n} state{'s' * (n > 1)}, NOT verified: {self.failed[0]}"
+        all_of = {1: "the state", 2: "both states"}.get(n, f"all {n} states")
         others = f"{more or 'no'} other minim{'um' if more < 2 else 'a'}"
-        status = getattr(getattr(self.minima, "completeness", None), "status", "not-proved")
-        complete = {
-            "proved": "list proved complete",
-            "proved-except-singular": "list proved complete but for singular states",
-        }.get(status, "completeness not proved")
-        return f"{title}: {what}, {others} found (margin {self.margin:.4g}, {complete})"
+        status = getattr(getattr(self.minima, "completeness", None), "status", "")
+        complete = LISTS.get(status, "completeness not proved")
+        return f"{title}: springs hold {all_of} asked for, {others} found (margin {self.margin:.4g}, {complete})"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict, states, springs, other minima, what is not proved, and the details of the solution."""
@@ -254,35 +264,9 @@ class Design(Report):
 
     def table(self) -> Table:
         """The states, one a row."""
-        full = any(s.full_space for s in self.states)
-        heads = ("state", "energy [J]", "kind", *["full space"] * full, "moved to close [deg]")
-        rows: list[tuple[str, ...]] = [
-            (
-                s.name,
-                f"{s.energy:.5g}",
-                s.kind or "no minimum",
-                *[s.full_space or "-"] * full,
-                f"{math.degrees(s.moved):.2g}",
-            )
-            for s in self.states
-        ]
-        return rows_table(heads, rows, self.verdict)
+        return record_table(self.states, self.verdict)
 
     def springs(self) -> Table:
         """The springs, one crease a row."""
         assert self.scene is not None
-        preload = getattr(self.scene, "preload", None) or (0.0,) * len(self.scene.stiffness)
-        wound = any(preload)
-        heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
-        rows: list[tuple[str, ...]] = [
-            (str(i), f"{k:.5g}", f"{math.degrees(r):.4f}") + (f"{p:.5g}",) * wound
-            for i, (k, r, p) in enumerate(
-                zip(self.scene.stiffness, rest_of(self.scene), preload, strict=True), start=1
-            )
-        ]
-        return rows_table(heads, rows, "Springs")
-
-
-def rest_of(made: Scene | Pattern) -> Sequence[float]:
-    """Return rest angles, [N] [rad]."""
-    return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()
+        return record_table(springs_of(self.scene), "Springs")

@@ -26,7 +26,6 @@ _OF_A_VERTEX = {
     "preload": "its springs rest within [-pi, pi]",
     "limits": "the pattern has its own (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
     "panels": "the pattern has its own limits (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
-    "barriers": "springs are made for barriers of one vertex",
 }
 """What is not for a pattern, and why."""
 OF_THE_SCENE = ("symmetry", "contact", "mirror", "limits", "panels")
@@ -133,6 +132,8 @@ class Targets:
         for each crease, the same for equal ones.
     limits, panels
         Fold limits and thickness of panels of a vertex, as of a `Scene`; a pattern has its own limits.
+    name
+        Of the scene to be made.
     source
         What was read, as it was typed: a file, or an example; the report is titled by it.
     """
@@ -152,6 +153,7 @@ class Targets:
     equal: str | tuple[int, ...] = ""
     limits: Limits = ()
     panels: tuple[float, float] | None = None
+    name: str | None = None
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -166,74 +168,71 @@ class Targets:
             if names.count(name) > 1:
                 raise OptionError(f"two states are called {name!r}: give each a name of its own")
         for gap in self.energies:
-            for name in (gap.upper, gap.lower):
-                self._known(name, "energy")
             who = f"energy of {gap.upper!r} above {gap.lower!r}"
-            if gap.upper == gap.lower:
-                raise OptionError(f"{who}: a state is no higher than itself")
-            _ordered(who, gap.least, gap.most)
+            self._check_pair(who, "energy", gap.upper, gap.lower, (gap.least, gap.most))
         for ask in self.barriers:
-            for name in (ask.start, ask.end):
-                self._known(name, "barrier")
             who = f"barrier from {ask.start!r} to {ask.end!r}"
-            if ask.start == ask.end:
-                raise OptionError(f"{who}: a barrier is between two states")
-            _ordered(who, ask.least, ask.most, 0.0)
+            self._check_pair(who, "barrier", ask.start, ask.end, (ask.least, ask.most), 0.0)
         for name in self.highest:
             self._known(name, "highest energy")
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
-            raise OptionError(
-                f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]"
-            )
+            said = f"stiffness = [{low:g}, {high:g}]"
+            raise OptionError(f"{said} must be 0 < least <= most [N m/rad]")
         if self.rest_angles is not None:
             low, high = _pair("rest_angles", self.rest_angles)
+            said = f"rest_angles = [{low:.6g}, {high:.6g}]"
             if low > high:
-                raise OptionError(
-                    f"rest_angles = [{low:.6g}, {high:.6g}] rad must be [least, most]"
-                )
+                raise OptionError(f"{said} rad must be [least, most]")
             most = TURNS if self.preload is True else math.pi
             if not -most - OUTSIDE <= low or not high <= most + OUTSIDE:
-                raise OptionError(
-                    f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
-                    + (
-                        ""
-                        if self.preload is True
-                        else "; preload = true lets springs be wound beyond"
-                    )
+                wound = (
+                    "" if self.preload is True else "; preload = true lets springs be wound beyond"
                 )
+                raise OptionError(f"{said} must lie in [-{most:.6g}, {most:.6g}] rad{wound}")
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
+
+    def _check_pair(
+        self,
+        who: str,
+        what: str,
+        one: str,
+        other: str,
+        bounds: Sequence[Any],
+        lowest: float = -math.inf,
+    ) -> None:
+        """Raise an error unless two states, and two numbers, which may be infinite, are given."""
+        for name in (one, other):
+            self._known(name, what)
+        if one == other:
+            raise OptionError(f"{who}: it is between two states, not of {one!r} and itself")
+        for value in bounds:
+            if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
+                raise OptionError(f"{who}: {shown(value)} must be a number [J]")
+        least, most = bounds
+        if not lowest <= least <= most or least == math.inf or most == -math.inf:
+            span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
+            raise OptionError(f"{who}: [{least:g}, {most:g}] must be {span} [J]")
 
     def _check_kind(self) -> None:
         """Raise an error for what is not for a vertex, or not for a pattern."""
         if isinstance(self.origami, Vertex):
-            refuse(
-                "vertex",
-                {"equal": "its symmetry says which springs are equal"},
-                equal=self.equal or None,
-            )
+            why = {"equal": "its symmetry says which springs are equal"}
+            refuse("vertex", why, equal=self.equal or None)
             return
         check_type("origami", self.origami, Pattern)
-        given = {
-            "symmetry": None if self.symmetry == "none" else self.symmetry,
-            "mirror": self.mirror,
-            "preload": self.preload or None,
-            "barriers": self.barriers or None,
-            "limits": self.limits or None,
-            "panels": self.panels,
-        }
-        refuse("pattern", _OF_A_VERTEX, **given)
+        given = {key: getattr(self, key) for key in _OF_A_VERTEX}
+        given["symmetry"] = None if self.symmetry == "none" else self.symmetry
+        refuse("pattern", _OF_A_VERTEX, **{key: value or None for key, value in given.items()})
         if self.contact not in ("full", "fold-limits"):
             raise OptionError(
                 f"contact = {shown(self.contact)} must be 'full' or 'fold-limits' for a pattern"
             )
-        n = self.origami.creases
-        if self.equal not in ("", "letters") and (
-            isinstance(self.equal, str) or len(self.equal) != n
-        ):
+        n, equal = self.origami.creases, self.equal
+        if equal not in ("", "letters") and (isinstance(equal, str) or len(equal) != n):
             raise OptionError(
-                f"equal = {shown(self.equal)} must be '', 'letters' or {n} numbers, one a crease"
+                f"equal = {shown(equal)} must be '', 'letters' or {n} numbers, one a crease"
             )
 
     def _known(self, name: str, what: str) -> None:
@@ -279,18 +278,16 @@ class Targets:
             pose(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
         )
 
-    def made(
-        self, stiffness: np.ndarray, torque: np.ndarray, name: str | None = None
-    ) -> Scene | Pattern:
+    def made(self, stiffness: np.ndarray, torque: np.ndarray) -> Scene | Pattern:
         """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
         k, tau = stiffness[self.kinds], torque[self.kinds]
         rest = np.clip(tau / k, -math.pi, math.pi)
         if isinstance(self.origami, Pattern):
             sprung = self.origami.with_springs(k.tolist(), rest.tolist())
-            return replace(sprung, name=name or sprung.name)
+            return replace(sprung, name=self.name or sprung.name)
         wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
         preload = tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else ()
-        return self._scene(k, rest, name=name, preload=preload)
+        return self._scene(k, rest, name=self.name, preload=preload)
 
     @cached_property
     def free(self) -> Any:
@@ -397,17 +394,6 @@ def place(model: Any, target: Target) -> ClosedTarget:
             f"more than {math.degrees(FAR):.3g}: check the fold angles"
         )
     return ClosedTarget(target, state, moved)
-
-
-def _ordered(who: str, least: object, most: object, lowest: float = -math.inf) -> None:
-    """Raise an error unless there are numbers between two bounds, which may be infinite."""
-    for value in (least, most):
-        if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
-            raise OptionError(f"{who}: {shown(value)} must be a number [J]")
-    assert isinstance(least, Real) and isinstance(most, Real)
-    if not lowest <= float(least) <= float(most) or least == math.inf or most == -math.inf:
-        span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
-        raise OptionError(f"{who}: [{least:g}, {most:g}] must be {span} [J]")
 
 
 def _pair(name: str, value: Sequence[float]) -> tuple[float, float]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_number, check_whole, shown
+from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
 from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_toml
 from origami_nlp.pattern import (
@@ -35,67 +35,47 @@ _KEYS = {
     ),
     "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
-    "ask": ("maximise", "full_space"),
+    "ask": ("full_space",),
 }
 _LARGEST = 1_000_000
-MAXIMISE = ("margin", "barrier")
 
 
-@dataclass(frozen=True)
-class Ask:
-    """What is asked of a design beyond its states.
-
-    Attributes
-    ----------
-    maximise
-        ``"margin"``, or ``"barrier"`` (the smallest one).
-    """
-
-    maximise: str = "margin"
-
-    def __post_init__(self) -> None:
-        if self.maximise not in MAXIMISE:
-            raise OptionError(
-                f"[ask] maximise = {shown(self.maximise)}: use one of {', '.join(MAXIMISE)}"
-            )
-
-
-def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
+def read_targets(source: str | Path) -> Targets:
     """Read what a design is asked for from a TOML file.
 
     Parameters
     ----------
     source
-        The file, or ``"-"`` for standard input; states that are ``like`` those of an earlier run name its JSON file
-        relative to this one.
+        The file, ``"-"`` for standard input, or the name of an example; states that are ``like`` those of an earlier
+        run name its JSON file relative to this one.
 
     Returns
     -------
-    targets : Targets
+    Targets
         The question.
-    ask : Ask
-        What is asked beyond.
-    name : str or None
-        Of the scene to be made.
 
     Raises
     ------
     OptionError, VertexError, AngleError
         If the file cannot be read, or a value does not fit; the message names it.
     """
-    folder = Path(".") if str(source) == "-" else Path(source).parent
-    typed = "standard input" if str(source) == "-" else str(source)
+    name, path = str(source), Path(source)
+    if name in EXAMPLES and not path.exists():
+        return parse_targets(EXAMPLES[name], source=name)
+    if name != "-" and not path.suffix and not path.exists():
+        those = f"{', '.join(EXAMPLES)}{did_you_mean(name, EXAMPLES)}"
+        raise OptionError(f"targets = {name!r} is no file, and no example: those are {those}")
+    typed = "standard input" if name == "-" else name
+    folder = Path() if name == "-" else path.parent
     return _targets(read_toml(source, _LARGEST, "targets", OptionError), folder, typed)
 
 
-def parse_targets(
-    text: str, folder: Path = Path("."), source: str = ""
-) -> tuple[Targets, Ask, str | None]:
+def parse_targets(text: str, folder: Path = Path("."), source: str = "") -> Targets:
     """Read what a design is asked for from TOML text that comes from `source`; see `read_targets`."""
     return _targets(parse_toml(text, "targets", OptionError), folder, source)
 
 
-def _targets(data: Mapping[str, Any], folder: Path, source: str) -> tuple[Targets, Ask, str | None]:
+def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
     origami, equal = _origami(data, folder)
     many = origami.creases if isinstance(origami, Pattern) else origami.degree
@@ -104,51 +84,40 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> tuple[Target
         limits = stops.get("limits", origami.limits)
         origami, stops = origami.with_limits(thick_limits(limits, many, stops.get("panels"))), {}
     entries = data.get("states", [])
-    states, gaps, highest = [], [], {}
-    for i, entry in enumerate(entries, start=1):
-        target = _state(entry, i, folder, many)
-        states.append(target)
-        if "energy_above" in entry or "energy_difference" in entry:
-            gaps.append(_gap(entry, target.name))
-        if "energy_at_most" in entry:
-            highest[target.name] = check_number(
-                f"state {target.name!r}: energy_at_most", entry["energy_at_most"], 0.0
-            )
-    barriers = tuple(_barrier(entry) for entry in data.get("barriers", []))
-    springs, model, ask = (
-        data.get("springs", {}),
-        dict(data.get("model", {})),
-        dict(data.get("ask", {})),
-    )
-    name = model.pop("name", None)
-    more: dict[str, Any] = {"source": source}
+    states = [_state(entry, i, folder, many) for i, entry in enumerate(entries, start=1)]
+    named = [*zip((t.name for t in states), entries, strict=True)]
+    above = ("energy_above", "energy_difference")
+    highest = {
+        name: check_number(f"state {name!r}: energy_at_most", entry["energy_at_most"], 0.0)
+        for name, entry in named
+        if "energy_at_most" in entry
+    }
+    springs, more = dict(data.get("springs", {})), dict(data.get("model", {}))
     if "stiffness" in springs:
         more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
     given = [k for k in ("rest_angles", "rest_angles_deg") if k in springs]
     if len(given) == 2:
         raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
-    if given:
-        two = _two(f"[springs] {given[0]}", springs[given[0]], numbers=False)
-        more["rest_angles"] = tuple(_angles(two, given[0]))
+    for key in given:
+        two = _two(f"[springs] {key}", springs[key], numbers=False)
+        more["rest_angles"] = tuple(_angles(two, key))
     if "preload" in springs:
         more["preload"] = springs["preload"]
-    if "full_space" in ask:
-        full = ask.pop("full_space")
+    if (full := data.get("ask", {}).get("full_space")) is not None:
         if not isinstance(full, bool):
             raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
         more["full_space"] = full
-    targets = Targets(
+    return Targets(
         origami,
         tuple(states),
-        energies=tuple(gaps),
+        energies=tuple(_gap(e, name) for name, e in named if any(key in e for key in above)),
         highest=highest,
-        barriers=barriers,
+        barriers=tuple(_barrier(entry) for entry in data.get("barriers", [])),
+        source=source,
         **equal,
         **stops,
-        **model,
         **more,
     )
-    return targets, Ask(**ask), name
 
 
 def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, dict[str, Any]]:
@@ -164,10 +133,8 @@ def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, d
     equal = stated.get("equal", "")
     if isinstance(equal, list):
         equal = tuple(check_whole("[pattern] equal", v, 0) for v in equal)
-    pattern = as_pattern(
-        stated[given] if given == "example" else folder / stated[given], "[pattern]"
-    )
-    return pattern, {"equal": equal} if equal else {}
+    file = stated[given] if given == "example" else folder / stated[given]
+    return as_pattern(file, "[pattern]"), {"equal": equal} if equal else {}
 
 
 def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Target:
@@ -192,23 +159,22 @@ def _angles(values: Any, key: str) -> list[float]:
 
 def _like(words: Any, folder: Path, name: str) -> list[float]:
     """Return the fold angles of a state of an earlier run: ``FILE#2`` is the second of its list."""
+    who = f"[[states]] {name!r}"
     file, _, number = words.rpartition("#") if isinstance(words, str) else ("", "", "")
     if not file or not re.fullmatch("[1-9][0-9]{0,8}", number):
-        raise OptionError(
-            f"[[states]] {name!r}: like = {shown(words)} must be 'FILE#NUMBER', such as 'states.json#2'"
-        )
+        must = "must be 'FILE#NUMBER', such as 'states.json#2'"
+        raise OptionError(f"{who}: like = {shown(words)} {must}")
     data = read_json(folder / file, 200 * _LARGEST, "states", OptionError)
     states = data.get("minima") if isinstance(data, dict) else None
-    if not isinstance(states, list) or len(states) < int(number):
-        many = len(states) if isinstance(states, list) else "no"
-        raise OptionError(
-            f"[[states]] {name!r}: {file!r} has {many} minima, like asks for {number}"
-        )
+    states = states if isinstance(states, list) else []
+    many = len(states)
+    if int(number) > many:
+        raise OptionError(f"{who}: {file!r} has {many or 'no'} minima, like asks for {number}")
     state = states[int(number) - 1]
     phi = state.get("fold_angles") if isinstance(state, dict) else None
     if not isinstance(phi, list) or not all(type(a) in (int, float) for a in phi):
-        raise OptionError(f"[[states]] {name!r}: minimum {number} of {file!r} has no fold_angles")
-    return list(parse_angles(phi, f"[[states]] {name!r}: fold_angles of {file!r}"))
+        raise OptionError(f"{who}: minimum {number} of {file!r} has no fold_angles")
+    return list(parse_angles(phi, f"{who}: fold_angles of {file!r}"))
 
 
 def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:
@@ -228,16 +194,13 @@ def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
     if not all(isinstance(name, str) for name in ends):
         raise OptionError("[[barriers]] needs from = 'STATE' and to = 'STATE'")
     who = f"barrier from {ends[0]!r} to {ends[1]!r}"
-    value = {
-        key: check_number(f"{who}: {key}", entry[key], 0.0)
-        for key in ("at_least", "at_most", "exactly")
-        if key in entry
-    }
+    keys = [key for key in ("at_least", "at_most", "exactly") if key in entry]
+    value = {key: check_number(f"{who}: {key}", entry[key], 0.0) for key in keys}
+    least, most = value.get("at_least", 0.0), value.get("at_most", math.inf)
     if "exactly" in value:
         if len(value) > 1:
             raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
-        return BarrierAsk(str(ends[0]), str(ends[1]), value["exactly"], value["exactly"])
-    least, most = value.get("at_least", 0.0), value.get("at_most", math.inf)
+        least = most = value["exactly"]
     return BarrierAsk(str(ends[0]), str(ends[1]), least, most)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.continuation import BoundaryCurve, evaluate, follow_boundary
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.equilibrium import SpringRows
+from origami_nlp.inverse_design.equilibrium import SpringRows, bounded
 from origami_nlp.inverse_design.targets import BarrierAsk, Targets
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import (
@@ -68,8 +68,8 @@ def curve_of(model: PatternProblem, x: np.ndarray) -> BoundaryCurve | None:
     return follow_boundary(held, stop_at_release=False)
 
 
-def paths_between(model: PatternProblem, a: np.ndarray, b: np.ndarray) -> list[TransitionPath]:
-    """Return the ways from a to b on the curves of a model with one degree of freedom; two on a loop.
+def path_between(model: PatternProblem, a: np.ndarray, b: np.ndarray) -> TransitionPath | None:
+    """Return the shortest way from a to b on the curves of a model with one degree of freedom.
 
     Parameters
     ----------
@@ -80,22 +80,20 @@ def paths_between(model: PatternProblem, a: np.ndarray, b: np.ndarray) -> list[T
 
     Returns
     -------
-    list of Way
-        The shortest first; empty where no curve joins them, except through a singular state that is not flat.
+    TransitionPath or None
+        None where no curve joins them, except through a singular state that is not flat.
     """
     one, two = curve_of(model, a), curve_of(model, b)
-    if one is not None and (states := _part(one, a, b)):
-        return [_way(model, s) for s in states]
-    if two is not None and (states := _part(two, b, a)):
-        return [_way(model, s[::-1]) for s in states]
-    out = []
-    for first in outward(one, a):
-        for second in outward(two, b):
-            corner = math.pi * np.round(first[-1] / math.pi)
-            near = max(np.abs(first[-1] - corner).max(), np.abs(second[-1] - corner).max())
-            if near <= SAMPLED and np.abs(model.closure(corner)[0]).max() <= CLOSURE_TOL:
-                out.append(_way(model, _thinned(np.vstack([first[:-1], corner, second[-2::-1]]))))
-    return sorted(out, key=lambda w: len(w.states))
+    if one is not None and (found := _part(one, a, b)):
+        return _way(model, min(found, key=len))
+    if two is not None and (found := _part(two, b, a)):
+        return _way(model, min(found, key=len)[::-1])
+    for first, second in itertools.product(outward(one, a), outward(two, b)):
+        corner = math.pi * np.round(first[-1] / math.pi)
+        near = max(np.abs(first[-1] - corner).max(), np.abs(second[-1] - corner).max())
+        if near <= SAMPLED and np.abs(model.closure(corner)[0]).max() <= CLOSURE_TOL:
+            found.append(_thinned(np.vstack([first[:-1], corner, second[-2::-1]])))
+    return _way(model, min(found, key=len)) if found else None
 
 
 def _part(curve: BoundaryCurve, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
@@ -109,15 +107,12 @@ def _part(curve: BoundaryCurve, a: np.ndarray, b: np.ndarray) -> list[np.ndarray
     j = int(np.abs(on - b).max(axis=1).argmin())
     if np.abs(on[j] - b).max() > SAMPLED:
         return []
-    forward = np.vstack([a, at[i + 1 : j + 1], b]) if j >= i else None
-    backward = np.vstack([a, at[j + 1 : i][::-1], b]) if j < i else None
-    out = [w for w in (forward, backward) if w is not None]
+    ways = [at[i + 1 : j + 1] if j >= i else at[j + 1 : i][::-1]]
     if curve.end == "closed curve":
         ring = at[:-1]
-        rest = [*ring[j + 1 :], *ring[:i]] if j >= i else [*ring[i + 1 :], *ring[: j + 1]]
-        rest = rest[::-1] if j >= i else rest
-        out.append(np.vstack([a, *rest, b]))
-    return sorted(([_thinned(w) for w in out]), key=len)
+        rest = [*ring[j + 1 :], *ring[:i]][::-1] if j >= i else [*ring[i + 1 :], *ring[: j + 1]]
+        ways.append(np.array(rest).reshape(-1, len(a)))
+    return [_thinned(np.vstack([a, way, b])) for way in ways]
 
 
 def _thinned(w: np.ndarray) -> np.ndarray:
@@ -207,32 +202,28 @@ class Passes:
             self.asks.setdefault(one, []).append(ask)
         at = {p.target.name: p.state.x for p in targets.placed}
         self.ways: dict[tuple[str, str], TransitionPath] = {}
-        self.tops: dict[tuple[str, str], list[np.ndarray]] = {}
+        self.tops: dict[tuple[str, str], list[np.ndarray]] = {pair: [] for pair in self.asks}
         for pair in self.asks:
-            found = paths_between(model, at[pair[0]], at[pair[1]])
-            if not found:
-                raise OptionError(
-                    f"[[barriers]] {pair[0]!r} to {pair[1]!r}: no curve of closed states joins them"
-                )
-            self.ways[pair] = found[0]
+            way, who = (
+                path_between(model, *(at[name] for name in pair)),
+                f"{pair[0]!r} to {pair[1]!r}",
+            )
+            if way is None:
+                raise OptionError(f"[[barriers]] {who}: no curve of closed states joins them")
+            if len(way.states) < 3:
+                raise OptionError(f"[[barriers]] {who} are the same state")
+            self.ways[pair] = way
 
-    def choices(self, lift: bool) -> list[dict[tuple[str, str], int | None]]:
+    def choices(self) -> list[dict[tuple[str, str], int | None]]:
         """Return where passes may stand: a sample of each way, or None where only a height is bounded from above."""
         options: list[list[int | None]] = []
         for pair, asks in self.asks.items():
-            if not lift and all(a.least <= 0.0 for a in asks):
-                options.append([None])
-                continue
-            m = len(self.ways[pair].states)
-            if m < 3:
-                raise OptionError(f"[[barriers]] {pair[0]!r} to {pair[1]!r} are the same state")
-            share = max(2, int(MOST_CANDIDATES ** (1 / len(self.asks))))
-            where = np.linspace(0, m - 1, min(CANDIDATES, share) + 2)[1:-1]
-            options.append([*sorted({int(np.clip(round(w), 1, m - 2)) for w in where})])
-        return [
-            dict(zip(self.asks, c, strict=True))
-            for c in itertools.islice(itertools.product(*options), MOST_CANDIDATES)
-        ]
+            m, share = len(self.ways[pair].states), int(MOST_CANDIDATES ** (1 / len(self.asks)))
+            where = np.linspace(0, m - 1, min(CANDIDATES, max(2, share)) + 2)[1:-1]
+            at = np.unique(np.clip(np.round(where), 1, m - 2).astype(int)).tolist()
+            options.append(at if any(a.least > 0.0 for a in asks) else [None])
+        every = itertools.islice(itertools.product(*options), MOST_CANDIDATES)
+        return [dict(zip(self.asks, c, strict=True)) for c in every]
 
     def slope(self, way: TransitionPath, k: int) -> np.ndarray:
         """Row of the slope of the energy along a way."""
@@ -247,53 +238,38 @@ class Passes:
         )
         return row
 
-    def rows(
-        self, choice: dict[tuple[str, str], int | None]
-    ) -> tuple[tuple[ConeRows, ...], list[np.ndarray]]:
-        """Return the rows of a choice, and those of the barriers' heights over the mean stiffness."""
+    def rows(self, choice: dict[tuple[str, str], int | None]) -> list[ConeRows]:
+        """Return the rows of a choice."""
         out: list[ConeRows] = []
-        heights = []
+        scale = np.zeros(self.springs.places.size)
+        scale[self.springs.places.scale] = 1.0
         for pair, asks in self.asks.items():
             way, p = self.ways[pair], choice[pair]
-            if p is not None:
-                out += self._pass(pair, way, p)
+            out += [] if p is None else self._pass(pair, way, p)
+            top = [*way.states[1:-1], *self.tops[pair]] if p is None else [way.states[p]]
             for ask in asks:
-                start = self.springs.energy(way.states[0 if ask.start == pair[0] else -1])
-                every = [*way.states[1:-1], *self.tops.get(pair, [])]
-                top = every if p is None else [way.states[p]]
+                start = self.springs.energy(self._start(pair, ask))
                 rises = np.array([self.springs.energy(x) - start for x in top])
-                out += self._bounds(ask, rises)
-                if p is not None:
-                    heights.append(rises[0])
-        return tuple(out), heights
+                words = f"barrier from {ask.start} to {ask.end}"
+                least = ask.least if ask.least > 0.0 else -math.inf
+                out += bounded(rises, scale, least, ask.most, words)
+        return out
+
+    def _start(self, pair: tuple[str, str], ask: BarrierAsk) -> np.ndarray:
+        """Return the end of a way at which a barrier begins."""
+        x: np.ndarray = self.ways[pair].states[0 if ask.start == pair[0] else -1]
+        return x
 
     def see(self, model: PatternProblem) -> bool:
         """Note the tops of ways between samples that are too high in a scene; False where all are low enough."""
         new = False
         for pair, asks in self.asks.items():
-            way = self.ways[pair]
-            top, x = height(model, way)
+            top, x = height(model, self.ways[pair])
             for ask in asks:
-                start = float(model.energy(way.states[0 if ask.start == pair[0] else -1]))
-                if top - start > ask.most * (1 + LEVEL):
-                    self.tops.setdefault(pair, []).append(x)
+                if top - float(model.energy(self._start(pair, ask))) > ask.most * (1 + LEVEL):
+                    self.tops[pair].append(x)
                     new = True
         return new
-
-    def _bounds(self, ask: BarrierAsk, rises: np.ndarray) -> list[ConeRows]:
-        words = f"barrier from {ask.start} to {ask.end}"
-        scale = np.zeros(rises.shape[1])
-        scale[self.springs.places.scale] = 1.0
-        over = rises - ask.least * scale
-        if ask.least == ask.most:
-            return [ConeRows.of(EQUAL, over, f"{words} is {ask.least:g} J")]
-        out = []
-        if ask.least > 0.0:
-            out.append(ConeRows.of(POSITIVE, over, f"{words} at least {ask.least:g} J"))
-        if math.isfinite(ask.most):
-            below = ask.most * scale - rises
-            out.append(ConeRows.of(POSITIVE, below, f"{words} at most {ask.most:g} J"))
-        return out
 
     def _pass(self, pair: tuple[str, str], way: TransitionPath, p: int) -> list[ConeRows]:
         """Rows of a pass at sample p: up to it, stationary there, down from it."""

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.bifurcation import PathBranch, draw_ranges, event_look, kinds_legend
-from origami_nlp.display import draw_pattern_state, label_text
+from origami_nlp.display import draw_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
@@ -94,7 +94,7 @@ def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
     for k, (title, phi, t) in enumerate(shown[:MOST_DRAWN]):
         axes = figure.add_axes(((k + 0.02) * share, 0.02, 0.96 * share, 0.82))
         state = np.array(phi)
-        draw_pattern_state(axes, pattern, state, contacts=_carried(line.at(t), state))
+        draw_state(axes, pattern, state, contacts=_carried(line.at(t), state))
         axes.set_title(title, fontsize=9)
 
 

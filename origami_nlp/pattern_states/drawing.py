@@ -16,7 +16,7 @@ from origami_nlp.display import (
     MOUNTAIN,
     VALLEY,
     crease_legend,
-    draw_pattern_state,
+    draw_state,
     draw_states,
     label_text,
 )
@@ -55,7 +55,7 @@ def draw_mobility(seen: Mobility, path: Any = None) -> Figure:
         if phi is None:
             _draw_flat(axes, p)
         else:
-            draw_pattern_state(axes, p, phi)
+            draw_state(axes, p, phi)
         axes.set_title(label_text(title), fontsize=10)
     free = "not known" if seen.dof is None else str(seen.dof)
     title = f"{p.name}: {p.facets} facets, {p.creases} creases, degrees of freedom: {free}"

@@ -46,90 +46,79 @@ def draw_sweep(folder: str | Path) -> Figure:
         If the sweep has more than two dimensions, or the folder holds none.
     """
     grid = sweep_grid(folder)
-    names = list(grid["axes"])
-    shape = grid["count"].shape
-    if len(shape) > 2:
+    names, count = list(grid["axes"]), grid["data"]["count"]
+    if count.ndim > 2:
         raise SweepError(
-            f"a figure needs one or two dimensions, not {len(shape)}: load the sweep and take a slice"
+            f"a figure needs one or two dimensions, not {count.ndim}: load the sweep and take a slice"
         )
+    of_kinds = {kind: grid["data"][f"count_{kind.replace('-', '_')}"] for kind in KINDS}
+    of_kinds = {kind: v for kind, v in of_kinds.items() if (v > 0).any()}
+    missing = [patch(MISSING, NOT_KNOWN)] if (count < 0).any() else []
     with mpl.rc_context({"font.size": 10, "axes.titlesize": 10}):
-        figure = _curve(grid, names[0]) if len(shape) == 1 else _maps(grid, names)
+        figure = Figure(layout="constrained", dpi=110)
+        if count.ndim == 1:
+            missing = _curve(figure, grid, names[0], of_kinds) + missing
+        else:
+            _maps(figure, grid, names, of_kinds)
+        if missing:
+            figure.legend(handles=missing, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 
-def _by_kind(grid: dict[str, Any]) -> dict[str, np.ndarray]:
-    found = {kind: grid[f"count_{kind.replace('-', '_')}"] for kind in KINDS}
-    return {kind: v for kind, v in found.items() if (v > 0).any()}
-
-
-def _curve(grid: dict[str, Any], name: str) -> Figure:
-    figure = Figure(figsize=(6.4, 3.9), layout="constrained", dpi=140)
+def _curve(figure: Figure, grid: dict[str, Any], name: str, of_kinds: dict[str, Any]) -> list[Any]:
+    """Draw stacked numbers of each kind, and return what the legend says."""
+    figure.set_size_inches(6.4, 3.9)
     axes = figure.subplots()
     x = _values(grid, name)
-    order = np.argsort(x)
-    below = np.zeros(len(x))
-    for kind, count in _by_kind(grid).items():
+    order, below = np.argsort(x), np.zeros(len(x))
+    look: dict[str, Any] = {"step": "mid", "lw": 0, "edgecolor": "white"}
+    for kind, count in of_kinds.items():
         top = below + np.maximum(count, 0)
-        look: dict[str, Any] = {
-            "facecolor": KINDS[kind].colour,
-            "hatch": KINDS[kind].hatch,
-            "edgecolor": "white",
-        }
-        axes.fill_between(x[order], below[order], top[order], step="mid", **look, lw=0, label=kind)
+        look |= {"facecolor": KINDS[kind].colour, "hatch": KINDS[kind].hatch}
+        axes.fill_between(x[order], below[order], top[order], **look, label=kind)
         below = top
-    for value in x[grid["count"] < 0]:
+    for value in x[grid["data"]["count"] < 0]:
         axes.axvline(value, color=MISSING, lw=1)
-    axes.set(
-        xscale=_scale(grid, name),
-        xlabel=axis_label(grid, name),
-        ylabel="number of minima",
-        ylim=(0, max(1, below.max()) + 0.3),
-        xlim=(x.min(), x.max()),
-    )
+    axes.set(xscale=_scale(grid, name), xlabel=axis_label(grid, name), ylabel=COUNTED)
+    axes.set(ylim=(0, max(1, below.max()) + 0.3), xlim=(x.min(), x.max()))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    handles = [*axes.get_legend_handles_labels()[0]]
-    if (grid["count"] < 0).any():
-        handles.append(patch(MISSING, NOT_KNOWN))
-    if handles:
-        figure.legend(handles=handles, loc="outside upper center", ncols=4, frameon=False)
-    return figure
+    return list(axes.get_legend_handles_labels()[0])
 
 
-def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
+def _maps(figure: Figure, grid: dict[str, Any], names: list[str], of_kinds: dict[str, Any]) -> None:
+    """Draw a map of the number of minima of each kind."""
+    count, stable = (grid["data"][key] for key in ("count", "count_stable"))
     y, x = (_edges(_values(grid, n), grid["log"][n]) for n in names)
-    panels = {"all minima": grid["count"], **_by_kind(grid)}
-    if (grid["count_unstable"] > 0).any():
-        panels["stable"] = np.nan_to_num(grid["count_stable"], nan=-1)
+    panels = {"all minima": count, **of_kinds}
+    if np.isfinite(stable[count >= 0]).all():  # else what a broken symmetry does was not asked
+        panels = {"stable states": np.nan_to_num(stable, nan=-1), **panels}
     columns = 2 if len(panels) == 4 else min(3, len(panels))
     rows = -(-len(panels) // columns)
-    size = (1.4 + 2.9 * columns, 0.4 + 2.9 * rows)
-    figure = Figure(figsize=size, layout="constrained", dpi=110)
+    figure.set_size_inches(1.4 + 2.9 * columns, 0.4 + 2.9 * rows)
     grids = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    most = max(1, int(grid["count"].max()))
-    colours = mpl.colormaps["viridis"].resampled(most + 1)
+    most = max(1, int(count.max()))
+    look: dict[str, Any] = {
+        "cmap": mpl.colormaps["viridis"].resampled(most + 1),
+        "vmin": -0.5,
+        "vmax": most + 0.5,
+    }
     image: Any = None
     for axes in grids.flat[len(panels) :]:
         axes.axis("off")
-    for k, (axes, (title, count)) in enumerate(zip(grids.flat, panels.items(), strict=False)):
-        shown = np.ma.masked_less(count, 0)
+    for axes, (title, number) in zip(grids.flat, panels.items(), strict=False):
         axes.set_facecolor(MISSING)
-        image = axes.pcolormesh(x, y, shown, cmap=colours, vmin=-0.5, vmax=most + 0.5)
+        image = axes.pcolormesh(x, y, np.ma.masked_less(number, 0), **look)
         axes.set(xscale=_scale(grid, names[1]), yscale=_scale(grid, names[0]), title=title)
-        if k + columns >= len(panels):
-            axes.set_xlabel(axis_label(grid, names[1]))
-            axes.tick_params(labelbottom=True)
-        if k % columns == 0:
-            axes.set_ylabel(axis_label(grid, names[0]))
-    bar = figure.colorbar(
-        image, ax=grids, ticks=range(most + 1), label="number of minima", shrink=0.9
-    )
+    for axes in grids.flat[max(len(panels) - columns, 0) : len(panels)]:
+        axes.set_xlabel(axis_label(grid, names[1]))
+        axes.tick_params(labelbottom=True)
+    for axes in grids[:, 0]:
+        axes.set_ylabel(axis_label(grid, names[0]))
+    bar = figure.colorbar(image, ax=grids, ticks=range(most + 1), label=COUNTED, shrink=0.9)
     bar.ax.minorticks_off()
-    if (grid["count"] < 0).any():
-        handles = [patch(MISSING, NOT_KNOWN)]
-        figure.legend(handles=handles, loc="outside lower center", frameon=False)
-    return figure
 
 
+COUNTED = "number of minima"
 NOT_KNOWN = "no scene, failed or not run"
 
 

@@ -7,17 +7,19 @@ completion.
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OrigamiError, OutOfTime, SweepError
 from origami_nlp.sweep.spec import Sweep
-from origami_nlp.sweep.store import Outcome, Store, attempted
+from origami_nlp.sweep.store import Store
 from origami_nlp.workers import stop_workers, worker_pool
 
 Progress = Callable[[int, int, int], None]
@@ -46,9 +48,29 @@ class SweepReport:
     interrupted: bool
 
 
-def run_scene(sweep: Sweep, index: int) -> Outcome:
-    """Find the states of one scene; errors become its outcome (this is what a worker does)."""
-    return attempted(index, sweep.scene, sweep.minima)
+def run_scene(sweep: Sweep, index: int) -> dict[str, Any]:
+    """Find the states of one scene; errors become its outcome, a line of the store (this is what a worker does)."""
+    begin = time.perf_counter()
+    outcome: dict[str, Any] = {"scene": index, "parameters": sweep.parameters(index)}
+    outcome |= {"status": "done", "reason": "", "seconds": 0.0, "starts": 0, "states": []}
+    try:
+        made = sweep.scene(index)
+    except OrigamiError as error:
+        return outcome | {"status": "invalid", "reason": str(error)}
+    try:
+        found = sweep.minima(made)
+    except Exception as error:  # whatever it is: it is reported, by name
+        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        outcome |= {"status": "failed", "reason": reason}
+    else:
+        states = [{k: _plain(v) for k, v in row.items() if k != "scene"} for row in found._rows()]
+        outcome |= {"starts": found.search.starts, "states": states}
+    return outcome | {"seconds": time.perf_counter() - begin}
+
+
+def _plain(value: Any) -> Any:
+    """Return what JSON has: None for what is not finite."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def run_sweep(
@@ -105,69 +127,60 @@ def run_sweep(
     check_callback("progress", progress)
     begin = time.perf_counter()
     until = math.inf if seconds is None else time.monotonic() + seconds
-    own = executor is None
     with Store(folder, sweep) as store:
         pool = worker_pool(workers) if executor is None else executor
-        interrupted = True
+        before = sum(status != "failed" for status in store.status.values())
+        ran, interrupted = 0, True
         try:
-            ran, interrupted = _walk(sweep, store, pool, workers or _size(pool), progress, until)
+            for ran, states in _walk(sweep, store, pool, workers or _size(pool), until):
+                if progress:
+                    progress(before + ran, sweep.count, states)
+            interrupted = False
+        except BrokenExecutor:
+            raise SweepError(
+                f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "
+                "the same command goes on; fewer --workers need less memory"
+            ) from None
+        except (KeyboardInterrupt, OutOfTime):
+            pass
         finally:
-            if own and interrupted:
+            if executor is None and interrupted:
                 stop_workers(pool)
-            elif own:
+            elif executor is None:
                 pool.shutdown(wait=False, cancel_futures=True)
-        return SweepReport(store.counts(), ran, time.perf_counter() - begin, interrupted)
+    counts = dict(Counter(store.status.values()))
+    return SweepReport(counts, ran, time.perf_counter() - begin, interrupted)
 
 
 def _size(pool: Any) -> int:
     """Scenes to keep in flight: the workers of the pool where it says, else as many as there are processors."""
-    import os
-
     count = getattr(pool, "_max_workers", None) or getattr(pool, "num_workers", None)
     return int(count or os.cpu_count() or 1)
 
 
 def _walk(
-    sweep: Sweep,
-    store: Store,
-    pool: Executor,
-    workers: int,
-    progress: Progress | None,
-    until: float = math.inf,
-) -> tuple[int, bool]:
-    done = frozenset(store.done())
-    waiting = (index for index in range(sweep.count) if index not in done)
-    running: set[Future[Any]] = set()
-    finished, ran, states = len(done), 0, 0
-
+    sweep: Sweep, store: Store, pool: Executor, workers: int, until: float
+) -> Iterator[tuple[int, int]]:
+    """Run what is left, and give after each scene how many were run, and how many minima they have."""
+    waiting = (k for k in range(sweep.count) if store.status.get(k, "failed") == "failed")
+    running, ran, states = set[Future[Any]](), 0, 0
     try:
         while True:
             while len(running) < 2 * workers:  # one in work, one at hand
-                index = next(waiting, None)
-                if index is None:
+                if (index := next(waiting, None)) is None:
                     break
                 running.add(pool.submit(run_scene, sweep, index))
             if not running:
-                return ran, False
+                return
             left = None if until == math.inf else max(until - time.monotonic(), 0.0)
             ended = wait(running, left, return_when=FIRST_COMPLETED).done
             if not ended or time.monotonic() > until:
-                for future in running:
-                    future.cancel()
-                return ran, True
+                raise OutOfTime
             for future in ended:
                 running.remove(future)
-                outcome = future.result()
-                store.add(outcome, sweep.parameters(outcome.scene))
-                finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
-                if progress:
-                    progress(finished, sweep.count, states)
-    except BrokenExecutor:
-        raise SweepError(
-            f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "
-            "the same command goes on; fewer --workers need less memory"
-        ) from None
-    except KeyboardInterrupt:
+                store.add(outcome := future.result())
+                ran, states = ran + 1, states + len(outcome["states"])
+                yield ran, states
+    finally:
         for future in running:
             future.cancel()
-        return ran, True

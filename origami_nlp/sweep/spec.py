@@ -1,8 +1,8 @@
-"""What a sweep file says: a scene, and parameters of it that take many values.
+"""What a sweep file says: a scene or a pattern, and parameters of it that take many values.
 
 ```toml
 [scene]
-example = "degree6"            # degree6 or degree8, or file = "scene.toml", or the tables of a scene file
+example = "degree6"            # of one vertex, with its options; or file = "scene.toml", or the tables of one
 alpha = "pi/3"
 ratio = 1
 
@@ -26,16 +26,39 @@ values = ["pi/4", 1.2]
 mode = "grid"                  # every combination (default), or list: axes run together
 effort = "normal"              # quick, normal or thorough
 starts = 0                     # random starts in a row that find nothing new; 0: as the effort says
-max_starts = 100000
 seed = 0
-full = false                   # also decide each state in the full space
+max_starts = 100000            # of scenes
+full = false                   # of scenes: also decide each state in the full space
+contact = true                 # of patterns: whether facets must not cross
+```
+
+With ``[pattern]`` in place of ``[scene]`` it is of sheets:
+
+```toml
+[pattern]
+example = "miura:4x4"          # or file = "sheet.fold"; its options, such as alpha = 1.1
+stiffness = 0.01               # of every crease; without it as the file or the example states
+rest_angle = "pi/3"            # size for mountains and valleys; without it as the file or the example states
+
+[[axes]]
+set = "mountains.stiffness"    # or "valleys.", "creases." for all, "creases.stiffness[3]" for one, "vertices.x[5]"
+from = 0.001
+to = 0.1
+count = 21
+
+[[axes]]
+set = "creases.rest_angles"    # size for mountains and valleys; of one class or one crease the angle itself
+values = [0.5, 1.0, "pi/2"]
+
+[[axes]]
+set = "alpha"                  # an option of the example, or rows, columns
+values = ["pi/4", "pi/3"]
 ```
 """
 
 from __future__ import annotations
 
 import contextlib
-import copy
 import json
 import math
 from collections.abc import Mapping
@@ -46,10 +69,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
-from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict, with_symmetry_of
-from origami_nlp.sweep.places import check_place, give_way, put
+from origami_nlp.pattern import Pattern, Scene, parse_angle, with_symmetry_of
+from origami_nlp.sweep.places import (
+    LARGEST,
+    make_pattern,
+    make_scene,
+    read_pattern_base,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
@@ -57,19 +87,19 @@ if TYPE_CHECKING:
 MOST_SCENES = 10_000_000
 MOST_COMPARED = 64
 """Scenes whose symmetries are compared where none can be made at generic values."""
-LARGEST = 10_000_000
-"""Bytes of a file."""
-_EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
-_EXAMPLE_KEYS = ("example", "alpha", "ratio", "symmetry", "contact")
-_AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
-_SEARCH = {
-    "mode": "grid",
-    "effort": "normal",
-    "starts": 0,
-    "max_starts": 100_000,
-    "seed": 0,
-    "full": False,
+_STATED: dict[str, tuple[Any, Any]] = {
+    "scene": (read_scene, make_scene),
+    "pattern": (read_pattern_base, make_pattern),
 }
+"""What a sweep may be of: by the name of its table, what reads the table, and what makes one with places set."""
+_AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
+_MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
+_SEARCH = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
+_OWN: dict[str, dict[str, Any]] = {
+    "scene": {"max_starts": 100_000, "full": False},
+    "pattern": {"contact": True},
+}
+"""Of [search], with what holds where they are left out: of all, and of one kind."""
 
 
 @dataclass(frozen=True)
@@ -96,22 +126,24 @@ class Axis:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A sweep: `scene(index)` is scene number `index` of `count`.
+    """A sweep: `scene(index)` is scene, or pattern, number `index` of `count`.
 
     Attributes
     ----------
+    of
+        ``"scene"`` or ``"pattern"``.
     base
-        The [scene] table.
+        That table; of a file, what is in it.
     axes
         The parameters that take many values.
     search
         The [search] table, with defaults.
     """
 
+    of: str
     base: dict[str, Any] = field(repr=False)
     axes: tuple[Axis, ...]
     search: dict[str, Any]
-    ONE, MANY = "scene", "scenes"
 
     def __post_init__(self) -> None:
         names = [a.name for a in self.axes]
@@ -122,8 +154,7 @@ class Sweep:
             lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
             raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
         if self.count > MOST_SCENES:
-            what = f"{self.count:,} {self.MANY}"
-            raise SweepError(f"the sweep has {what}: at most {MOST_SCENES:,}")
+            raise SweepError(f"the sweep has {self.count:,} {self.of}s: at most {MOST_SCENES:,}")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -138,30 +169,28 @@ class Sweep:
 
     def parameters(self, index: int) -> dict[str, float]:
         """Values of the axes of scene `index`; the last axis runs fastest."""
-        where: tuple[Any, ...]
-        if self.search["mode"] == "grid":
-            where = tuple(np.unravel_index(index, self.shape))
-        else:
-            where = (index,) * len(self.axes)
+        where = np.unravel_index(index, self.shape)
+        where = where if self.search["mode"] == "grid" else where * len(self.axes)
         return {a.name: a.values[i] for a, i in zip(self.axes, where, strict=True)}
 
-    def scene(self, index: int) -> Scene:
-        """Make scene `index`.
+    def scene(self, index: int) -> Scene | Pattern:
+        """Make scene, or pattern, number `index`.
 
         Raises
         ------
         OrigamiError
-            If these values make no scene (sector angles that do not sum to 2 pi, say).
+            If these values make none (sector angles that do not sum to 2 pi, say).
         """
-        return self.scene_with(self.parameters(index))
+        made, generic = self._made(self.parameters(index)), self.generic
+        return made if generic is None else with_symmetry_of(made, generic)  # type: ignore[arg-type]
 
-    def minima(self, made: Scene) -> MinimaResult:
+    def minima(self, made: Scene | Pattern) -> MinimaResult:
         """Search for the minima of one of its scenes."""
         from origami_nlp.pattern_states import find_states
 
-        s = self.search
-        more = {key: s[key] for key in ("effort", "max_starts", "full", "seed")}
-        return find_states(made, starts=s["starts"] or None, escape=False, prove=False, **more)
+        options = {key: value for key, value in self.search.items() if key != "mode"}
+        options["starts"] = options["starts"] or None
+        return find_states(made, escape=False, prove=False, **options)
 
     @cached_property
     def generic(self) -> Scene | None:
@@ -170,41 +199,28 @@ class Sweep:
         A larger symmetry that single values happen to have (equal rest angles) is not imposed there: numbers of
         states along an axis would not count the same thing.
         """
-        example = "example" in self.base
-        table = self.base if example else self.base.get("model", {})
-        if table.get("symmetry", "D" if example else "auto") != "auto":
-            return None
-        alike = self.search["mode"] == "list"
         values = {}
         for k, axis in enumerate(self.axes):
             a = axis.values[0]
             b = next((v for v in axis.values if v != a), a)
+            alike = self.search["mode"] == "list"
             share = math.exp(-1.0 - (0 if alike else k))  # no rational relation between axes
             values[axis.name] = a + share * (b - a)
-        try:
-            return self._scene(values)
-        except OrigamiError:  # sector angles that sum to 2 pi at the values of the axes alone
-            some = []
-            for index in range(min(self.count, MOST_COMPARED)):
-                with contextlib.suppress(OrigamiError):
-                    some.append(self._scene(self.parameters(index)))
-            return min(some, key=lambda scene: len(scene.group.elements), default=None)
+        some: list[Any] = []
+        # sector angles may sum to 2 pi at the values of the axes alone
+        for each in (values, *map(self.parameters, range(min(self.count, MOST_COMPARED)))):
+            with contextlib.suppress(OrigamiError):
+                some.append(self._made(each))
+                if each is values or getattr(some[0], "symmetry", "") != "auto":
+                    break
+        if not some or getattr(some[0], "symmetry", "") != "auto":
+            return None
+        return min(some, key=lambda scene: len(scene.group.elements))
 
-    def scene_with(self, values: Mapping[str, float]) -> Scene:
-        """Make the scene with these values of the axes, whether they are among theirs or not."""
-        made = self._scene(values)
-        return made if self.generic is None else with_symmetry_of(made, self.generic)
-
-    def _scene(self, values: Mapping[str, float]) -> Scene:
-        data = copy.deepcopy(self.base)
-        for axis in self.axes:
-            for place in axis.places:
-                put(data, place, values[axis.name])
-        if "example" in data:
-            arguments = {k: v for k, v in data.items() if k != "example"}
-            return _EXAMPLES[data["example"]](**arguments)
-        give_way(data, {place for axis in self.axes for place in axis.places})
-        return scene_from_dict(data)
+    def _made(self, values: Mapping[str, float]) -> Scene | Pattern:
+        given = {place: values[axis.name] for axis in self.axes for place in axis.places}
+        made: Scene | Pattern = _STATED[self.of][1](self.base, given)
+        return made
 
     @property
     def normalized(self) -> float:
@@ -214,28 +230,51 @@ class Sweep:
         sectors = any("sector_angles" in place for axis in self.axes for place in axis.places)
         changes = [0.0]
         for index in range(self.count if sectors else 1):
-            with contextlib.suppress(
-                OrigamiError
-            ):  # such a scene has no states, and the store says why
-                changes.append(self._scene(self.parameters(index)).vertex.normalized)
+            with contextlib.suppress(OrigamiError):  # it has no states, and the store says why
+                made: Any = self._made(self.parameters(index))
+                changes.append(made.vertex.normalized)
         return max(changes, key=abs)
 
-    def fingerprint(self) -> str:
-        """The whole sweep as text: two sweeps are the same when these agree."""
+    def to_dict(self) -> dict[str, Any]:
+        """Return the whole sweep as plain data: two sweeps are the same when these agree."""
         axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
-        whole = {self.ONE: self.base, "axes": axes, "search": self.search}
-        return json.dumps(whole, sort_keys=True)
+        whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
+        data: dict[str, Any] = json.loads(json.dumps(whole))
+        return data
 
 
-def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
-    """Make a sweep of scenes from tables ``scene``, ``axes`` and ``search``.
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file.
+
+    Parameters
+    ----------
+    path
+        TOML, as the module `sweep.spec` describes it; a ``file`` in it is found beside it.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If the file cannot be read, or a key is unknown, missing or wrong.
+    AngleError, VertexError, SceneError, SceneFileError, FoldFileError, OptionError
+        If its scene or pattern is wrong.
+    """
+    return parse_sweep(read_toml(path, LARGEST, "sweep", SweepError), Path(path).parent)
+
+
+def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
+    """Make a sweep from the tables of a sweep file.
 
     Parameters
     ----------
     data
-        The tables.
+        Tables ``scene`` or ``pattern``, ``axes`` and ``search``.
     folder
-        Where a scene ``file`` is looked for.
+        Where a ``file`` is looked for.
 
     Returns
     -------
@@ -246,50 +285,34 @@ def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
     ------
     SweepError
         If a key is unknown, missing or wrong.
+
+    Examples
+    --------
+    >>> from origami_nlp.sweep import parse_sweep
+    >>> sweep = parse_sweep({
+    ...     "scene": {"example": "degree6", "alpha": "pi/4"},
+    ...     "axes": [{"set": "ratio", "from": 0.01, "to": 100, "count": 5, "scale": "log"}],
+    ... })
+    >>> sweep.count, sweep.scene(0).label
+    (5, 'degree 6, alpha_1 = pi/4, r_k = 0.01')
     """
-    base = _base(data.get("scene"), folder)
-    axes = read_axes(data.get("axes"))
-    for number, axis in enumerate(axes, start=1):
-        for place in axis.places:
-            check_place(place, f"axes[{number}]", base)
-    sweep = Sweep(base, axes, checked_search(data.get("search", {}), _SEARCH, 0))
-    sweep.scene(0)  # a mistake in the scene is found now, not in every worker
+    if not isinstance(data, Mapping):
+        raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
+    if folder is not None:
+        check_path("folder", folder)
+    of = "pattern" if "pattern" in data else "scene"
+    defaults: dict[str, Any] = {**_SEARCH, **_OWN[of]}
+    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": defaults}
+    check_tables(data, known, "a sweep has", SweepError, ("axes",))
+    if not isinstance(data.get(of), Mapping):
+        raise SweepError("a sweep needs [scene] or [pattern]: example = ..., or file = ...")
+    if not data.get("axes"):
+        raise SweepError("a sweep needs [[axes]] with set and values (or from, to, count)")
+    axes = tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(data["axes"], 1))
+    base = _STATED[of][0](data[of], Path(folder or ""))
+    sweep = Sweep(of, base, axes, _checked(defaults | data.get("search", {}), defaults))
+    sweep.scene(0)  # a mistake is found now, not in every worker
     return sweep
-
-
-def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
-    if not isinstance(scene, Mapping):
-        raise SweepError(
-            "a sweep needs [scene]: example = ..., file = ..., or the tables of a scene file"
-        )
-    data = copy.deepcopy(dict(scene))
-    if "example" in data:
-        check_tables({"scene": data}, {"scene": _EXAMPLE_KEYS}, "a sweep has", SweepError)
-        if data["example"] not in _EXAMPLES:
-            raise SweepError(
-                f"example = {data['example']!r} is unknown: use {', '.join(_EXAMPLES)}"
-            )
-    if "file" not in data:
-        return data
-    if len(data) > 1 or not isinstance(data["file"], str):
-        raise SweepError('[scene] with file = "..." takes nothing else')
-    return read_toml((folder or Path()) / data["file"], LARGEST, "scene", SweepError)
-
-
-def read_axes(stated: Any) -> tuple[Axis, ...]:
-    """Read the [[axes]] of a sweep file, whatever their places are.
-
-    Raises
-    ------
-    SweepError
-        If there is none, or a key is unknown, missing or wrong.
-    """
-    if not stated or not isinstance(stated, list):
-        raise SweepError(
-            "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
-        )
-    check_tables({"axes": stated}, {"axes": _AXIS_KEYS}, "a sweep has", SweepError, ("axes",))
-    return tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(stated, start=1))
 
 
 def _axis(stated: Mapping[str, Any], where: str) -> Axis:
@@ -303,15 +326,15 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
-    spaced = [key for key in ("from", "to", "count") if key in stated]
-    if "values" not in stated:
+    values = stated.get("values")
+    if values is None:
         return Axis(name, tuple(places), tuple(_spaced(stated, where, scale)), scale)
-    if spaced:
+    if spaced := [key for key in ("from", "to", "count") if key in stated]:
         raise SweepError(f"{where} has both values and {', '.join(spaced)}: give one")
-    if not isinstance(stated["values"], list) or not stated["values"]:
+    if not isinstance(values, list) or not values:
         raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
-    values = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(stated["values"], 1)]
-    return Axis(name, tuple(places), tuple(values), scale)
+    numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
+    return Axis(name, tuple(places), tuple(numbers), scale)
 
 
 def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
@@ -320,33 +343,27 @@ def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
             raise SweepError(f"{where}.{key} is missing: give values, or from, to and count")
     low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
     count = stated["count"]
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_SCENES:
-        raise SweepError(
-            f"{where}.count = {count!r} must be a whole number from 1 to {MOST_SCENES:,}"
-        )
-    if scale == "linear":
-        return np.linspace(low, high, count).tolist()
-    if low <= 0 or high <= 0:
+    if type(count) is not int or not 1 <= count <= MOST_SCENES:
+        what = f"a whole number from 1 to {MOST_SCENES:,}"
+        raise SweepError(f"{where}.count = {count!r} must be {what}")
+    if scale == "log" and min(low, high) <= 0:
         raise SweepError(f"{where}: a log scale needs from and to above 0")
-    return np.geomspace(low, high, count).tolist()
+    numbers: list[float] = (np.geomspace if scale == "log" else np.linspace)(
+        low, high, count
+    ).tolist()
+    return numbers
 
 
-def checked_search(
-    stated: Any, known: Mapping[str, Any], starts: int, of: str = ""
-) -> dict[str, Any]:
-    """Return a [search] table with what it leaves out from `known`, which says its kinds; starts: the fewest."""
-    least = {"starts": starts, "max_starts": 1, "seed": 0}
-    check_tables({"search": stated}, {"search": known}, f"a sweep{of} has", SweepError)
-    search = {**known, **stated}
-    words = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
+def _checked(search: dict[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a [search] table; its defaults say of what kind its values are."""
     for key, value in search.items():
-        what = f"search.{key} = {value!r} must be "
-        if key in words:
-            if value not in words[key]:
-                raise SweepError(what + " or ".join(words[key]))
-        elif isinstance(known[key], bool):
-            if not isinstance(value, bool):
-                raise SweepError(what + "true or false")
-        elif isinstance(value, bool) or not isinstance(value, int) or value < least[key]:
-            raise SweepError(f"{what}a whole number, at least {least[key]}")
+        what, least = f"search.{key} = {value!r} must be ", int(key == "max_starts")
+        if key in _MODES:
+            if value not in _MODES[key]:
+                raise SweepError(what + " or ".join(_MODES[key]))
+        elif type(value) is not type(defaults[key]):
+            kind = "true or false" if type(defaults[key]) is bool else "a whole number"
+            raise SweepError(what + kind)
+        elif value < least:
+            raise SweepError(f"{what}at least {least}")
     return search

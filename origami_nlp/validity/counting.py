@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_whole
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, Table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
 from origami_nlp.pattern import Pattern, as_pattern
@@ -21,6 +21,7 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
     Stack,
     Unclear,
+    conflict,
     pattern_frame,
     pattern_to_fold,
     pose_stack,
@@ -47,9 +48,9 @@ class LayerComponent:
         Whether that is the number, or one that is no larger since the search was given up.
     """
 
-    pairs: int
-    orders: int
-    whole: bool = True
+    pairs: int = field(metadata=shown("pairs"))
+    orders: int = field(metadata=shown("orders"))
+    whole: bool = field(default=True, metadata=shown("all"))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,7 +87,7 @@ class LayerOrders(Report):
     (3, 3, '3')
     """
 
-    SCHEMA = "origami-nlp/layers/1"
+    SCHEMA, ROWS = "origami-nlp/layers/1", "components"
     ALSO = ("count", "whole")
     pattern: Pattern
     fold_angles: np.ndarray
@@ -125,18 +126,13 @@ class LayerOrders(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over a table of the components."""
-        rows = []
         parts = sorted(self.components, key=lambda c: (-c.orders, -c.pairs))
-        for (pairs, orders, whole), many in itertools.groupby(
-            parts, key=lambda c: (c.pairs, c.orders, c.whole)
-        ):
-            rows.append((str(len(list(many))), str(pairs), f"{'' if whole else '>= '}{orders:,}"))
-        if not rows:
-            yield self.verdict
-        else:
-            yield Table(
-                ("components", "pairs in each", "orders of each"), rows, self.verdict, "rrr", False
-            )
+        rows = [
+            (str(len([*many])), str(c.pairs), f"{'' if c.whole else '>= '}{c.orders:,}")
+            for c, many in itertools.groupby(parts)
+        ]
+        heads = ("components", "pairs in each", "orders of each")
+        yield Table(heads, rows, self.verdict, "rrr", False) if rows else self.verdict
         if not self.reason:
             left = self.pairs - sum(c.pairs for c in self.components)
             yield (
@@ -154,19 +150,13 @@ class LayerOrders(Report):
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD: the crease pattern, and a frame with faceOrders for each order that is listed."""
         if not self.orders:
-            raise OptionError(
-                f"-o: {self.reason or 'no order is listed: ask for some with --most'}"
-            )
+            raise OptionError(f"-o: {self.reason or 'no order is listed: ask for some, most=100'}")
         frame = pattern_frame(self.pattern, self.fold_angles, "layer order 1")
         frames = [
             {**frame, "frame_title": f"layer order {k}", "faceOrders": [list(o) for o in order]}
             for k, order in enumerate(self.orders, start=1)
         ]
         return pattern_to_fold(self.pattern, frames)
-
-    def _rows(self) -> Iterable[dict[str, object]]:
-        for k, one in enumerate(self.components, start=1):
-            yield {"component": k, "pairs": one.pairs, "orders": one.orders, "whole": one.whole}
 
 
 def flat_folded(pattern: Pattern) -> tuple[np.ndarray, set[int]]:
@@ -260,31 +250,54 @@ def count_orders(
         f, g = pierced[0]
         return without(f"facets {f + 1} and {g + 1} pass through each other")
     stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
-    many = len(stack.pairs)
-    try:
-        posed = pose_stack(stack, unassigned, guesses)
-    except Unclear:
-        return without(UNCLEAR, False, many)
-    if isinstance(posed, Layers):
-        return without(posed.reason, pairs=many)
-    orders = posed[0]
-    parts = orders.counts()
-    found = tuple(LayerComponent(len(part), number, whole) for part, number, whole in parts)
-    reason, decided = "", True
-    if any(c.whole and not c.orders for c in found):
-        reason = "layers have no order in which they do not cross"
-    elif any(not c.orders for c in found):
-        reason, decided = f"no order was found with {guesses:,} guesses in each component", False
+    found = count_stack(stack, unassigned, guesses)
     listed: tuple[Any, ...] = ()
-    if not reason and most:
+    if found.orders is not None and not found.reason and most:
         # of each part no more than are listed: the product begins with those
-        each = [list(itertools.islice(orders.answers(part), most)) for part, _, _ in parts]
-        unknowns = [u for part, _, _ in parts for u in part]
-        values = [v == 1 for v in orders.values]
+        each = [list(itertools.islice(found.orders.answers(p), most)) for p, _, _ in found.parts]
+        unknowns = [u for part, _, _ in found.parts for u in part]
+        values = [v == 1 for v in found.orders.values]
         written = []
         for answer in itertools.islice(itertools.product(*each), most):
             for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
                 values[u] = v
             written.append(stack.polygons(values))
         listed = tuple(written)
-    return replace(without(reason, decided, many), components=found, orders=listed)
+    parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
+    made = without(found.reason, found.decided, len(stack.pairs))
+    return replace(made, components=parts, orders=listed)
+
+
+class Counted(NamedTuple):
+    """Orders of a stack: its parts with the number of orders of each and whether that is all, and why there is none."""
+
+    parts: Sequence[tuple[Sequence[int], int, bool]] = ()
+    reason: str = ""
+    decided: bool = True
+    orders: Any = None
+
+
+def count_stack(
+    stack: Stack,
+    unassigned: Container[int] = (),
+    guesses: int = GUESSES,
+    stated: Sequence[tuple[int, int, int]] = (),
+) -> Counted:
+    """Count the orders of pieces that lie on each other, with what is stated of them."""
+    try:
+        posed = pose_stack(stack, unassigned, guesses)
+        if isinstance(posed, Layers):
+            return Counted(reason=posed.reason)
+        orders = posed[0]
+        if stated:
+            conflict(stack, orders, stated)
+        parts = orders.counts()
+    except Unclear:
+        return Counted(reason=UNCLEAR, decided=False)
+    except TimeoutError:
+        return Counted(reason="the search for one was given up", decided=False)
+    none = [whole for _, many, whole in parts if not many]
+    if any(none):
+        return Counted(parts, "layers have no order in which they do not cross", True, orders)
+    why = f"no order was found with {guesses:,} guesses in each component" if none else ""
+    return Counted(parts, why, not none, orders)

@@ -17,6 +17,15 @@ that layers may be apart."""
 PLACED = 9
 """Decimals of places, over the size of the frame: beyond that is rounding."""
 
+LENGTHS, PLANES = "lengths as in the crease pattern", "plane faces"
+ANGLES, LETTERS = "fold angles as in the coordinates", "mountains and valleys as folded"
+ROUND, FLAT = "flat round every vertex", "flat edges are flat"
+CLOSES, CROSSINGS = "closes round vertices and holes", "no faces pass through each other"
+KAWASAKI, MAEKAWA, LITTLE = "Kawasaki", "Maekawa", "big-little-big"
+UNITS = dict.fromkeys((LENGTHS, PLANES, CROSSINGS), "length")
+UNITS |= dict.fromkeys((ANGLES, LETTERS, ROUND, FLAT, CLOSES, KAWASAKI, LITTLE), "rad")
+"""Of the sizes of the faults of a test."""
+
 Status = Literal["ok", "fault", "not decided", "does not apply"]
 
 
@@ -136,28 +145,28 @@ class Findings:
 
     def skip(self, name: str, why: str, undecided: bool = False) -> None:
         """Record a test that does not apply, or is not decided."""
-        self.tests.append(
-            Test(name, self.frame.number, "not decided" if undecided else "does not apply", why)
-        )
+        status: Status = "not decided" if undecided else "does not apply"
+        self.tests.append(Test(name, self.frame.number, status, why))
 
     def fault(
         self,
         test: str,
         text: str,
+        size: float | None = None,
         *,
+        unit: str | None = None,
         vertices: Sequence[int] = (),
         edges: Sequence[int] = (),
         faces: Sequence[int] = (),
         place: Sequence[float] | np.ndarray | None = None,
-        size: float | None = None,
-        unit: str = "",
     ) -> None:
-        """Record a fault of this frame; its place is the middle of the vertices unless given."""
+        """Record a fault of this frame; its place is the middle of the vertices, and its unit that of the test."""
         if place is None or self.posed:
             place = self.middle(vertices, edges, faces)
         v, e, fs = (tuple(map(int, numbers)) for numbers in (vertices, edges, faces))
         at = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)
         much = None if size is None else float(size)
+        unit = UNITS.get(test, "") if unit is None and much is not None else unit or ""
         self.faults.append(Fault(test, text, self.frame.number, v, e, fs, at, much, unit))
 
     def middle(
@@ -165,10 +174,9 @@ class Findings:
     ) -> np.ndarray:
         """Return the middle of vertices, else of edges, else of faces; nothing where there are none."""
         frame = self.frame
-        at = [*vertices]
-        if not at and len(edges):
-            number = {int(n): k for k, n in enumerate(frame.numbers)}
-            at = [int(v) for e in edges if e in number for v in frame.edges[number[e]]]
-        if not at and frame.faces:
-            at = [v for f in faces for v in frame.faces[f]]
-        return frame.coords[at].mean(axis=0) if at else np.zeros(0)
+        if len(vertices) == 0 and len(edges):
+            of = np.isin(frame.numbers, edges)
+            vertices = frame.edges[of].ravel().tolist()
+        elif len(vertices) == 0 and frame.faces:
+            vertices = [v for f in faces for v in frame.faces[f]]
+        return frame.coords[[*vertices]].mean(axis=0) if len(vertices) else np.zeros(0)

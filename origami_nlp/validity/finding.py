@@ -25,8 +25,8 @@ from origami_nlp.pattern import (
     read_fold,
 )
 from origami_nlp.pattern_problem import PatternProblem, pattern_to_fold
-from origami_nlp.validity.closing import CROSSINGS, check_closure, check_crossings
-from origami_nlp.validity.faults import Findings
+from origami_nlp.validity.closing import check_closure, check_crossings
+from origami_nlp.validity.faults import CROSSINGS, PLANES, Findings
 from origami_nlp.validity.flat_folding import check_flat_folding
 from origami_nlp.validity.geometry import (
     check_fold_angles,
@@ -47,7 +47,6 @@ def check(
     source: str | PathLike[str] | Pattern | Mapping[str, Any],
     *,
     frame: int | None = None,
-    flat_frame: int | None = None,
     tolerance: float | None = None,
 ) -> Validity:
     """Check whether the states of a file are real: all that is wrong, where, and by how much.
@@ -63,9 +62,6 @@ def check(
         a FOLD file.
     frame
         The frame that is checked, from 0; by default all with geometry.
-    flat_frame
-        The crease pattern that folded forms are compared with; by default the first that numbers vertices, edges and
-        faces as they do.
     tolerance
         By how much places may be off, over the longest side of what the frame holds, up to 0.05; by default what the
         digits of a folded form leave (1e-6 to 1e-4), and 1e-4 of a drawing.
@@ -99,37 +95,28 @@ def check(
     """
     if tolerance is not None:
         check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
-    for name, number in (("frame", frame), ("flat_frame", flat_frame)):
-        if number is not None:
-            check_whole(name, number, 0)
+    if frame is not None:
+        check_whole("frame", frame, 0)
     name, frames = _read(source)
     if any(one.lattice is not None for one in frames):
         raise OptionError(
             f"{LATTICE_KEY}: a cell that repeats is not checked; leave the key out to check the cell as a sheet"
         )
-    by_number = {one.number: one for one in frames}
-    for option, number in (("frame", frame), ("flat_frame", flat_frame)):
-        if number is not None and number not in by_number:
-            known = ", ".join(map(str, [*by_number][:12]))
-            raise OptionError(f"{option} = {number} is no frame with geometry: there is {known}")
-    if flat_frame is not None and by_number[flat_frame].folded:
-        raise OptionError(f"flat_frame = {flat_frame} is a folded form: give a crease pattern")
+    chosen = [one for one in frames if frame in (None, one.number)]
+    if not chosen:
+        known = ", ".join(str(one.number) for one in frames[:12])
+        raise OptionError(f"frame = {frame} is no frame with geometry: there is {known}")
     flat = [one for one in frames if not one.folded]
-    if flat_frame is not None:
-        flat = [by_number[flat_frame]]
-    chosen = frames if frame is None else [by_number[frame]]
     folded = any(one.folded for one in chosen)
-    seen = []
-    for one in chosen:
-        f = Findings(one, tolerance)
-        if one.folded:
+    seen = [Findings(one, tolerance) for one in chosen]
+    for f in seen:
+        if f.frame.folded:
             _check_folded(f, flat)
         else:
             _check_pattern(f, beside_folded=folded)
-        seen.append(f)
     kinds = tuple((one.number, "folded form" if one.folded else "crease pattern") for one in chosen)
     notes = dict.fromkeys(note for f in seen for note in (*f.frame.notes, *f.notes))
-    others = () if frame is None or not folded else tuple(one for one in flat if one not in chosen)
+    others = [one for one in flat if folded and one not in chosen]
     return Validity(
         name,
         kinds,
@@ -166,7 +153,7 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
         return
     check_fold_angles(f, measured)
     alike = sheet is not None and sheet.numbers.tolist() == measured.numbers.tolist()
-    whole = as_paper and pattern is not None and not _bent(f)
+    whole = as_paper and pattern is not None and not f.of(PLANES)
     phi, what = measured.reference, measured
     if sheet is not None and alike and whole:
         check_closure(f, PatternProblem(sheet), phi)
@@ -197,25 +184,15 @@ def _sheet_of(mate: Frame, folded: Frame) -> Pattern | None:
     if not (sheet.is_flat and alike and np.array_equal(mate.numbers, folded.numbers)):
         return None
     # s of (f, g, s) is by the normal of g: as the file has it, or turned over
-    sense = [
-        1 if _runs(face, polygon) else -1
-        for face, polygon in zip(folded.faces, sheet.polygons, strict=True)
+    at = [q.index(face[0]) for face, q in zip(folded.faces, sheet.polygons, strict=True)]
+    turned = [
+        q[(k + 1) % len(q)] != face[1]
+        for k, face, q in zip(at, folded.faces, sheet.polygons, strict=True)
     ]
-    orders = tuple((f, g, s * sense[g]) for f, g, s in folded.face_orders)
-    at = {int(n): k for k, n in enumerate(folded.numbers)}
-    which = [at[int(n)] for n in sheet.numbers]
+    orders = tuple((f, g, -s if turned[g] else s) for f, g, s in folded.face_orders)
+    which = [int(np.flatnonzero(folded.numbers == n)[0]) for n in sheet.numbers]
     letters = "".join(folded.assignment[k].replace("?", "U") for k in which)
     return replace(sheet, file_angles=folded.fold_angles[which], assignment=letters, orders=orders)
-
-
-def _runs(face: Sequence[int], polygon: Sequence[int]) -> bool:
-    """Return whether two polygons of the same corners run in the same sense."""
-    at = polygon.index(face[0])
-    return polygon[(at + 1) % len(polygon)] == face[1]
-
-
-def _bent(f: Findings) -> bool:
-    return any(t.name == "plane faces" and t.status == "fault" for t in f.tests)
 
 
 def _check_pattern(f: Findings, beside_folded: bool) -> None:

@@ -12,9 +12,8 @@ from origami_nlp.numerics import INPUT_TOL, NONZERO
 from origami_nlp.pattern import FoldVertex, fold_vertices
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
-from origami_nlp.validity.faults import Findings
+from origami_nlp.validity.faults import KAWASAKI, LITTLE, MAEKAWA, Findings
 
-KAWASAKI, MAEKAWA, LITTLE = "Kawasaki", "Maekawa", "big-little-big"
 VERTEX = "layers round each vertex"
 EXISTS = "layers have an order"
 AMPLIFIED = 5.0
@@ -24,12 +23,10 @@ AMPLIFIED = 5.0
 def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     """Check that a crease pattern folds flat; without a problem only round each vertex."""
     vertices = [w for v in fold_vertices(f.frame)[0] if (w := _folded(v)) is not None]
-    number = {int(n): k for k, n in enumerate(f.frame.numbers)}
-    x, ends = f.frame.coords, f.frame.edges
     undecided, unassigned, largest = [], 0, 0.0
     for v in vertices:
-        at = ends[[number[e] for e in v.edges]]
-        shortest = float(np.linalg.norm(x[at[:, 0]] - x[at[:, 1]], axis=1).min())
+        ends = f.frame.coords[f.frame.edges[np.isin(f.frame.numbers, v.edges)]]
+        shortest = float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).min())
         most = AMPLIFIED * f.drawn() / max(shortest, NONZERO)
         where = [v.number]
         if v.kawasaki is None:
@@ -42,21 +39,17 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
         good = v.kawasaki <= most
         if not good:
             needs = v.kawasaki * shortest / AMPLIFIED / f.size
-            f.fault(
-                KAWASAKI,
-                f"alternate angles round vertex {v.number} differ by {math.degrees(v.kawasaki):.3g} degrees; a "
-                f"drawing that is off by {needs:.1e} of its size would explain it",
-                size=v.kawasaki,
-                unit="rad",
-                vertices=where,
-            )
+            differ = f"differ by {math.degrees(v.kawasaki):.3g} degrees"
+            drawn = f"a drawing that is off by {needs:.1e} of its size would explain it"
+            text = f"alternate angles round vertex {v.number} {differ}; {drawn}"
+            f.fault(KAWASAKI, text, v.kawasaki, vertices=where)
         if v.maekawa is None:
             unassigned += 1
             continue
         if v.maekawa:
             mountains, valleys = v.assignment.count("M"), v.assignment.count("V")
             text = f"vertex {v.number} has {mountains} mountains and {valleys} valleys: they must differ by 2"
-            f.fault(MAEKAWA, text, size=abs(v.maekawa), vertices=where)
+            f.fault(MAEKAWA, text, abs(v.maekawa), vertices=where)
         colliding = _little(f, v, max(most, INPUT_TOL))
         if good and not v.maekawa and not colliding:
             folds = _folds(v)
@@ -66,20 +59,15 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
                 text = f"layers round vertex {v.number} ({v.assignment}) have no order"
                 f.fault(VERTEX, text, vertices=where)
     many = f"{len(vertices)} interior vert{'ex' if len(vertices) == 1 else 'ices'}"
+    some = f"{many}; {unassigned} not assigned in whole" if unassigned else many
+    doubt = f"vertices {', '.join(map(str, undecided[:8]))} are not decided" if undecided else ""
     ok = f.settle(KAWASAKI, f"{many}, {_off(largest)}")
-    some = f"; {unassigned} not assigned in whole" if unassigned else ""
-    ok &= f.settle(MAEKAWA, many + some)
-    ok &= f.settle(LITTLE, many + some)
-    doubt = ""
-    if undecided and problem is None:
-        doubt = f"vertices {', '.join(map(str, undecided[:8]))} are not decided"
-    ok &= f.settle(VERTEX, many + some, doubt)
+    for name in (MAEKAWA, LITTLE):
+        ok &= f.settle(name, some)
+    ok &= f.settle(VERTEX, some, doubt if problem is None else "")
     if not ok or problem is None:
-        f.skip(
-            EXISTS,
-            "not asked where a vertex does not fold flat, or there is no sheet",
-            problem is None,
-        )
+        why = "not asked where a vertex does not fold flat, or there is no sheet"
+        f.skip(EXISTS, why, problem is None)
         return
     phi, free = flat_folded(problem.pattern)
     found = count_orders(problem, phi, free, 0)
@@ -142,15 +130,12 @@ def _little(f: Findings, v: FoldVertex, most: float) -> bool:
             continue
         edges = [v.edges[m] for m in run]
         what = "a smaller angle" if k == 1 else f"{k} equal smaller angles"
-        f.fault(
-            LITTLE,
+        text = (
             f"round vertex {v.number} edges {', '.join(map(str, edges))} ({letters}) enclose {what} of "
-            f"{math.degrees(a[i]):.5g} degrees between larger ones",
-            vertices=[v.number],
-            edges=edges,
-            size=float(min(a[i - 1], a[(i + k) % n]) - a[i]),
-            unit="rad",
+            f"{math.degrees(a[i]):.5g} degrees between larger ones"
         )
+        size = float(min(a[i - 1], a[(i + k) % n]) - a[i])
+        f.fault(LITTLE, text, size, vertices=[v.number], edges=edges)
     return len(f.faults) > before
 
 
@@ -161,6 +146,5 @@ def _folds(v: FoldVertex) -> bool | None:
     a = np.array(v.sector_angles)
     miss = math.fsum(a[::2]) - math.fsum(a[1::2])
     a = a - miss / len(a) * (-1.0) ** np.arange(len(a))
-    return folds_flat(
-        replace(v, sector_angles=tuple((a * (2 * math.pi / a.sum())).tolist()), kawasaki=0.0)
-    )
+    sectors = tuple((a * (2 * math.pi / a.sum())).tolist())
+    return folds_flat(replace(v, sector_angles=sectors, kawasaki=0.0))

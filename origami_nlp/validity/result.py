@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 from origami_nlp.display import Cell, Details, Report, Section, Table, Words
@@ -81,57 +81,36 @@ class Validity(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over the tests, then the faults."""
-        several = len(self.kinds) > 1
-        open_ = [t for t in self.tests if t.status not in ("ok", "does not apply")]
-        shown = self.tests if len(self.kinds) <= MOST_FRAMES else tuple(open_)
-        if shown:
-            yield self._table(shown, several, self.sentence)
-        else:
-            yield self.sentence
-        yield from self._words(self.faults[:MOST_FAULTS], several)
+        open_ = tuple(t for t in self.tests if t.status not in ("ok", "does not apply"))
+        shown = self.tests if len(self.kinds) <= MOST_FRAMES else open_
+        yield self._table(shown, self.sentence) if shown else self.sentence
+        yield from map(self._words, self.faults[:MOST_FAULTS])
         for note in self.notes:
             yield f"note: {note}"
         rest = self.faults[MOST_FAULTS:]
-        if rest or len(shown) < len(self.tests):
-            pieces: list[Table | Cell] = [*self._words(rest, several)]
-            if len(shown) < len(self.tests):
-                pieces.append(self._table(self.tests, several, "all tests"))
+        pieces: list[Table | Cell] = [*map(self._words, rest)]
+        if len(shown) < len(self.tests):
+            pieces.append(self._table(self.tests, "all tests"))
+        if pieces:
             title = f"{len(rest)} more faults" if rest else "All tests of all frames"
             yield Details(pieces, title)
 
-    def _table(self, tests: Iterable[Test], several: bool, title: str) -> Table:
+    def _table(self, tests: Iterable[Test], title: str) -> Table:
         styles = {"fault": "red", "not decided": "yellow", "ok": "", "does not apply": "dim"}
-        rows = [
-            (
-                *((str(t.frame),) if several else ()),
-                t.name,
-                Words(t.status, styles[t.status]),
-                t.text,
-            )
-            for t in tests
-        ]
-        heads = (*(("frame",) if several else ()), "test", "", "")
-        return Table(heads, rows, title, ("r" if several else "") + "LLL", framed=False)
+        rows = [(str(t.frame), t.name, Words(t.status, styles[t.status]), t.text) for t in tests]
+        skip = int(len(self.kinds) == 1)
+        heads, columns = ("frame", "test", "", "")[skip:], "rLLL"[skip:]
+        return Table(heads, [row[skip:] for row in rows], title, columns, framed=False)
 
-    def _words(self, faults: Iterable[Fault], several: bool) -> Iterator[str]:
-        for one in faults:
-            where = f"frame {one.frame}: " if several else ""
-            at = f", at ({', '.join(f'{v:.4g}' for v in one.place)})" if one.place else ""
-            yield f"fault: {where}{one.text}{at}"
+    def _words(self, one: Fault) -> str:
+        where = f"frame {one.frame}: " if len(self.kinds) > 1 else ""
+        at = f", at ({', '.join(f'{v:.4g}' for v in one.place)})" if one.place else ""
+        return f"fault: {where}{one.text}{at}"
 
     def _rows(self) -> Iterable[dict[str, object]]:
         for one in self.faults:
-            x, y, z = (*one.place, *[math.nan] * 3)[:3]
-            yield {
-                "frame": one.frame,
-                "test": one.test,
-                "text": one.text,
-                "vertices": one.vertices,
-                "edges": one.edges,
-                "faces": one.faces,
-                "x": x,
-                "y": y,
-                "z": z,
-                "size": one.size,
-                "unit": one.unit,
-            }
+            row = {f.name: getattr(one, f.name) for f in fields(one)}
+            place = (*row.pop("place"), *[math.nan] * 3)
+            at = dict(zip("xyz", place, strict=False))
+            last = {key: row.pop(key) for key in ("size", "unit")}
+            yield {"frame": row.pop("frame")} | row | at | last

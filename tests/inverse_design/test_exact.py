@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from origami_nlp.inverse_design import EnergyGap, scene_of, solve, springs_of
+from origami_nlp.inverse_design import EnergyGap, scene_of, solve
 from tests.inverse_design.questions import question
 
 pytest.importorskip("clarabel")
@@ -23,7 +23,7 @@ def test_differences_of_energy_are_exact():
         posed = solve(asked)
         if not posed.feasible:
             continue
-        scene = scene_of(asked, springs_of(posed))
+        scene = scene_of(posed)
         u = [scene.energy(asked.model.expand(p.state.x)) for p in asked.placed]
         done.append(abs(u[1] - u[0] - gap) / max(u))
         if len(done) == 10:

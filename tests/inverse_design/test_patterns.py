@@ -7,7 +7,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design import Target, Targets, parse_targets
+from origami_nlp.inverse_design import BarrierAsk, Target, Targets, parse_targets
 from origami_nlp.pattern import scene_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from tests.command_line import run
@@ -52,6 +52,40 @@ def test_a_design_of_a_metasheet_holds_its_states_by_differences():
         assert np.mean(second) >= answer.margin * made.stiffness.mean() * (1 - 1e-3)
 
 
+def test_a_barrier_of_a_sheet_is_as_low_as_asked():
+    """Along closed states from the first to the second, followed by steps along the kernel."""
+    pattern = o.examples.pattern("metasheet:2x3")
+    states = wanted(o.find_minima(pattern, effort="quick", escape=False).minima[3:5])
+    asks = (BarrierAsk("state 1", "state 2", 0.0, 0.5),)
+    answer = o.design(
+        Targets(pattern, states, stiffness=(0.01, 10.0), barriers=asks), effort="quick"
+    )
+    assert answer.verified and answer.barriers[0].rise <= 0.5 * (1 + 1e-9)
+    problem, made = PatternProblem(answer.scene), answer.scene
+    x, end = (np.array(s.fold_angles) for s in answer.states)
+    crest, way = made.energy(x), -problem.kernel(x)[:, 0]
+    way *= np.sign(way @ (end - x))
+    for _ in range(1000):
+        along = problem.kernel(x)[:, 0]
+        way = along * np.sign(along @ way)
+        x, residual = problem.project(x + 0.01 * way)
+        assert residual < 1e-9
+        crest = max(crest, made.energy(x))
+        if np.linalg.norm(end - x) < 0.02:
+            break
+    else:
+        pytest.fail("the second state was not reached")
+    assert crest - answer.states[0].energy == pytest.approx(answer.barriers[0].rise, abs=1e-3)
+
+
+def test_a_sheet_without_springs_says_what_would_help():
+    pattern = o.examples.pattern("metasheet:2x3")
+    states = wanted(o.find_minima(pattern, effort="quick", escape=False).minima[1:2])
+    answer = o.design(Targets(pattern, states, rest_angles=(0.0, 0.1)))
+    assert answer.refuted and answer.reason.bounds
+    assert any("rest angles reach" in change for change in answer.reason.changes)
+
+
 @pytest.mark.slow  # seconds of curves or searches
 def test_creases_of_one_letter_may_have_equal_springs(tmp_path):
     text = """
@@ -67,7 +101,7 @@ fold_angles = %s
     pattern = o.examples.pattern("miura:2x3")
     lowest = o.find_minima(pattern, effort="quick", escape=False).minima[0]
     text %= np.asarray(lowest.fold_angles).tolist()
-    answer = o.design(*parse_targets(text)[:2], effort="quick")
+    answer = o.design(parse_targets(text), effort="quick")
     letters = np.array(list(pattern.assignment))
     for letter in "MV":
         assert np.ptp(answer.scene.stiffness[letters == letter]) < 1e-9
@@ -95,7 +129,4 @@ def test_what_is_for_vertices_alone_is_named():
         Targets(pattern, state, equal=(1, 2))
     with pytest.raises(OptionError, match=r"contact = .none. must be"):
         Targets(pattern, state, contact="none")
-    ask = o.inverse_design.Ask(maximise="barrier")
-    with pytest.raises(OptionError, match=r"maximise = 'barrier' is not for a pattern: "):
-        o.design(Targets(pattern, state), ask)
     assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]

@@ -98,12 +98,12 @@ fold_angles_deg = [106.928, -41.254, 115.0, 42.712]
 
 
 def test_stops_are_stated_in_files():
-    targets = parse_targets(TEXT)[0]
+    targets = parse_targets(TEXT)
     assert targets.panels == (6.0, 10.0)
     made = targets.made(np.ones(4), np.zeros(4))
     assert np.allclose(np.abs(made.limit_angles), tapered_limit(6.0, 10.0))
     stops = TEXT.replace("thickness_mm = 6\ntaper_mm = 10", "limits_deg = [-60, 116]")
-    assert np.allclose(np.degrees(parse_targets(stops)[0].limits), [-60, 116])
+    assert np.allclose(np.degrees(parse_targets(stops).limits), [-60, 116])
     for text, error, why in (
         (stops.replace("116", "100"), OptionError, "115 deg is beyond its stop by 15 deg"),
         (TEXT.replace("taper_mm = 10", ""), SceneError, "thickness_mm = 6 stands alone"),
@@ -114,10 +114,10 @@ def test_stops_are_stated_in_files():
         ),
     ):
         with pytest.raises(error, match=why):
-            o.design(parse_targets(text)[0])
+            o.design(parse_targets(text))
     sheet = '[pattern]\nexample = "miura:2x2"\n[creases]\nlimits_deg = [-100, 100]\n'
     state = "[[states]]\nname = 'a'\nfold_angles_deg = [0, 0, 0, 0]\n"
-    assert np.allclose(np.degrees(parse_targets(sheet + state)[0].origami.limits), [-100, 100])
-    pattern = parse_targets(sheet + state)[0]
+    assert np.allclose(np.degrees(parse_targets(sheet + state).origami.limits), [-100, 100])
+    pattern = parse_targets(sheet + state)
     with pytest.raises(OptionError, match="the pattern has its own"):
         replace(pattern, limits=(-1.0, 1.0))

@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.display import BORDER, MOUNTAIN, draw_pattern_state
+from origami_nlp.display import BORDER, MOUNTAIN, draw_state
 from origami_nlp.minima import write_parts
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import (
@@ -151,7 +151,7 @@ def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
     pattern = make_pattern(corners, polygons)
     figure = Figure()
     axes = figure.add_subplot()
-    draw_pattern_state(axes, pattern, sign * np.array([math.pi, -math.pi]))
+    draw_state(axes, pattern, sign * np.array([math.pi, -math.pi]))
     drawn = {to_hex(c.get_color()[0]) for c in axes.collections if len(c.get_segments())}
     assert drawn == {BORDER, MOUNTAIN}
     shades = axes.images[0].get_array()

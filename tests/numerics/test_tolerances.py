@@ -80,7 +80,6 @@ BESIDE_THE_TABLE = {
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
-        inverse_design/convex.LEAST_MARGIN
     """,
     "options of IPOPT and of a conic solver": """
         search/ipopt.BESIDE_OPTIONS search/ipopt.NEARBY search/ipopt.OPTIONS search/ipopt.TOLERANCE

@@ -111,8 +111,7 @@ def events(q: Answer) -> Answer:
 
 def designed(q: Answer) -> Answer:
     """Springs that hold given states: whether they do, and how firmly."""
-    targets, ask, _ = inverse_design.parse_targets(q["targets"])
-    made = o.design(targets, ask)
+    made = o.design(inverse_design.parse_targets(q["targets"]))
     return {"verified": made.verified, "margin": made.margin}
 
 

@@ -110,7 +110,9 @@ def test_reduced_closure_is_closure_of_the_whole_vertex(case):
         state = model.expand(y)[None]
         product = fold(p.sectors, state)[1][0]
         tangent = np.linalg.svd(model.constraints(y)[1].reshape(len(g), -1), compute_uv=False)
-        if tangent[model.size - model.dof - 1] < 1e-3:  # near a singular state a small residual is a larger opening
+        if (
+            tangent[model.size - model.dof - 1] < 1e-3
+        ):  # near a singular state a small residual is a larger opening
             continue
         solved += 1
         assert np.abs(product - np.eye(3)).max() <= 1e-10

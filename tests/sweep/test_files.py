@@ -12,7 +12,7 @@ from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
 from origami_nlp.pattern_problem import PatternProblem, order_layers, pattern_frame, pattern_to_fold
 from origami_nlp.sweep import parse_sweep, read_sweep, run_sweep
 from origami_nlp.sweep.run import run_scene
-from origami_nlp.sweep.store import read_table
+from origami_nlp.sweep.store import read_store
 from tests.command_line import run
 from tests.sweep.test_sweep import FEW, PATTERNS, SMALL, Inline
 
@@ -79,9 +79,13 @@ def test_places_of_a_pattern(tmp_path):
         ({"axes": []}, "axes"),
         ({"axes": [{"set": "creases.stiffness[9]", "values": [1]}]}, r"\[6\]"),
         ({"axes": [{"set": "creases.stiffness", "values": [-1]}]}, "stiffness"),
-        ({"axes": [{"set": "rows", "values": [2.5]}]}, "whole"),
+        ({"axes": [{"set": "rows", "values": [2]}]}, "rows"),
+        (
+            {"pattern": {"example": "miura:2x2"}, "axes": [{"set": "rows", "values": [2.5]}]},
+            "whole",
+        ),
         ({"axes": [{"set": "beta", "values": [2.5]}]}, "beta"),
-        ({"search": {"effort": "quick"}}, "effort"),
+        ({"search": {"full": True}}, "full"),
         ({"search": {"starts": -1}}, "starts"),
         ({"search": {"contact": 1}}, "contact"),
         ({"scene": {}}, "scene"),
@@ -95,15 +99,14 @@ def test_what_is_wrong_is_named(change, word):
 def test_a_sheet_that_cannot_be_made_is_invalid():
     data = tomllib.loads(PATTERNS)
     data["axes"][0] = {"set": "alpha", "values": [1.0, 4.0]}
-    assert run_scene(parse_sweep(data), 2).status == "invalid"
+    assert run_scene(parse_sweep(data), 2)["status"] == "invalid"
 
 
 def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
     text = FEW.replace('values = ["pi/4", 1.2]', "values = [1.2, 4.0]")
     report = run_sweep(parse_sweep(tomllib.loads(text)), tmp_path, executor=Inline())
     assert report.counts == {"done": 2, "invalid": 2}
-    names, rows = read_table(tmp_path, "scenes")
-    assert "rest_angles[1]" in dict(zip(names, rows[-1], strict=True))["reason"]
+    assert "rest_angles[1]" in read_store(tmp_path)[1][3]["reason"]
 
 
 @pytest.mark.parametrize(

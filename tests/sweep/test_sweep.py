@@ -19,7 +19,7 @@ from origami_nlp import OrigamiError, examples, find_minima
 from origami_nlp.sweep import draw_sweep, load_states, parse_sweep, run_sweep
 from origami_nlp.sweep.load import load_sweep, sweep_grid
 from origami_nlp.sweep.run import run_scene
-from origami_nlp.sweep.store import read_table
+from origami_nlp.sweep.store import read_store
 from tests.command_line import run
 from tests.computed_once import panel_result
 
@@ -110,12 +110,10 @@ def small(text=SMALL):
 
 
 def answers(folder):
-    """Everything in a store that is an answer, as text: times and machines apart."""
-    names, rows = read_table(folder, "states")
-    states = [tuple(r) for r in rows]
-    names, rows = read_table(folder, "scenes")
-    keep = [k for k, n in enumerate(names) if n not in ("seconds",)]
-    return states, [tuple(r[k] for k in keep) for r in rows]
+    """Everything in a store that is an answer: times apart, and the order of completion."""
+    return [
+        {k: v for k, v in row.items() if k != "seconds"} for row in read_store(folder)[1].values()
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -233,7 +231,7 @@ def test_progress_and_interruption(stores, tmp_path, text):
 
     report = run_sweep(small(text), tmp_path, executor=Inline(), workers=1, progress=stop)
     assert report.interrupted and report.ran == count // 2 and seen == [*range(1, count // 2 + 1)]
-    assert sweep_grid(tmp_path)["count"].min() == -1  # not yet run
+    assert sweep_grid(tmp_path)["data"]["count"].min() == -1  # not yet run
     assert run_sweep(small(text), tmp_path, executor=Inline()).ran == count - count // 2
     assert answers(tmp_path) == answers(stores(text))
 
@@ -250,7 +248,7 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
 
     monkeypatch.setattr("origami_nlp.pattern_states.find_states", fail)
     sweep = parse_sweep(tomllib.loads(FEW))
-    assert run_scene(sweep, 0).reason == "RuntimeError: no luck"
+    assert run_scene(sweep, 0)["reason"] == "RuntimeError: no luck"
     report = run_sweep(sweep, tmp_path, executor=Inline())
     assert report.counts == {"failed": 4}
     monkeypatch.undo()
@@ -271,7 +269,7 @@ def start(spec, out):
 def stored(out):
     """How many scenes a store that another process writes holds by now."""
     try:
-        return len(read_table(out, "scenes")[1])
+        return len(read_store(out)[1])
     except OrigamiError:
         return 0  # not made yet, or being made
 

@@ -352,7 +352,7 @@ def test_results_print_save_and_load(flat, tmp_path):
 
 
 def test_arguments_are_checked(flat):
-    for wrong in ({"tolerance": 1.0}, {"frame": 9}, {"flat_frame": 1}):
+    for wrong in ({"tolerance": 1.0}, {"frame": 9}, {"frame": -1}):
         with pytest.raises(OptionError):
             o.check(flat, **wrong)
     with pytest.raises(FoldFileError):

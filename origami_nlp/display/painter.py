@@ -1,7 +1,8 @@
-"""A folded sheet drawn: facets painted by depth, the visible parts of creases and borders as lines over them.
+"""A folded vertex or sheet drawn: facets painted by depth, the visible parts of creases and borders as lines over them.
 
-Mountains are red and solid, valleys blue and dashed, by the sign of the fold angle, wider the larger it is; the upper
-side of the paper is warm, the lower cool: all of it can be read in grey.
+A vertex is a sheet of facets that are sectors of a disc.  Mountains are red and solid, valleys blue and dashed, by the
+sign of the fold angle, wider the larger it is; the upper side of the paper is warm, the lower cool: all of it can be
+read in grey.  All states are seen from one side: their mean normal points up.
 """
 
 from __future__ import annotations
@@ -13,16 +14,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.drawing import BORDER, FLAT, LIGHT, LOWER, MOUNTAIN, UPPER, VALLEY
-from origami_nlp.display.folded_pattern import pattern_view
-from origami_nlp.display.style import PUSHES
+from origami_nlp.display.papers import area_of, paper_of, pattern_view
+from origami_nlp.display.style import (
+    BORDER,
+    FLAT,
+    LIGHT,
+    LOWER,
+    MOUNTAIN,
+    PUSHES,
+    UPPER,
+    VALLEY,
+    patch,
+)
 from origami_nlp.display.touches import TINT, contact_places, mark_touches, touching_facets
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import MOVES, PatternCrossings, PatternProblem, order_layers
+from origami_nlp.pattern import Pattern, Scene, Vertex
+from origami_nlp.pattern_problem import (
+    MOVES,
+    PatternCrossings,
+    PatternProblem,
+    order_layers,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,65 +55,132 @@ MOST_ORDERED = 400
 """Polygons up to which layers are ordered for a picture."""
 BEFORE = 4e-3
 """A line hides only behind what is nearer by more than this share of the picture."""
+BEYOND, APART = 0.13, 0.17
+"""Of the number of a crease, its distance from the end, and from other numbers [of the longest crease]."""
 
 
-def draw_pattern_state(
+def draw_state(
     axes: Axes,
-    pattern: Pattern,
-    fold_angles: np.ndarray,
+    origami: Scene | Vertex | Pattern,
+    fold_angles: object,
     named: Sequence[int] = (),
     contacts: Sequence[ContactForce] = (),
+    *,
+    size: float = 9.0,
 ) -> None:
-    """Draw a folded sheet into axes, made bare here.
+    """Draw a folded state into axes, made bare here; creases round a single vertex have their numbers.
 
     Parameters
     ----------
     axes
         Of matplotlib.
-    pattern
-        The sheet; of a cell that repeats two by two copies are drawn.
+    origami
+        What is folded; of a cell that repeats two by two copies are drawn.
     fold_angles
         Of a closed state, [n] [rad].
     named
         Facets whose numbers are written, from 0.
     contacts
-        Of the state: places where facets touch are marked with their numbers, and these facets are tinted.
+        Of the state of a pattern: places where facets touch are marked with their numbers, and these facets are tinted.
+    size
+        Font size of the numbers of creases [points].
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from origami_nlp import Vertex
+    >>> from origami_nlp.display import draw_state
+    >>> axes = Figure().add_subplot()
+    >>> draw_state(axes, Vertex(("pi/2",) * 4), [1, 0, 1, 0])
+    >>> [text.get_text() for text in axes.texts]
+    ['1', '2', '3', '4']
     """
-    phi = np.asarray(fold_angles, float)
+    pattern, phi = paper_of(origami), np.asarray(fold_angles, float)
     if pattern.cell:  # contacts are those of the cell with copies that need not be drawn
         pattern, crease_of = pattern.cell.tiles
         phi, contacts = phi[crease_of], ()
-    touching = touching_facets(contacts)
     crossings = PatternCrossings(pattern)
-    pieces = crossings.placed(phi)
     corners = crossings.poses.polygons(phi)
     view = pattern_view(corners)
-    seen = pieces @ view.T
-    flat = seen.reshape(-1, 3)
-    low, high = flat[:, :2].min(axis=0), flat[:, :2].max(axis=0)
-    size = 1.06 * float((high - low).max())
-    low = 0.5 * (low + high) - 0.5 * size * (high - low + 0.06 * size) / size
-    shape = np.maximum(1, np.ceil((high - low + 0.03 * size) / size * PIXELS)).astype(int)
-    step = size / PIXELS
-    tinted = np.isin(crossings.facet, touching)
-    above = _layers(pattern, phi, [c @ view.T for c in corners])
-    picture, nearest, first = _paint(seen, crossings.polygon, above, tinted, low, step, shape)
+    pieces, corners = crossings.placed(phi) @ view.T, [c @ view.T for c in corners]
+    marks = _number_places(pattern, crossings.poses.corners(phi) @ view.T)
+    flat = np.vstack(
+        [pieces.reshape(-1, 3)[:, :2], *(m + BEYOND * h for m in marks for h in (1, -1))]
+    )
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    wide = 1.06 * float((high - low).max())
+    low = 0.5 * (low + high) - 0.5 * wide * (high - low + 0.06 * wide) / wide
+    shape = np.maximum(1, np.ceil((high - low + 0.03 * wide) / wide * PIXELS)).astype(int)
+    step = wide / PIXELS
+    tinted = np.isin(crossings.facet, touching_facets(contacts))
+    above = _layers(pattern, phi, corners)
+    picture, nearest, first = _paint(pieces, crossings.polygon, above, tinted, low, step, shape)
     right, top = low + step * shape
     axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
-    lines, looks, owners = _lines(pattern, [c @ view.T for c in corners], phi)
-    for line, (colour, width, dashed), own in zip(lines, looks, owners, strict=True):
+    for line, (colour, width, dashed), own in zip(*_lines(pattern, corners, phi), strict=True):
         hidden = np.logical_and.reduce(above[:, own], axis=1)[first]
-        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, size, dashed)
+        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, wide, dashed)
         look = {"colors": colour, "linewidths": width, "capstyle": "butt", "zorder": 3}
         axes.add_collection(LineCollection(parts, **look), autolim=False)
+    around: dict[str, Any] = {"path_effects": [withStroke(linewidth=2.5, foreground="white")]}
+    around |= {"ha": "center", "va": "center", "zorder": 4}
     for f in named:
         own_parts = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
-        x, y, _ = view @ np.concatenate(own_parts).mean(axis=0)
-        around = [withStroke(linewidth=2.5, foreground="white")]
-        axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
-    mark_touches(axes, view, contact_places(pattern, phi, contacts), contacts)
+        x, y, _ = np.concatenate(own_parts).mean(axis=0)
+        axes.text(x, y, str(f + 1), **around)
+    for k, (x, y) in enumerate(marks):
+        axes.text(x, y, str(k + 1), fontsize=size, color=_look(float(phi[k]))[0], **around)
+    if len(contacts):
+        mark_touches(axes, view, contact_places(pattern, phi, contacts), contacts)
     axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
     axes.axis("off")
+
+
+def _number_places(pattern: Pattern, corners: np.ndarray) -> np.ndarray:
+    """Return where the numbers of creases go [n, 2], just beyond their ends and apart; none but round one vertex."""
+    if len(pattern.vertices) != 1 or len(pattern.vertices[0].creases) != pattern.creases:
+        return np.zeros((0, 2))
+    apex = pattern.vertices[0].vertex
+    ends = np.where(pattern.ends[:, 0] == apex, pattern.ends[:, 1], pattern.ends[:, 0])
+    out = (corners[ends] - corners[apex])[:, :2]
+    unit = float(pattern.lengths.max())
+    length = np.linalg.norm(out, axis=1, keepdims=True)
+    out = np.where(length > 0.05 * unit, out / np.maximum(length, 1e-9), [[0.0, -1.0]])
+    places: np.ndarray = corners[ends, :2] + BEYOND * unit * out
+    i, j = np.triu_indices(len(places), 1)
+    for _ in range(60):
+        gap = places[i] - places[j]
+        far = np.hypot(*gap.T)[:, None]
+        way = np.where(far > 1e-9, gap / np.maximum(far, 1e-9), [[1.0, 0.0]])
+        push = 0.5 * np.maximum(APART * unit - far, 0.0) * way
+        if not push.any():
+            break
+        np.add.at(places, i, push)
+        np.add.at(places, j, -push)
+    return places
+
+
+def crease_legend() -> list[Any]:
+    """Return legend entries for the creases and the sides of the paper.
+
+    Returns
+    -------
+    list of matplotlib.artist.Artist
+        Handles with labels.
+    """
+    return [
+        Line2D([], [], color=MOUNTAIN, linewidth=2.2, label="mountain"),
+        Line2D([], [], color=VALLEY, linewidth=2.2, linestyle=(0, (2.2, 1.3)), label="valley"),
+        patch(UPPER, "upper side"),
+        patch(LOWER, "lower side"),
+    ]
+
+
+def _look(angle: float) -> tuple[str, float, bool]:
+    """Return colour, width and whether it is dashed, of a crease."""
+    if abs(angle) <= MOVES:
+        return FLAT, 0.8, False
+    return MOUNTAIN if angle < 0 else VALLEY, 1.2 + 1.4 * min(abs(angle) / math.pi, 1.0), angle > 0
 
 
 def _paint(
@@ -115,7 +198,7 @@ def _paint(
     top = np.full((shape[1], shape[0]), -1)
     near = LAYER * step * PIXELS
     for x, own, tint in zip(pieces, polygon, tinted, strict=True):
-        normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        normal = area_of(x)
         normal /= np.linalg.norm(normal)
         if abs(normal[2]) < 1e-3:
             continue
@@ -146,7 +229,7 @@ def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.
     above = np.zeros((len(corners) + 1, len(corners)), bool)
     if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
         return above
-    towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
+    towards = [area_of(x)[2] for x in corners]
     for f, g, s in order_layers(PatternProblem(pattern), phi).orders:
         above[(f, g) if s * towards[g] > 0 else (g, f)] = True
     return above
@@ -171,15 +254,10 @@ def _lines(
             continue
         lines.append(ends[s])
         shown.append(own)
-        if s not in crease:
-            looks.append((BORDER, 1.3 * scale, False))
-            continue
-        angle = float(phi[crease[s]])
-        if abs(angle) <= MOVES:
-            looks.append((FLAT, 0.8 * scale, False))
-            continue
-        width = (1.2 + 1.4 * abs(angle) / math.pi) * scale
-        looks.append((MOUNTAIN if angle < 0 else VALLEY, width, angle > 0))
+        colour, width, dashed = (
+            _look(float(phi[crease[s]])) if s in crease else (BORDER, 1.3, False)
+        )
+        looks.append((colour, width * scale, dashed))
     return lines, looks, shown
 
 

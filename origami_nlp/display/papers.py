@@ -1,0 +1,79 @@
+"""The paper of an origami as it is shown, and from where."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.pattern import Pattern, Scene, Vertex
+from origami_nlp.pattern_problem import pose
+
+ARC = math.radians(5)
+"""Of the disc of a vertex, the longest piece of its border."""
+AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
+"""From where a sheet is seen, about its mean normal, which points up."""
+CANCELS = 1e-9
+"""Share of all areas below which the areas of facets, as vectors, cancel: their mean normal is rounding."""
+
+
+def triangles_of(origami: Scene | Vertex | Pattern) -> Pattern:
+    """Return the sheet of an origami: of a vertex triangles about corner 0, whose creases are 1 long."""
+    if isinstance(origami, Vertex):
+        n = origami.degree
+        origami = Scene(origami, (1.0,) * n, (0.0,) * n, "none", "fold-limits")
+    return origami if isinstance(origami, Pattern) else pose(origami).pattern
+
+
+def paper_of(origami: Scene | Vertex | Pattern) -> Pattern:
+    """Return what is drawn of an origami: of a vertex a disc about it, whose creases are 1 long."""
+    paper = triangles_of(origami)
+    if isinstance(origami, Pattern):
+        return paper
+    corners, polygons = [*paper.corners], []
+    for apex, i, j in paper.polygons:
+        a, b = paper.corners[i], paper.corners[j]
+        sector = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+        t = np.linspace(0.0, sector, max(2, math.ceil(sector / ARC)) + 1)[1:-1, None]
+        first = len(corners)
+        corners += [*((np.sin(sector - t) * a + np.sin(t) * b) / math.sin(sector))]
+        polygons.append((apex, i, *range(first, len(corners)), j))
+    return replace(paper, corners=np.array(corners), polygons=tuple(polygons))
+
+
+def area_of(polygon: np.ndarray) -> np.ndarray:
+    """Return twice the area of a plane polygon [q, 3], as a vector along its normal."""
+    at = polygon - polygon[0]
+    return np.asarray(np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0))
+
+
+def pattern_view(polygons: list[np.ndarray]) -> np.ndarray:
+    """Return from where a sheet is seen.
+
+    Parameters
+    ----------
+    polygons
+        In space, [q, 3] each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rows right, up and towards the viewer, [3, 3].
+    """
+    areas = np.array([area_of(x) for x in polygons])
+    area = areas.sum(axis=0)
+    seen = np.linalg.norm(area) > CANCELS * np.linalg.norm(areas, axis=1).sum()
+    points = np.concatenate(polygons)
+    points = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points, full_matrices=False)
+    up = area / np.linalg.norm(area) if seen else axes[2]
+    ahead = next(a for x in axes if np.linalg.norm(a := x - (x @ up) * up) > 0.3)
+    ahead = ahead / np.linalg.norm(ahead)
+    if ahead[int(np.abs(ahead).argmax())] < 0:
+        ahead = -ahead
+    frame = np.stack([ahead, np.cross(up, ahead), up])
+    ca, sa, ce, se = math.cos(AZIMUTH), math.sin(AZIMUTH), math.cos(ELEVATION), math.sin(ELEVATION)
+    turned = np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
+    view: np.ndarray = turned @ frame
+    return view

@@ -1,0 +1,100 @@
+"""Records: dataclasses whose fields say how they are shown, from which tables, rows of frames and of CSV are made."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, fields
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How a field of a record is shown.
+
+    Attributes
+    ----------
+    title
+        Head of its column.
+    unit
+        Of its values; angles [rad] are read in degrees.
+    spec
+        Format of numbers.
+    missing
+        What stands for None.
+    """
+
+    title: str
+    unit: str = ""
+    spec: str = ""
+    missing: str = "-"
+
+    @property
+    def head(self) -> str:
+        """Title and unit."""
+        unit = "deg" if self.unit == "rad" else self.unit
+        return f"{self.title} [{unit}]" if unit else self.title
+
+    def text(self, value: Any) -> str:
+        """Write a value."""
+        if value is None:
+            return self.missing
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, str):
+            return value
+        if isinstance(value, tuple):
+            return " to ".join(map(self.text, value))
+        return format(math.degrees(value) if self.unit == "rad" else value, self.spec)
+
+
+def shown(title: str, unit: str = "", spec: str = "", missing: str = "-") -> dict[str, Any]:
+    """Return the metadata of a field of a record that is shown.
+
+    Parameters
+    ----------
+    title, unit, spec, missing
+        As of `Shown`.
+
+    Returns
+    -------
+    dict
+        For `dataclasses.field`.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass, field
+    >>> from origami_nlp.display import record_row, record_table, shown
+    >>> @dataclass(frozen=True)
+    ... class Fold:
+    ...     crease: int = field(metadata=shown("crease"))
+    ...     angle: float = field(metadata=shown("fold angle", "rad", ".1f"))
+    >>> print(record_table([Fold(1, 0.5)], "folds").markdown().rstrip())
+    | crease | fold angle [deg] |
+    |---:|---:|
+    | 1 | 28.6 |
+    >>> record_row(Fold(1, 0.5))
+    {'crease': 1, 'angle_rad': 0.5}
+    """
+    return {"shown": Shown(title, unit, spec, missing)}
+
+
+def record_row(record: Any) -> dict[str, object]:
+    """Return the shown fields of a record as a row of a frame, names with their units.
+
+    Parameters
+    ----------
+    record
+        Of a dataclass.
+
+    Returns
+    -------
+    dict
+        Such as ``energy_J``; angles in radians.
+    """
+    row: dict[str, object] = {}
+    for f in fields(record):
+        if "shown" in f.metadata:
+            words = re.sub(r"\W+", "_", f.metadata["shown"].unit.replace("/", " per "))
+            row[f"{f.name}_{words}" if words else f.name] = getattr(record, f.name)
+    return row

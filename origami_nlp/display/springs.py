@@ -1,0 +1,78 @@
+"""The springs of an origami, a record a crease."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from origami_nlp.display.records import shown
+from origami_nlp.pattern import Pattern, Scene
+
+
+@dataclass(frozen=True)
+class Spring:
+    """The spring of a crease; of a hinge law its name alone.
+
+    Attributes
+    ----------
+    crease
+        From 1.
+    sector
+        From it to the next crease, of a vertex [rad].
+    stiffness, rest_angle
+        Of a linear spring [N m/rad], [rad].
+    preload
+        Of a wound one [N m].
+    stops
+        Fold limits [rad].
+    law
+        Name of its hinge law.
+    """
+
+    crease: int = field(metadata=shown("crease"))
+    sector: float | None = field(metadata=shown("sector to the next", "rad", ".7g"))
+    stiffness: float | None = field(metadata=shown("stiffness", "N m/rad", ".5g", ""))
+    rest_angle: float | None = field(metadata=shown("rest angle", "rad", ".7g", ""))
+    preload: float | None = field(metadata=shown("preload", "N m", ".5g"))
+    stops: tuple[float, float] | None = field(metadata=shown("stops", "rad", ".7g"))
+    law: str | None = field(metadata=shown("law", missing=""))
+
+
+def springs_of(origami: Scene | Pattern) -> list[Spring]:
+    """Return the springs of an origami.
+
+    Parameters
+    ----------
+    origami
+        A vertex or a sheet.
+
+    Returns
+    -------
+    list of Spring
+        One a crease.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.display import springs_of
+    >>> [spring.stiffness for spring in springs_of(o.examples.miura())]
+    [0.025, 0.025, 0.025, 0.025]
+    """
+    n = len(origami.stiffness)
+    rest = origami.rest_angles if isinstance(origami, Scene) else origami.rest.tolist()
+    vertex = getattr(origami, "vertex", None)
+    none: tuple[Any, ...] = (None,) * n
+    preload = getattr(origami, "preload", ())
+    rows = zip(
+        vertex.sector_angles if vertex else none,
+        map(float, origami.stiffness),
+        rest,
+        preload if any(preload) else none,
+        origami.limits or none,
+        origami.laws or none,
+        strict=True,
+    )
+    return [
+        Spring(k, sector, None if law else s, None if law else r, wound, stops, law and law.name)
+        for k, (sector, s, r, wound, stops, law) in enumerate(rows, start=1)
+    ]
