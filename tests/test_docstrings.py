@@ -54,10 +54,10 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "origami_nlp bifurcation.result chart.outline display.result space.find starts.options "
-    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.report contact.segments "
+    "origami_nlp paths.atlas chart.outline display.result space.find starts.options "
+    "barriers.find barriers.result paths.boundary paths.survey contact.report contact.segments "
     "continuation.tracer critical.find critical.result inverse_design.finding inverse_design.result landscape.exact "
-    "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "paths.load paths.load_result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
     "paper.cone.phase_curves space.result "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
 ).split()

@@ -1,0 +1,422 @@
+"""The map of events over two parameters: curves between which the number and kind of states do not change."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from origami_nlp.arguments import check_until, check_whole
+from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
+from origami_nlp.display import Report, Section, Table, Words, angle_columns
+from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
+from origami_nlp.paths.event_curve import (
+    MEETS,
+    EventPoint,
+    EventTracer,
+    FlatTracer,
+    Tracer,
+    follow_event,
+)
+from origami_nlp.paths.family import with_generic_symmetry
+from origami_nlp.paths.parameter_range import (
+    ParameterRange,
+    parse_nearby,
+    parse_parameter_range,
+)
+from origami_nlp.paths.plane import Plane
+from origami_nlp.paths.records import Interval
+from origami_nlp.paths.survey import follow_family
+from origami_nlp.pattern import Scene, as_scene
+from origami_nlp.problem import Contact
+
+FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
+"""Events that are followed over two parameters, besides those at the flat state."""
+FLAT = "flat"
+"""Type of a curve along which states come out of the flat one."""
+MOST_LINES, MOST_CURVES = 100, 200
+AROUND = 0.03
+"""Of a point where two events meet: share of the ranges, and fold angles [rad]."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """An event at one pair of parameters.
+
+    Attributes
+    ----------
+    t
+        Both parameters in their units.
+    fold_angles
+        All N [rad].
+    kkt, event
+        Residuals of the KKT system and of the event's own function.
+    """
+
+    t: tuple[float, float]
+    fold_angles: tuple[float, ...]
+    kkt: float
+    event: float
+
+
+@dataclass(frozen=True)
+class EventCurve:
+    """A curve of events.
+
+    Attributes
+    ----------
+    id
+        From 1.
+    type
+        Of the event from which it was followed.
+    contact
+        That closes or leaves, in words; "" for folds.
+    points
+        In order.
+    ends
+        Why it ends, first and last: ``range``, ``closed curve``, or what it meets.
+    """
+
+    id: int
+    type: str
+    contact: str
+    points: tuple[CurvePoint, ...]
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class CountedLine:
+    """What was followed over one parameter at one value of the other.
+
+    Attributes
+    ----------
+    parameter
+        Name of the parameter that was followed over: the first, or across it the second.
+    t
+        Value of the other one.
+    intervals
+        Number and kinds of minima over it.
+    events
+        Values of it at which events were located, and the number of the curve of each; 0 for one that is not
+        followed over two parameters.
+    """
+
+    parameter: str
+    t: float
+    intervals: tuple[Interval, ...]
+    events: tuple[tuple[float, int], ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BifurcationSet(Report):
+    """Curves of events over two parameters, and the counts between them.
+
+    Attributes
+    ----------
+    scene
+        The scene that the others differ from.
+    parameters
+        Both parameters with their ranges.
+    curves
+        In order of their numbers.
+    lines
+        What was followed over one parameter: each event there lies on a curve.
+    seconds
+        Of wall time.
+    interrupted
+        Whether the time was over before all was followed: curves are those until then, and minima are not counted on
+        lines that were not followed whole.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> few = {"lines": 1, "across": 0, "effort": "quick"}
+    >>> found = o.find_bifurcation_set(o.examples.degree6("pi/4"), "ratio=1:1.1", "alpha=44deg:45deg", **few)
+    >>> len(found.curves), [interval.minima for interval in found.lines[0].intervals]
+    (0, [2])
+    """
+
+    scene: Scene
+    parameters: tuple[ParameterRange, ParameterRange]
+    curves: tuple[EventCurve, ...]
+    lines: tuple[CountedLine, ...]
+    seconds: float
+    interrupted: bool = False
+    stopped: bool = field(default=False, metadata={"plain": False})
+
+    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/3"
+
+    @property
+    def _ended(self) -> str:
+        return "interrupted" if self.stopped else OUT_OF_TIME
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for curve in self.curves:
+            for p in curve.points:
+                row: dict[str, object] = {"curve": curve.id, "type": curve.type}
+                row["contact"] = curve.contact
+                for k, (parameter, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
+                    row |= {f"parameter_{k}": parameter.name, f"t_{k}": t}
+                    row[f"unit_{k}"] = parameter.unit
+                yield row | angle_columns(p.fold_angles)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the curves, and the counts along each line."""
+        a, b = self.parameters
+        rows = []
+        for c in self.curves:
+            first, last = c.points[0].t, c.points[-1].t
+            ends = [f"({_shown(a, p[0])}, {_shown(b, p[1])})" for p in (first, last)]
+            rows.append(
+                (str(c.id), c.type, c.contact or "-", *ends, str(len(c.points)), ", ".join(c.ends))
+            )
+        heads = ("curve", "type", "contact", "from", "to", "points", "ends")
+        title = f"{len(self.curves)} curves of events over {a.name} and {b.name}"
+        yield Table(heads, rows, title, "rlLllrL")
+        for line in self.lines:
+            along, other = (a, b) if line.parameter == a.name else (b, a)
+            counts = ", ".join(
+                f"{i.minima} ({_shown(along, i.t[0])} to {_shown(along, i.t[1])})"
+                for i in line.intervals
+            )
+            yield Words(f"{other.name} = {_shown(other, line.t)}: minima {counts or 'not counted'}")
+        yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
+        if self.interrupted:
+            yield Words(
+                f"{self._ended}: curves are those until then; on lines that were not followed whole minima are not "
+                "counted",
+                "bold",
+            )
+
+
+def _shown(parameter: ParameterRange, t: float) -> str:
+    return f"{math.degrees(t):.5g} deg" if parameter.unit == "rad" else f"{t:.5g}"
+
+
+def find_bifurcation_set(
+    scene: Scene,
+    event: str | ParameterRange,
+    parameter: str | ParameterRange,
+    *,
+    lines: int = 3,
+    across: int = 1,
+    seed: int = 0,
+    effort: str = "normal",
+    seconds: float | None = None,
+) -> BifurcationSet:
+    """Follow the events over one parameter through a second one.
+
+    Parameters
+    ----------
+    scene
+        One vertex; or a pattern that equals one.
+    event
+        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
+        ``"ratio=1.79"``, for a range around it.
+    parameter
+        The second parameter and its range.
+    lines
+        Values of the second at which the first is followed: both ends, then between them.
+    across
+        Values of the first, evenly inside its range, at which the second is followed: for curves along which the second
+        stays as it is, which no line meets.
+    seed, effort
+        Of the searches.
+    seconds
+        Wall time; what was followed by then is returned, see `BifurcationSet.interrupted`.  None: no limit.
+
+    Returns
+    -------
+    BifurcationSet
+        Curves and counts.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameters, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene, few = o.examples.degree6("pi/3"), {"lines": 1, "across": 0, "effort": "quick"}
+    >>> o.find_bifurcation_set(scene, "ratio=0.3:0.4", "alpha=59deg:60deg", **few)
+    BifurcationSet(1 curves of events over ratio and alpha)
+    """
+    scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
+    check_whole("lines", lines, 1, MOST_LINES)
+    check_whole("across", across, 0, MOST_LINES)
+    begin, until = time.perf_counter(), check_until(seconds)
+    a = parse_nearby(event) if isinstance(event, str) else event
+    b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    if a.name == b.name:
+        raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
+    scene = with_generic_symmetry(scene, (a, b))
+    plane, tally = Plane(scene, (a, b)), Tally()
+    curves: list[EventCurve] = []
+    counted: list[CountedLine] = []
+    ends = plane.corner, plane.corner + plane.size
+    where = np.linspace(ends[0][1], ends[1][1], lines) if lines > 1 else [np.mean(ends, axis=0)[1]]
+    inside = np.linspace(ends[0][0], ends[1][0], across + 2)[1:-1]
+    stopped = False
+    try:
+        for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+            if time.monotonic() > until:
+                break
+            family = plane.family(plane.parameters[1 - axis].t_of(u), axis)
+            atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
+            assert atlas.web is not None  # of one that was just followed
+            if atlas.stopped:
+                raise KeyboardInterrupt
+            met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
+            names = plane.parameters[axis].name, plane.parameters[1 - axis].t_of(u)
+            counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
+        _from_ends(plane, curves, tally, until)
+    except KeyboardInterrupt:
+        if not counted:
+            raise
+        stopped = True
+    late = stopped or time.monotonic() > until or not all(line.intervals for line in counted)
+    seconds = time.perf_counter() - begin
+    found = BifurcationSet(scene, (a, b), tuple(curves), tuple(counted), seconds, late, stopped)
+    return unless_stopped(found, stopped)
+
+
+def _events_on(
+    plane: Plane,
+    web: BifurcationDiagram,
+    axis: int,
+    u: float,
+    curves: list[EventCurve],
+    tally: Tally,
+    until: float,
+) -> tuple[tuple[float, int], ...]:
+    """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
+    met: list[tuple[float, int]] = []
+    for number, node in enumerate(web.nodes):
+        flat = node.type == "singular" and not node.point[:-1].any()
+        if not (flat or node.type in FOLLOWED) or not node.located:
+            continue
+        t = plane.parameters[axis].t_of(node.s)
+        point, normal = np.full(2, u), np.zeros(2)
+        point[axis], normal[axis] = node.s, 1.0
+        first: EventPoint | None = None
+        tracers: Iterable[Tracer] = (
+            EventTracer(plane, hold, contact, tally)
+            for hold, contact in _systems(web, number, node)
+        )
+        # several systems can have the node as a solution: the first in which Newton comes back to it is followed
+        for tracer in (FlatTracer(plane),) if flat else tracers:
+            first = tracer.at(point, normal, node.point[:-1])
+            if first is not None and abs(first.point[axis] - node.s) <= NEAR_SINGULAR_TOL:
+                break
+            first = None
+        if first is None:
+            met.append((t, 0))
+            continue
+        # one curve meets a line more than once, and every other line as well
+        known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
+        if not known:
+            points, ends = follow_event(tracer, first, until)
+            known = len(curves) + 1
+            good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
+            found, kind = tuple(_point(plane, p) for p in good), FLAT if flat else node.type
+            curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
+        met.append((t, known))
+    return tuple(sorted(met))
+
+
+def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally, until: float) -> None:
+    """Follow the events that begin where a curve meets another one: on short lines from its last state."""
+    looked: list[CurvePoint] = []
+    for curve in curves:  # grows
+        for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
+            if not why.startswith(MEETS) or any(_same(plane, point, p) for p in looked):
+                continue
+            looked.append(point)
+            for axis in (0, 1):
+                if time.monotonic() > until:
+                    return
+                web, u = _short_line(plane, point, axis)
+                if len(curves) < MOST_CURVES:
+                    _events_on(plane, web, axis, u, curves, tally, until)
+
+
+def _same(plane: Plane, a: CurvePoint, b: CurvePoint) -> bool:
+    apart = [abs(o.s_of(s) - o.s_of(t)) for o, s, t in zip(plane.parameters, a.t, b.t, strict=True)]
+    angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
+    return bool((apart <= AROUND / 10 * plane.size).all() and angles <= AROUND)
+
+
+def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, float]:
+    """Return what is followed from an event over one parameter nearby, and the value of the other."""
+    parameter, other = plane.parameters[axis], plane.parameters[1 - axis]
+    s, end = parameter.s_of(point.t[axis]), plane.corner[axis] + plane.size[axis]
+    low = max(s - AROUND * plane.size[axis], float(plane.corner[axis]))
+    high = min(s + AROUND * plane.size[axis], float(end))
+    near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
+    family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
+    web = BifurcationDiagram(family.line, *near.ends)
+    web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
+    return web, other.s_of(point.t[1 - axis])
+
+
+def _systems(
+    web: BifurcationDiagram, number: int, node: SpecialPoint
+) -> Iterator[tuple[Hold, Contact | None]]:
+    """Yield what is held at an event on the side that holds less, and a contact that closes there.
+
+    Several contacts may close together, and not all of them to first order.
+    """
+    holds = [
+        arc.frames[len(arc.frames) // 2].hold for arc in web.arcs if number in (arc.start, arc.end)
+    ]
+    # one system serves both sides: without the contact, where its opening vanishes
+    least = min(holds, key=lambda hold: len(hold.contacts))
+    if node.contact is None:
+        yield least, None
+        return
+    rest = replace(least, contacts=tuple(c for c in least.contacts if c != node.contact))
+    more = (c for hold in holds for c in hold.contacts if c not in rest.contacts)
+    for contact in dict.fromkeys((node.contact, *more)):
+        yield rest, contact
+
+
+def _contact(tracer: Tracer, at: EventPoint) -> str:
+    """Return the contact of an event in words; "" where it has none."""
+    contact = tracer.contact
+    return "" if contact is None else at.frame.problem.words(contact, at.frame.state).text
+
+
+def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
+    """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
+    plane = tracer.plane
+    if _contact(tracer, first).split(" (")[0] != curve.contact.split(" (")[0]:
+        return False  # rays that lie on each other close with either of their openings
+    u = first.point[axis]
+    # a change of sign: the curve passes the value u between two of its points
+    at = [plane.parameters[axis].s_of(p.t[axis]) - u for p in curve.points]
+    angles = first.frame.problem.expand(first.frame.state)
+    room = plane.size[axis] * NEAR_SINGULAR_TOL
+    for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
+        if min(da, db) > room or max(da, db) < -room:
+            continue
+        share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
+        there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
+        s, t = (plane.parameters[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
+        near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
+        if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
+            return True
+    return False
+
+
+def _point(plane: Plane, p: EventPoint) -> CurvePoint:
+    angles = p.frame.problem.expand(p.frame.state)
+    return CurvePoint(plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)

@@ -1,0 +1,470 @@
+"""One load path while it is followed: legs through a web of equilibria, and snaps between them."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origami_nlp.continuation import (
+    LATE,
+    START,
+    BifurcationDiagram,
+    ContinuationOptions,
+    Equilibrium,
+    EquilibriumCurve,
+    GeometryLine,
+    ParameterLine,
+    SpecialPoint,
+    find_one_sided_branches,
+    is_equilibrium,
+)
+from origami_nlp.errors import OUT_OF_TIME, OutOfTime
+from origami_nlp.kkt import Classification, State, classify
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
+from origami_nlp.paths.branches import branches_of, chains_of, joined
+from origami_nlp.paths.confirming import confirm
+from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
+from origami_nlp.paths.judging import Touching, breaking_eigenvalue, parts_of
+from origami_nlp.paths.load_records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
+from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.records import PathEvent
+from origami_nlp.paths.stable_path import (
+    BRANCHES,
+    OFF_BRANCH,
+    StableSegment,
+    given,
+    holding,
+    release,
+    restabilises,
+    stiffness_at,
+    walk,
+)
+from origami_nlp.pattern_problem import PopSigns
+
+MOST_SNAPS = 20
+"""Of one path: more are taken for a mistake."""
+
+
+class Run(NamedTuple):
+    """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
+
+    branches_off: whether the first of them is a bifurcation.
+    """
+
+    job: FollowedLoad
+    segment: StableSegment
+    toward: float
+    snap: int | None
+    branches_off: bool = False
+
+    def ending(self, why: str, frames: int | None = None) -> Run:
+        """Return the first of its states, which end for another reason."""
+        first = self.segment.frames[:frames]
+        return self._replace(segment=replace(self.segment, frames=first, why=why), snap=None)
+
+
+class Fall(NamedTuple):
+    """A snap: from the end of a way in one space to a state, known at the load s, in one."""
+
+    job: FollowedLoad
+    way: StableSegment
+    toward: float
+    into: FollowedLoad
+    state: np.ndarray
+    s: float
+    what: Classification
+
+
+@dataclass
+class PathRecord:
+    """What was followed of one load path.
+
+    jobs: spaces, or stages of hinges that yield, in which something was.
+    ways, falls: in order.  alarms: in words.  work: plastic [J].
+    """
+
+    jobs: list[FollowedLoad] = field(default_factory=list)
+    ways: list[Run] = field(default_factory=list)
+    falls: list[Fall] = field(default_factory=list)
+    alarms: list[str] = field(default_factory=list)
+    work: float = 0.0
+
+
+class FollowedLoad:
+    """One load path while it is followed: with the symmetry of a scene, or (of a `root`) without it; or one stage."""
+
+    def __init__(
+        self,
+        driver: Driver,
+        low: float,
+        high: float,
+        full: bool,
+        steps: ContinuationOptions | None,
+        until: float,
+        hinges: Any = None,
+        record: PathRecord | None = None,
+    ) -> None:
+        self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
+        self._given, self.root = (low, high, full, steps, until), self
+        self.record = record or PathRecord([] if hinges else [self])
+        symmetric = full and driver.elements != IDENTITY
+        self._full = driver.keeping(IDENTITY).line() if symmetric else None
+        self._known, self._touching = dict[Equilibrium, float](), Touching()
+        functions = [("breaks-symmetry", self.across)] if self._full else []
+        yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
+        self.web = BifurcationDiagram(
+            line, low, high, steps=driver.steps(steps), functions=functions + yields,
+            stops=[type for type, _ in yields], lazy=True, until=until,
+        )  # fmt: skip
+
+    @property
+    def problem(self) -> Any:
+        """Of the line that is followed."""
+        return self.web.line.problem
+
+    def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
+        """Return the same path in the space of states that keep some of the symmetries of the scene."""
+        root = self.root
+        if root._full is None or set(elements) == set(root.driver.elements):
+            return root
+        driver, jobs = root.driver.keeping(elements), self.record.jobs
+        if driver.elements not in [job.driver.elements for job in jobs]:
+            jobs.append(FollowedLoad(driver, *self._given, record=self.record))
+            jobs[-1].root = root
+        return next(job for job in jobs if job.driver.elements == driver.elements)
+
+    def stage(self, hinges: Any) -> FollowedLoad:
+        """Return a stage of a path with hinges that yield."""
+        return FollowedLoad(self.driver, *self._given, hinges, self.record)
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
+        if self._full is None:
+            return math.nan
+        if frame not in self._known:
+            given = self._full, self.driver.origami, self._touching
+            self._known[frame] = breaking_eigenvalue(frame, *given)
+        return self._known[frame]
+
+    def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
+        """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
+
+        It may snap at its end.
+        """
+        if self.root._full is None:
+            return "", None
+        last = max(len(way.frames) - 1 - (way.why != "range"), first)
+
+        @cache
+        def verdict(k: int) -> str:
+            frame, full = way.frames[k], self._full
+            if full is None:
+                return frame.judged.verdict
+            state = frame.problem.expand(frame.state)
+            return classify(State(full.at(frame.s), state)).verdict
+
+        # asked at three places, then bisected: between two of them the verdict is taken to change once
+        good = first - 1
+        for k in sorted({first, (first + last) // 2, last}):
+            if (bad := verdict(k)) != "minimum":
+                lost = bisect_left(range(k), True, good + 1, key=lambda i: verdict(i) == bad)
+                return "unstable" if bad == "not stationary" else "undecided", way.frames[lost].s
+            good = k
+        return "stable", None
+
+    def between(self, *ends: float) -> None:
+        """Follow in the range of load that these and 0 span."""
+        self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
+
+    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
+        """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
+        if not holding(self.web, x, s) and given(self.web, x, s) is None:
+            self.web.add(x, s, "minimum", toward, follow)
+
+    def go(
+        self,
+        x: np.ndarray,
+        s: float,
+        end: float,
+        *,
+        once: bool,
+        before: tuple[Equilibrium, ...] = (),
+    ) -> tuple[FollowedLoad, np.ndarray, float] | None:
+        """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives.
+
+        before: stable states that led to x.
+        """
+        toward = 1.0 if end > s else -1.0
+        alarms = self.record.alarms
+
+        def keep(why: str = "", snap: int | None = None) -> None:
+            assert way is not None
+            run = Run(self, replace(way, why=why or way.why), toward, snap, begun)
+            self.record.ways.append(run)
+
+        self.begin(x, s, toward)
+        for _ in range(MOST_SNAPS):
+            # x is stable at s, and the load runs on from there
+            way, begun = walk(self.web, x, s, toward, end, self.across), bool(before)
+            if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
+                if way is not None and len(way.frames) > 1:
+                    keep(LATE)
+                if not self.web.stopped:
+                    alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                return None
+            if way is None:
+                alarms.append(f"no stable states lead on from load {s:.9g}")
+                return None
+            way, before = replace(way, frames=(*before, *way.frames)), ()
+            lost = self._lost(way)
+            if lost is None:
+                keep()
+                last = way.frames[-1]
+                return (self, last.state, last.s) if way.why == "range" else None
+            into, node = lost
+            landed = release(into.web, node, toward)
+            if isinstance(landed, str):
+                keep()
+                if way.why == "snap":
+                    words = f"no certified minimum was reached from the end at {node.s:.9g}"
+                    alarms.append(f"{words}: {landed}")
+                return None
+            x, s, what = landed
+            x, into = into.chosen(x, node)
+            if node.type in BRANCHES:
+                into.begin(x, s, toward)
+                led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
+                if led is not None and into.meets(led, self.web.nodes[way.node], self):
+                    # stable states branch off there: the load goes on along them
+                    keep(PITCHFORK)
+                    return into.go(x, s, end, once=once, before=led.frames[:0:-1])
+                if self._continuous(way, into, x, s):
+                    keep()
+                    alarms.append(f"what branches off at load {node.s:.9g} was not followed")
+                    return None
+            self.record.falls.append(Fall(self, way, toward, into, x, s, what))
+            keep("snap", len(self.record.falls))
+            if not self.web.low <= s <= self.web.high:
+                return None
+            into.begin(x, s, toward, follow=not once)
+            if once:
+                return into, x, s
+            if into is not self:
+                return into.go(x, s, end, once=once)
+        alarms.append(f"more than {MOST_SNAPS} snaps")
+        return None
+
+    def _lost(self, way: StableSegment) -> tuple[FollowedLoad, SpecialPoint] | None:
+        """Return where a way ends because its states lose stability, and in which space that is seen; None elsewhere.
+
+        At the flat state branches cross: from there the energy falls along another one.
+        """
+        node = self.web.nodes[way.node]
+        if way.why == "snap":
+            return self, node
+        flat = node.type == "singular" and node.located and not node.point[:-1].any()
+        if way.why == "breaks-symmetry" or flat:
+            into = self.keeping(IDENTITY)
+            phi = into.problem.reduce(self.problem.expand(node.point[:-1]))
+            return into, replace(node, point=np.append(phi, node.s))
+        return None
+
+    def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
+        """Return an image of a state under what keeps the state at a node, and the space of what symmetry it has.
+
+        The image is the same whatever rounding is.
+        """
+        elements = self.root.driver.elements
+        phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
+        image = max(
+            (phi[image_of(len(phi), e)] for e in kept_by(elements, at)),
+            key=lambda y: tuple(coarse(y).tolist()),
+        )
+        into = self.keeping(kept_by(elements, image))
+        return into.problem.reduce(image), into
+
+    def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
+        """Whether stable states lead back to a node of another space, or this, where they branch off."""
+        point = self.web.nodes[led.node].point
+        at = np.append(self.problem.reduce(of.web.line.problem.expand(node.point[:-1])), node.s)
+        return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
+
+    def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
+        """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
+
+        A snap loses energy at s0 already; along states that branch off it is lost by and by, less than the same two
+        states lose by the change of the load from s0 to s.
+        """
+        node = self.web.nodes[way.node]
+        one, two = self.problem.expand(node.point[:-1]), into.problem.expand(x)
+        lost, at_the_node = (self._released(t, one, two) for t in (s, node.s))
+        return lost <= 2 * abs(lost - at_the_node)
+
+    def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
+        """Energy of a state of all fold angles less that of another one, at a load."""
+        problem: Any = (self.root._full or self.web.line).at(t)
+        return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
+
+    def path(self, state: int, search: Search | None) -> LoadPath:
+        """Judge what was followed, and pack it; that takes as long as it takes.
+
+        Of hinges that yield other states than those of the path belong to no path.
+        """
+        kept, low, high = self.record, self.low, self.high
+        parameter = ParameterRange(self.driver.name, low, high, self.driver.unit, False)
+        again = [
+            None if self.hinges else restabilises(of.web, way.node, self._stable_end)
+            for of, way, *_ in kept.falls
+        ]
+        diagrams = []
+        for job in kept.jobs:
+            web = job.web
+            ends = job is self and self.driver.scene is not None and not self.hinges
+            parts = {k: parts_of(arc, ends) for k, arc in enumerate(web.arcs)}
+            lines, met = branches_of(web, parameter, chains_of(web), parts, job.across)
+            diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
+        legs = [way.job.leg(way) for way in kept.ways]
+        on_path = {p.fold_angles for leg in legs for p in leg.points}
+        if self.driver.scene is None:
+            pops = PopSigns(self.driver.origami)
+            for number, leg in enumerate(legs, start=1):
+                found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
+                kept.alarms += [f"leg {number}: {line}" for line in found]
+        branches, events = joined(
+            diagrams,
+            self._one,
+            lambda e: (e.fold_angles not in on_path, *(-coarse(np.array(e.fold_angles))).tolist()),
+        )
+        snaps = [self._snap(k, events, search, s) for k, s in enumerate(again)]
+        if self.hinges:
+            used = {snap.event for snap in snaps}
+            events = [e for e in events if e.id in used or e.fold_angles in on_path]
+            ids = {e.id: k for k, e in enumerate(events, start=1)}
+            events = [replace(e, id=ids[e.id], branches=()) for e in events]
+            branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
+        kept.alarms += [
+            f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+            for branch in branches
+            for r in branch.kind_ranges
+            if not r.stable and r.kind != "saddle"
+        ]
+        tallies = [job.web.tally for job in kept.jobs]
+        return LoadPath(
+            self.driver, state, low, high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
+            tuple(dict.fromkeys(kept.alarms)), sum(t.steps for t in tallies),
+            sum(t.evaluations for t in tallies), kept.work,
+        )  # fmt: skip
+
+    def _one(self, a: PathEvent, b: PathEvent) -> bool:
+        """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
+        branching = {a.type, b.type} <= set(BRANCHES)
+        apart = abs(a.t - b.t) > SETTLED * (self.high - self.low)
+        if apart or not (branching or a.type == b.type):
+            return False
+        x, y = np.array(a.fold_angles), np.array(b.fold_angles)
+        near = NEAR_SINGULAR_TOL if branching else SETTLED
+        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.driver.elements)
+
+    def leg(self, way: Run) -> Leg:
+        """Pack the states of a way."""
+        points = []
+        for frame in way.segment.frames:
+            phi = frame.problem.expand(frame.state) + 0.0
+            low = frame.problem.scale * min(frame.eigenvalues.tolist(), default=math.nan)
+            points.append(self._point(frame.s, phi, low))
+        node = self.web.nodes[way.segment.node]
+        if way.snap is not None and node.type == "singular":
+            points.append(self._point(node.s, self.problem.expand(node.point[:-1])))
+        judged = self._judged(way.segment, int(way.branches_off))
+        keeps = self.driver.scene.group.name if self.driver.scene else ""
+        stiff = math.nan
+        if not way.branches_off and len(way.segment.frames) > 1:
+            stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
+        moved = self.hinges.moved_at(way.segment.frames[-1].state).tolist() if self.hinges else ()
+        whole = way.segment.why, way.snap, *judged, keeps, stiff, tuple(moved)
+        return Leg(int(way.toward), tuple(points), *whole)
+
+    def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
+        angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
+        energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
+        return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
+
+    def _snap(
+        self, k: int, events: Sequence[PathEvent], search: Search | None, again: float | None
+    ) -> Snap:
+        job, way, _, into, landed, s, what = self.record.falls[k]
+        found = job.web.nodes[way.node]
+        one = job.problem.expand(found.point[:-1]) + 0.0
+        two = into.problem.expand(into.at_the_snap(landed, s, found.s)) + 0.0
+        far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
+        event = events[far.index(min(far))]
+        if job.hinges and (over := job.hinges.over(two)):
+            self.record.alarms.append(
+                f"after the snap at load {found.s:.6g} {over} would bear more than they yield at: where it ends is not "
+                "known"
+            )
+        return Snap(
+            event.id,
+            found.s,
+            {"singular": "flat state", START: event.type}.get(found.type, found.type),
+            tuple(one.tolist()),
+            tuple(two.tolist()),
+            (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
+            job._released(found.s, one, two),
+            str(what.kind),
+            what.reason,
+            again,
+            None if search is None else self._confirmed(k, search),
+        )
+
+    def _stable_end(self, of: ParameterLine | GeometryLine, node: SpecialPoint) -> float | None:
+        """Return the load at which stable states of more symmetry end at a node of a space of less."""
+        if self._full is None:
+            return None
+        at = of.problem.expand(node.point[:-1])
+        into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
+        web, point = into.web, np.append(into.problem.reduce(at), node.s)
+        if web.line is of:
+            return None
+        for half in find_one_sided_branches(web.line, point, web.tally):
+            curve = EquilibriumCurve(web.line, half.frame.hold, web.tally)
+            aside = curve.beside(half.frame, OFF_BRANCH)
+            if aside is not None and not aside.index and into.across(aside) > 0:
+                into.begin(aside.state, aside.s, 0.0)
+                break
+        for k, other in enumerate(web.nodes):
+            apart = np.abs(other.point - point).max()
+            if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
+                stable = any(not a.index and k in (a.start, a.end) for a in web.arcs)
+                return other.s if stable else None
+        return None
+
+    def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
+        """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
+        web, begun = self.web, given(self.web, landed, s)
+        on_path = holding(web, landed, s)
+        if not on_path and begun is None:
+            return landed
+        same = web.arcs[on_path[0][0]].at(at, web.tally) if on_path else None
+        frame = on_path[0][1] if on_path else web.nodes[begun or 0].halves[0].frame
+        curve = EquilibriumCurve(web.line, frame.hold, web.tally)
+        same = same or curve.at(frame.x, at, frame.tangent)
+        return landed if same is None or not is_equilibrium(same) else same.state
+
+    def _confirmed(self, k: int, search: Search) -> ConfirmedSnap | None:
+        """Confirm a snap by searches, as far as time allows."""
+        job, way, toward, into, landed, s, _ = self.record.falls[k]
+        both = set(job.driver.elements) & set(into.driver.elements)
+        wider = job if job is into else job.keeping(tuple(sorted(both)))
+        try:
+            return confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
+        except OutOfTime:
+            self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+            return None

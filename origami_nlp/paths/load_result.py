@@ -1,0 +1,382 @@
+"""A load path: legs of stable states, snaps between them, branches and events around them.
+
+Angles in radians, torques in N m, energies in J (the units of springs).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.display import (
+    Cell,
+    Content,
+    Details,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    Words,
+    angle_columns,
+)
+from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.minima import Part, state_parts
+from origami_nlp.numerics import INPUT_TOL, SETTLED
+from origami_nlp.paths.driver import Driver
+from origami_nlp.paths.load_records import (
+    COLLAPSE,
+    HOLDS,
+    PITCHFORK,
+    STOPPED,
+    YIELDS,
+    ConfirmedSnap,
+    Leg,
+    LoadPoint,
+    Snap,
+)
+from origami_nlp.paths.records import EVENT_WORDS, PathBranch, PathEvent
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_problem import state_frame, states_to_fold
+
+WHY = {
+    "range": "stable; end of the range",
+    "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
+    COLLAPSE: "collapses: hinges yield, and nothing stable goes on",
+}
+"""Why a leg ends, in words, where the name alone does not say it."""
+GOES_ON = (YIELDS, HOLDS)
+"""Ends of legs at which another one begins."""
+SNAP_WORDS = {"breaks-symmetry": "its symmetry breaks", "branching": "pitchfork"}
+"""Where a state snaps, in words, where those of the event say less."""
+
+MOST_ANGLES = 12
+"""Fold angles that are printed of one state."""
+SHIFT = 0.01
+"""Share of the range by which the load of a state differs that is loaded anew; after a snap it is far less."""
+MOST_NAMED = 3
+"""Snaps whose loads the verdict names."""
+
+
+@dataclass(frozen=True, repr=False)
+class LoadPath(Report, Viewable):
+    """A state of a vertex or of a pattern under a load that grows, through contacts and snaps.
+
+    Attributes
+    ----------
+    driver
+        What the load is: its `name`, its `unit`, and the `coordinate` that it works on.
+    state
+        Number (1-based) of the unloaded minimum that is loaded; 0 where it was given itself.
+    low, high
+        Range of the load.
+    legs, snaps
+        What the state does, in order.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    steps, evaluations
+        What following cost.
+    plastic_work
+        What hinges that yield have taken [J].
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15, confirm=False)
+    >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
+    ([-0.13815], ['snap', 'range'])
+    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(0.01, 1.2)
+    >>> path = o.load_path(sheet, 2, to=0.02)
+    >>> [leg.why for leg in path.legs], len(path.snaps)
+    (['range'], 0)
+    """
+
+    driver: Driver
+    state: int
+    low: float
+    high: float
+    legs: tuple[Leg, ...]
+    snaps: tuple[Snap, ...]
+    branches: tuple[PathBranch, ...]
+    events: tuple[PathEvent, ...]
+    alarms: tuple[str, ...]
+    steps: int
+    evaluations: int
+    plastic_work: float = 0.0
+
+    PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/2"
+    ALSO = ("dissipated", "interrupted", "start_stiffness", "stiffness_unit")
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the time was over before the path came to its end, or its snaps were confirmed; an alarm says so."""
+        return any(line.startswith((OUT_OF_TIME, STOPPED)) for line in self.alarms)
+
+    @property
+    def label(self) -> str:
+        """What is loaded."""
+        return self.driver.origami.title
+
+    @property
+    def scene(self) -> Scene | None:
+        """The scene, as stated; None of a pattern."""
+        return self.driver.scene
+
+    @property
+    def pattern(self) -> Pattern | None:
+        """The pattern, as stated; None of a scene."""
+        return None if self.scene else self.driver.origami
+
+    @property
+    def dissipated(self) -> float:
+        """Energy lost in all snaps and to yielding [J]; over a closed cycle the area of the hysteresis loop."""
+        return sum(snap.released for snap in self.snaps) + self.plastic_work
+
+    def view_content(self) -> Content:
+        """Return legs and snaps as plain data, see `view`."""
+        content: Content = self._from_room(self.TURNED)(self)  # bodies in space are slow to import
+        return content
+
+    def table(self) -> Table:
+        """Return one row an event, in order of the load."""
+        on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
+        all_located = all(e.located for e in self.events)
+        rows = []
+        for e in self.events:
+            load = f"{e.t:{'.12g' if e.located else '.6g'}}"
+            where = f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}"
+            row = [f"{e.id}{'*' * (e.id in on)}", e.type, load, e.contact or "-", where]
+            rows.append(row if all_located else [*row, "not located" * (not e.located)])
+        what = "angle [rad]" if self.is_angle else "position [m]"
+        heads = ["event", "type", f"load{self.in_unit}", "contact", what, ""][: 6 - all_located]
+        title = f"all events, * on the path, {self.low:.6g} to {self.high:.6g} {self.driver.unit}"
+        return Table(heads, rows, title.rstrip(), "rlrLrl"[: len(heads)], framed=False, narrow=True)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
+        place = re.sub(" of .*? \\[", " [", self.where)
+        heads = f"load{self.in_unit}", "what happens", place, "energy\nlost [J]"
+        rows = [*self._happenings()]
+        yield Table(heads, rows, self.verdict, "rLrr", framed=False, narrow=True)
+        if math.isfinite(self.start_stiffness):
+            yield f"stiffness at the start: {self.start_stiffness:.5g} {self.stiffness_unit}"
+        for number, snap in enumerate(self.snaps, start=1):
+            after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
+            many = len(snap.after) > MOST_ANGLES
+            after = f"fold angles of {len(snap.after)} creases: -o FILE.json" if many else after
+            yield f"after snap {number}, {snap.kind} [deg]: {after}"
+        yield from self._symmetry()
+        yield from self._idle()
+        yield from self._moved()
+        for number, snap in enumerate(self.snaps, start=1):
+            if snap.confirmed is not None and not all(snap.confirmed.found):
+                yield Words(self._searches(number, snap.confirmed), "bold")
+        yield from (Words(line, "bold") for line in self.alarms)
+        if self.scene is None:
+            yield "crossing of facets is checked at the states of the path and of descents, not between them"
+        yield Details(tuple(self._details()), "Events, certificates, searches")
+
+    @property
+    def verdict(self) -> str:
+        """What the state does under the load, in a sentence."""
+        unit = f" {self.driver.unit}".rstrip()
+        state = f"state #{self.state}" if self.state else "a state"
+        words = f"{self.label}: {state} under {self.driver.name}"
+        for leg in self.legs:
+            if leg.why == COLLAPSE:
+                return f"{words} collapses at {leg.points[-1].t:.6g}{unit}: hinges yield"
+        if not self.snaps:
+            last = [leg for leg in self.legs if leg.why not in GOES_ON]
+            ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in last) or "0"
+            left = ", where it is left" * any(leg.why != "range" for leg in last)
+            return f"{words} does not snap, loaded to {ends}{unit}{left}"
+        at = " and ".join(f"{snap.t:.6g}" for snap in self.snaps[:MOST_NAMED])
+        more, all_ = len(self.snaps) - MOST_NAMED, " in all" * (len(self.snaps) > 1)
+        at += f" and {more} more loads" if more > 0 else ""
+        return f"{words} snaps at {at}{unit}, losing {self.dissipated:.6g} J{all_}"
+
+    @property
+    def start_stiffness(self) -> float:
+        """Stiffness of the state that is loaded, against the load, see `Leg`."""
+        return self.legs[0].stiffness if self.legs else math.nan
+
+    @property
+    def stiffness_unit(self) -> str:
+        """The unit of `start_stiffness`, of the load over what it works on."""
+        return f"{self.driver.unit or 1}/{'rad' if self.is_angle else 'm'}"
+
+    @property
+    def in_unit(self) -> str:
+        """The unit of the load, for a head."""
+        return f" [{self.driver.unit}]" if self.driver.unit else ""
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether the load works on an angle, which is shown in degrees."""
+        return self.driver.coordinate.endswith("[rad]")
+
+    @property
+    def where(self) -> str:
+        """What the load works on, as it is shown."""
+        return self.driver.coordinate.replace("[rad]", "[deg]")
+
+    def shown(self, value: Any) -> Any:
+        """Return what the load works on, as it is shown.
+
+        Parameters
+        ----------
+        value
+            In radians, where it is an angle, or m.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            In degrees, where it is an angle.
+        """
+        return np.degrees(value) + 0.0 if self.is_angle else value
+
+    def _place(self, *values: float) -> str:
+        form = ".2f" if self.is_angle else ".6g"
+        return " to ".join(f"{self.shown(v):{form}}" for v in values)
+
+    def _happenings(self) -> Iterator[Sequence[Cell]]:
+        """Return a row for each start, contact, snap and end on the path, in its order."""
+        arrived = None
+        for number, leg in enumerate(self.legs, start=1):
+            first, last = leg.points[0], leg.points[-1]
+            if arrived is None or abs(first.t - arrived) > SHIFT * (self.high - self.low):
+                said = f"state #{self.state}" if self.state else "the state that was given"
+                again = " again, loaded the other way" * (arrived is not None)
+                yield f"{first.t:.6g}", said + again, self._place(first.angle), ""
+            for point, event in self._on(leg):
+                if leg.why == PITCHFORK and point is last:
+                    continue
+                said = event.words(growing=last.t >= first.t)
+                yield f"{event.t:.6g}", said, self._place(point.angle), ""
+            ending: Cell = WHY.get(leg.why, leg.why)
+            place, lost = self._place(last.angle), ""
+            if leg.why == PITCHFORK:
+                onward = self.legs[number].symmetry
+                words = f"pitchfork: symmetry {leg.symmetry} breaks to {onward}"
+                ending = words if onward != leg.symmetry else "pitchfork: stable states branch off"
+            elif leg.snap is not None:
+                snap = self.snaps[leg.snap - 1]
+                words = SNAP_WORDS.get(snap.type) or EVENT_WORDS.get(snap.type, snap.type)
+                ending = Words(f"snap {leg.snap}: {words}", "bold")
+                place, lost = self._place(*snap.angle), f"{snap.released:.6g}"
+            if leg.why not in GOES_ON:
+                yield f"{last.t if leg.snap is None else snap.t:.6g}", ending, place, lost
+            arrived = last.t
+
+    def _on(self, leg: Leg) -> Iterator[tuple[LoadPoint, PathEvent]]:
+        """Return the events that a leg passes, in its order, without that at its end."""
+        left = {e.fold_angles: e for e in self.events}
+        if leg.snap:
+            event = self.snaps[leg.snap - 1].event
+            left = {phi: e for phi, e in left.items() if e.id != event}
+        for point in leg.points:
+            passed = left.pop(point.fold_angles, None)
+            # a leg that begins where a hinge yields does not pass that
+            if passed and (passed.type not in GOES_ON or point is not leg.points[0]):
+                yield point, passed
+
+    def _symmetry(self) -> Iterator[str]:
+        """Say what symmetry states keep, and whether they are stable without it."""
+        if self.scene is None or self.scene.group.is_trivial:
+            return
+        group = self.scene.group.name
+        judged = [leg for leg in self.legs if leg.full_space]
+        lost = [leg for leg in judged if leg.full_space != "stable"]
+        if judged and not lost:
+            yield f"stable without the symmetry {group} too: judged at ends and middle of each part"
+        for leg in lost:
+            start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
+            yield f"load {leg.span}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
+        kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
+        words = f"states keep the symmetry {' and then '.join(kept)}"
+        yield f"{words}; --symmetry none follows those that break it as well"
+
+    def _moved(self) -> Iterator[str]:
+        """Say by how much rest angles have moved for good, where the path ends each way."""
+        for leg, after in itertools.zip_longest(self.legs, self.legs[1:]):
+            goes_on = after is not None and after.points[0].t == leg.points[-1].t
+            if leg.moved and not goes_on:
+                moved = {i: m for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED}
+                each = [f"{i}: {math.degrees(m):+.4g}" for i, m in moved.items()]
+                most, more = ", ".join(each[:MOST_ANGLES]), len(each) - MOST_ANGLES
+                most += f" and {more} more" if more > 0 else ""
+                words = f"have moved, of crease {most} [deg]" if each else "have not moved"
+                yield f"rest angles at load {leg.points[-1].t:.6g} {words}"
+        if self.plastic_work:
+            yield f"plastic work {self.plastic_work:.6g} J"
+
+    def _idle(self) -> Iterator[str]:
+        for leg in self.legs:
+            at = [p.angle for p in leg.points]
+            if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm:
+                yield (
+                    f"load {leg.span} does no work: {self.where} stays {self._place(at[0])}, which no free motion "
+                    "changes to first order"
+                )
+
+    def _details(self) -> Iterator[Table | Cell]:
+        """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""
+        if self.events:
+            yield self.table()
+        unit = f" {self.driver.unit}".rstrip()
+        for number, snap in enumerate(self.snaps, start=1):
+            yield f"snap {number}, event {snap.event}: lands on {snap.kind}: {snap.certificate}"
+            if snap.restabilises is not None:
+                yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
+            if snap.confirmed is not None:
+                yield f"   {self._searches(number, snap.confirmed)}"
+        yield Words(f"{self.steps} steps", "dim")
+
+    def _searches(self, number: int, c: ConfirmedSnap) -> str:
+        """Say whether the states before and after a snap are among those that searches beside it find."""
+        before, after = ("is among them" if f else "is NOT among them" for f in c.found)
+        (few, many), (t, beyond), unit = c.minima, c.t, self.driver.unit
+        return (
+            f"search beside snap {number}: {few} minima at {t:.6g} {unit}, the state before it {before}; "
+            f"{many} known at {beyond:.6g} {unit}, the one after {after}"
+        )
+
+    def states(self) -> Iterator[tuple[str, tuple[float, ...], dict[str, Any]]]:
+        """Yield the stable states of all legs in order.
+
+        Yields
+        ------
+        tuple
+            Title, fold angles, and what else is known of each, for a frame of a FOLD file.
+        """
+        for number, leg in enumerate(self.legs, start=1):
+            for p in leg.points:
+                title = f"leg {number}, {self.driver.name} = {p.t:.9g} {self.driver.unit}".rstrip()
+                yield title, p.fold_angles, {"leg": number, "parameter": p.t, "energy": p.energy}
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
+        stated = self.driver.origami
+        frames = [state_frame(stated, phi, title, **more) for title, phi, more in self.states()]
+        return states_to_fold(stated, frames)
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states at which each leg begins and ends, side by side as triangles."""
+        ends = dict.fromkeys(leg.points[k].fold_angles for leg in self.legs for k in (0, -1))
+        return state_parts(self.driver.origami, [np.array(phi) for phi in ends])
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        load = "_".join(["t", *self.driver.unit.split()])
+        place = "angle_rad" if self.is_angle else "position_m"
+        for number, leg in enumerate(self.legs, start=1):
+            for p in leg.points:
+                row: dict[str, object] = {"leg": number, load: p.t, place: p.angle}
+                row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
+                yield row | angle_columns(p.fold_angles)
