@@ -9,57 +9,36 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from origami_nlp.continuation import BifurcationDiagram
-from origami_nlp.display import (
-    Content,
-    Details,
-    Report,
-    Section,
-    Table,
-    Viewable,
-    Words,
-    angle_columns,
-)
+from origami_nlp.display import Details, Section, Table, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.paths.family import Family, family_of, pattern_family
-from origami_nlp.paths.judging import states_at
-from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import (
-    Cost,
-    Interval,
-    PathBranch,
-    PathEvent,
-    SearchCheck,
-    StateAt,
-)
+from origami_nlp.paths.branches import states_at
+from origami_nlp.paths.family import Family, family_of
+from origami_nlp.paths.records import Interval, PathPoint, SearchCheck, StateAt
+from origami_nlp.paths.result import Curve, Mark, Panel, Path, bold, degrees_listed
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import pose
 
-COMPLETE = {
-    "proved": "proved to be all",
-}
+COMPLETE = {"proved": "proved to be all"}
 """How it is said that a check is complete."""
 MOST_NAMED = 4
 """Values at which the number of minima changes that the verdict names."""
+MOST_ANGLES = 24
+"""Fold angles that are listed of one state."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Atlas(Report, Viewable):
+class Atlas(Path):
     """All states that were found over a parameter.
 
     Attributes
     ----------
     scene
         The scene, or the pattern, that the others differ from.
-    parameter
-        The parameter and its range.
-    branches, events, checks
-        In order of their numbers; checks in the order in which they were made.
-    alarms
-        What does not fit together, in words; empty where everything does.
-    cost
-        What it took.
+    checks
+        In the order in which they were made.
     family
         The scenes.
     web, branch_of_arc
@@ -67,9 +46,6 @@ class Atlas(Report, Viewable):
     others
         Atlases of the symmetric states that wind more often round their axis (`Scene.windings`), one for each winding:
         branches, events and intervals of this one are about states that wind once.
-    interrupted
-        Whether the time was over before all was followed: branches and checks are those until then, and intervals count
-        what was followed.
     example
         Of patterns over an option of an example, its name; "" elsewhere.
 
@@ -82,41 +58,26 @@ class Atlas(Report, Viewable):
     """
 
     scene: Scene | Pattern
-    parameter: ParameterRange
-    branches: tuple[PathBranch, ...]
-    events: tuple[PathEvent, ...]
     checks: tuple[SearchCheck, ...]
-    alarms: tuple[str, ...]
-    cost: Cost
     family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
     web: BifurcationDiagram | None = field(default=None, metadata={"plain": False})
     branch_of_arc: dict[int, int] = field(default_factory=dict, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
-    interrupted: bool = False
     example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/3"
     ALSO = ("intervals",)
 
     def __post_init__(self) -> None:
         if self.family is None:  # read from a file
             if self.parameter.name.startswith("loads"):
                 raise OptionError("an atlas over forces cannot be read back: follow it anew")
-            made: Any = (
-                family_of(self.scene, self.parameter)
-                if isinstance(self.scene, Scene)
-                else pattern_family(self.example or self.scene, self.parameter)
-            )
+            made = family_of(self.example or self.scene, self.parameter)
             object.__setattr__(self, "family", made)
 
     @property
     def stopped(self) -> bool:
         """Whether the user (Ctrl-C) ended it, in place of the time."""
         return self.web is not None and self.web.stopped
-
-    @property
-    def _ended(self) -> str:
-        return "interrupted" if self.stopped else OUT_OF_TIME
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -131,8 +92,7 @@ class Atlas(Report, Viewable):
             kinds = Counter(r.kind for r in ranges if r.low < middle < r.high)
             found = Interval((a, b), sum(kinds.values()), dict(sorted(kinds.items())))
             if out and out[-1].kinds == found.kinds:
-                found = Interval((out[-1].t[0], b), found.minima, found.kinds)
-                out.pop()
+                found = Interval((out.pop().t[0], b), found.minima, found.kinds)
             out.append(found)
         return tuple(out)
 
@@ -164,18 +124,61 @@ class Atlas(Report, Viewable):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        problem, s = pose(self.family.scene(value)), parameter.s_of(value)
-        here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
+        wound = self.family.winding(parameter.s_of(value))
+        here = states_at(self.web, parameter, value, wound, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
-        return (
-            tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
-        )
+        every = sorted((*here, *more), key=lambda state: state.energy)
+        return tuple(every) if self.others else here
+
+    def origami_at(self, t: float) -> Any:
+        """Return what is folded at a value of the parameter."""
+        return self.family.sampled(t)
+
+    @property
+    def curves(self) -> list[Curve]:
+        """The branches, those of other windings after them."""
+        more: dict[str, object] = {"scene": getattr(self.scene, "label", self.scene.name)}
+        more["winding"] = getattr(self.scene, "winding", None) or 1
+        own = [
+            Curve("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))], more)
+            for b in self.branches
+        ]
+        return own + [curve for other in self.others for curve in other.curves]
+
+    @property
+    def marks(self) -> list[Mark]:
+        """The events."""
+        out = []
+        for e in self.events:
+            energy = float(self.origami_at(e.t).energy(np.array(e.fold_angles)))
+            point = PathPoint(e.t, e.fold_angles, energy, (), math.nan, math.nan)
+            said = f"fold angles [deg]: {degrees_listed(e.fold_angles, MOST_ANGLES)}"
+            lines = tuple(filter(None, (e.contact, e.note, said)))
+            where = self.parameter.shown(e.t, 9)
+            out.append(Mark(f"event {e.id}: {e.type} at {where}", point, lines))
+        return out
+
+    @property
+    def panels(self) -> list[Panel]:
+        """Energy, the fold angle that separates branches best, and contact moments where there are any."""
+        over = self.parameter
+        points = [p for b in self.branches for p in b.points]
+        angles = np.array([p.fold_angles for p in points])
+        k = int(np.ptp(angles, axis=0).argmax()) if points else 0
+        values = {
+            "energy [J]": lambda p: p.energy,
+            f"fold angle {k + 1} [deg]": lambda p: math.degrees(p.fold_angles[k]),
+        }
+        if any(p.multipliers for p in points):
+            values["largest moment [N m]"] = lambda p: max(
+                (m.value for m in p.multipliers), default=math.nan
+            )
+        return [Panel(over.axis, y, lambda p: over.drawn(p.t), of) for y, of in values.items()]
 
     def summary(self) -> str:
         """Return one line: how many minima there are, and where their number changes."""
         found, over = self.intervals, self.parameter
-        scene = self.scene if isinstance(self.scene, Scene) else None
-        kept = scene is not None and not scene.group.is_trivial
+        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
         counts = sorted({i.minima for i in found})
         many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         noun = f"minim{'um' if counts == [1] else 'a'}"
@@ -188,113 +191,53 @@ class Atlas(Report, Viewable):
         said += f"; {self._ended}" if self.interrupted else ""
         return said + (f"; {len(self.alarms)} alarms" if self.alarms else "")
 
+    @property
+    def _ended(self) -> str:
+        return "interrupted" if self.stopped else OUT_OF_TIME
+
     def table(self) -> Table:
         """Return one row an interval."""
-        rows = [
-            (
-                f"{self.parameter.shown(i.t[0])} to {self.parameter.shown(i.t[1])}",
-                str(i.minima),
-                ", ".join(f"{n} {kind}" for kind, n in i.kinds.items()),
-            )
-            for i in self.intervals
-        ]
-        heads = (self.parameter.name, "minima", "kinds")
+        over, rows = self.parameter, []
+        for i in self.intervals:
+            kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
+            rows.append((f"{over.shown(i.t[0])} to {over.shown(i.t[1])}", str(i.minima), kinds))
+        heads = (over.name, "minima", "kinds")
         return Table(heads, rows, self.summary(), "lrL", framed=False, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, what is not known, and the details: branches, checks and what they cost."""
         over = self.parameter
         yield self.table()
-        rows = []
-        for e in self.events:
-            rows.append((str(e.id), over.shown(e.t), e.words(), ", ".join(map(str, e.branches))))
-        if rows:
-            heads = ("event", over.name, "what happens", "branches")
-            yield Table(heads, rows, "Events", "rrLr", framed=False, narrow=True)
-        for e in self.events:
-            if e.note:
-                yield Words(f"event {e.id}: {e.note}")
+        if self.events:
+            yield self.events_table("Events")
+        yield from (f"event {e.id}: {e.note}" for e in self.events if e.note)
         at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
         missed = sum(c.missed for c in self.checks)
-        yield f"checked by searches at {over.name} = {at or 'no value'}" + (
-            f", which missed {missed} of the states on branches" if missed else ""
-        )
+        more = f", which missed {missed} of the states on branches" if missed else ""
+        yield f"checked by searches at {over.name} = {at or 'no value'}{more}"
         yield "Isolated branches between the checks may be missing."
-        yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
+        yield from bold([f"alarm: {line}" for line in self.alarms])
         if self.interrupted:
-            yield Words(
-                f"{self._ended}: branches and checks are those until then; intervals count what was followed",
-                "bold",
-            )
+            what = "branches and checks are those until then; intervals count what was followed"
+            yield from bold([f"{self._ended}: {what}"])
         yield Details(tuple(self._details()), "Branches, fold angles, checks")
         for other in self.others:
             stated: Any = other.scene
-            yield Words(
-                f"states that wind {stated.winding} times round the axis of {stated.group.name}"
-            )
+            yield f"states that wind {stated.winding} times round the axis of {stated.group.name}"
             yield from other.report_sections()
 
-    def _details(self) -> Iterator[Table | Words]:
+    def _details(self) -> Iterator[str | Words]:
         """Return fold angles at events, branches, checks, and what they cost."""
-        over = self.parameter
-        if self.events:
-            rows = [
-                (str(e.id), over.shown(e.t, 12), self._angles(e.fold_angles)) for e in self.events
-            ]
-            heads = ("event", over.name, "fold angles [deg]")
-            yield Table(heads, rows, "", "rlL", framed=False, narrow=True)
+        shown = self.parameter.shown
+        for e in self.events:
+            yield f"event {e.id} [deg]: {degrees_listed(e.fold_angles, MOST_ANGLES)}"
         for b in self.branches:
-            parts = "; ".join(
-                f"{r.kind} {over.shown(r.t[0])} to {over.shown(r.t[1])}" for r in b.kind_ranges
-            )
-            yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
+            parts = "; ".join(f"{r.kind} {shown(r.t[0])} to {shown(r.t[1])}" for r in b.kind_ranges)
+            yield f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}"
         for c in self.checks:
             more = f", {c.missed} on branches that it missed" if c.missed else ""
-            more += f"; {c.morse}" if c.morse else ""
             more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
-            yield Words(
-                f"check at {over.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
-                f"{c.new_branches} new",
-                "dim",
-            )
-        yield Words(
-            f"{self.cost.steps} steps, {self.cost.seconds:.2f} s, and "
-            f"{self.cost.checks:.2f} s for {len(self.checks)} searches",
-            "dim",
-        )
-
-    @staticmethod
-    def _angles(fold_angles: tuple[float, ...]) -> str:
-        return ", ".join(f"{math.degrees(v):.2f}" for v in fold_angles)
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        whose = getattr(self.scene, "label", self.scene.name)
-        for branch in self.branches:
-            for k, p in enumerate(branch.points):
-                row: dict[str, object] = {"scene": whose, "branch": branch.id}
-                row["winding"] = getattr(self.scene, "winding", None) or 1
-                row |= {"parameter": self.parameter.name, "t": p.t, "unit": self.parameter.unit}
-                row |= {"energy_J": p.energy, "kind": branch.kind_at(k)}
-                row["eigenvalue_N_m_per_rad"] = p.eigenvalue
-                yield row | angle_columns(p.fold_angles)
-        for other in self.others:
-            yield from other._rows()
-
-    def view_content(self) -> Content:
-        """Return branches and events as plain data, see `view`."""
-        from origami_nlp.paths.interactive import (
-            view_branches,  # bodies in space are slow to import
-        )
-
-        return view_branches(self.family, self.branches, self.events, self.report_sections())
-
-    def to_fold(self) -> dict[str, Any]:
-        """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
-        parameter, states = self.parameter, []
-        for branch in self.branches:
-            for k, point in enumerate(branch.points):
-                kind = branch.kind_at(k)
-                title = f"branch {branch.id}, {parameter.name} = {point.t:.9g}: {kind}"
-                more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
-                states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
-        return self.family.to_fold(states)
+            found = f"{c.states} minima by search, {c.followed} on branches{more}"
+            yield Words(f"check at {shown(c.t)}: {found}; {c.new_branches} new", "dim")
+        took = f"{self.cost.seconds:.2f} s, and {self.cost.checks:.2f} s for {len(self.checks)} searches"
+        yield Words(f"{self.cost.steps} steps, {took}", "dim")

@@ -1,17 +1,28 @@
-"""Arcs of a bifurcation diagram joined to branches, and its nodes made events."""
+"""A bifurcation diagram as branches and events: arcs judged and joined, nodes made events, states at one value."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from origami_nlp.continuation import AGAIN, LATE, BifurcationDiagram, Equilibrium, SpecialPoint
+from origami_nlp.contact import breaking_stiffnesses
+from origami_nlp.continuation import (
+    AGAIN,
+    LATE,
+    BifurcationDiagram,
+    BranchSegment,
+    Equilibrium,
+    Hold,
+    Line,
+    SpecialPoint,
+)
 from origami_nlp.kkt import State
-from origami_nlp.numerics import CONTACT_TOL
-from origami_nlp.paths.judging import JudgedSegment
+from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import (
     BranchEnd,
@@ -21,13 +32,245 @@ from origami_nlp.paths.records import (
     PathEvent,
     PathPoint,
     Residuals,
+    StateAt,
 )
+from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
-Chain = list[tuple[int, bool]]
+Chain: TypeAlias = list[tuple[int, bool]]
 """Arcs in order, each with whether it is run from its start to its end."""
+Pieces: TypeAlias = tuple[tuple[Contact, ...], ...]
+
+
+class Part(NamedTuple):
+    """A part of an arc: positions of its first and last frame, and what its states are."""
+
+    first: int
+    last: int
+    kind: str
+    certificate: str
+
+
+class Across:
+    """The smallest stiffness of states across their symmetry, in the space without it, with loaded contacts held.
+
+    nan where there is no one Hessian, or no line of problems without the symmetry; inf where nothing breaks the
+    symmetry and keeps the contacts.
+    """
+
+    def __init__(self, line: Line | None, scene: Scene) -> None:
+        self.line, self._scene = line, scene
+        self._known = dict[Equilibrium, float]()
+        # what closes in that space where contacts are held
+        self._touching = dict[Hold, Pieces]()
+
+    def __call__(self, frame: Equilibrium) -> float:
+        """Return that of a state."""
+        if self.line is None:
+            return math.nan
+        if frame not in self._known:
+            self._known[frame] = self._stiffness(self.line, frame)
+        return self._known[frame]
+
+    def _stiffness(self, line: Line, frame: Equilibrium) -> float:
+        full = State(line.at(frame.s), frame.problem.expand(frame.state))
+        pieces = self._touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
+        # what closed together at another state of these contacts, and is closed here, leaves the same pieces
+        closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
+        open_now = closed and np.abs(full.local.openings(closed)[0]).max() > CONTACT_TOL
+        if pieces is None or open_now:
+            pieces = self._touching[frame.hold] = tuple(full.pieces)
+        one = len(pieces) == 1
+        found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
+        return min(found, default=math.inf)
+
+
+class Packing:
+    """A diagram as records, its arcs judged; where the user (Ctrl-C) ends that, arcs that are left are undecided.
+
+    Parameters
+    ----------
+    web
+        What was followed.
+    parameter
+        Over which.
+    across
+        Eigenvalue across the symmetry.
+    more
+        Fields of the point of a state, from its frame and all fold angles, in place of those of its problem.
+    ends
+        Whether arcs are judged beside their ends too, not in the middle alone.
+    """
+
+    def __init__(
+        self,
+        web: BifurcationDiagram,
+        parameter: ParameterRange,
+        across: Callable[[Equilibrium], float],
+        more: Callable[[Equilibrium, np.ndarray], dict[str, Any]] = lambda frame, phi: {},
+        ends: bool = True,
+    ) -> None:
+        self.web, self.parameter, self._across, self._more = web, parameter, across, more
+        self._ends, self.cut = ends, False
+        self._parts = dict[int, list[Part]]()
+        self._points = dict[Equilibrium, PathPoint]()
+
+    def records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...], dict[int, int]]:
+        """Return branches and events with their numbers, and the number of the branch of each arc."""
+        try:
+            return self._records()
+        except KeyboardInterrupt:
+            self.web.stop()
+            self.cut = True
+            return self._records()
+
+    def _records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...], dict[int, int]]:
+        web, chains = self.web, chains_of(self.web)
+        begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
+        meets: dict[int, set[int]] = {}
+        for k, arc in enumerate(web.arcs):
+            if k not in self._parts:
+                self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
+            for node in (arc.start, arc.end):
+                meets.setdefault(node, set()).add(begun[k])
+        shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
+        shown.sort(key=lambda k: web.nodes[k].s)
+        ids = {k: i for i, k in enumerate(shown, start=1)}
+        events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
+        branches = tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1))
+        return branches, events, begun
+
+    def point(self, frame: Equilibrium, dependent: Pieces | None = None) -> PathPoint:
+        """Return a state in the scene's units; dependent: see `_dependent`."""
+        if frame in self._points:
+            return self._points[frame]
+        p, forces = frame.problem, []
+        phi = p.expand(frame.state) + 0.0
+        if frame.hold.contacts:
+            pieces = _dependent(frame) if dependent is None else dependent
+            spread = _spread(frame.seen, pieces) if pieces else {}
+            for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+                # moment at each single contact, in the scene's units
+                unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
+                low, high = spread.get(contact, (value, value))
+                forces.append(Multiplier(words, value * unit, (low * unit, high * unit)))
+        more = self._more(frame, phi)
+        found = PathPoint(
+            self.parameter.t_of(frame.s),
+            tuple(phi.tolist()),
+            more.pop("energy") if "energy" in more else p.energy(frame.state),
+            tuple(forces),
+            least_eigenvalue(frame),
+            math.nan if self.cut else self._across(frame),
+            **more,
+        )
+        return self._points.setdefault(frame, found)
+
+    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> PathEvent:
+        node = self.web.nodes[at]
+        problem, note = self.web.line.at(node.s), node.why
+        if node.between is not None:
+            low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
+            note = f"between {low} and {high}: {note}"
+        return PathEvent(
+            number,
+            self._type(at),
+            self.parameter.t_of(node.s),
+            tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
+            "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
+            Residuals(node.residual, node.value),
+            node.located,
+            note,
+            meets,
+        )
+
+    def _type(self, at: int) -> str:
+        """Return the type of an event, contacts as they close and leave while the parameter grows."""
+        node = self.web.nodes[at]
+        if node.type not in ("closes", "leaves"):
+            return "singular" if node.type == "refused" else node.type
+        held = [
+            (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
+            for arc in self.web.arcs
+            if at in (arc.start, arc.end)
+        ]
+        # of contacts that close together another one may be held: then more of them are on that side
+        most = max((len(contacts) for contacts, _ in held), default=0)
+        named = [after for contacts, after in held if node.contact in contacts][:1]
+        named = named or [after for contacts, after in held if len(contacts) == most]
+        return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
+
+    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> PathBranch:
+        web, points, ranges = self.web, list[PathPoint](), list[KindRange]()
+        for k, forward in chain:
+            arc = web.arcs[k]
+            frames = arc.frames if forward else arc.frames[::-1]
+            last = len(frames) - 1
+            # positions in the whole branch
+            begin = len(points) - bool(points)  # arcs share the point at which they meet
+            dependent = _dependent(arc.frames[last // 2])
+            points += [self.point(f, dependent) for f in frames[bool(points) :]]
+            for part in self._parts[k] if forward else reversed(self._parts[k]):
+                a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
+                t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
+                place = begin + a, begin + b
+                ranges = _joined(
+                    ranges, KindRange(t, part.kind, arc.index, part.certificate, place)
+                )
+        (a, forward), (b, onward) = chain[0], chain[-1]
+        first = web.arcs[a].start if forward else web.arcs[a].end
+        final = web.arcs[b].end if onward else web.arcs[b].start
+        if first == final and len(chain) > 1:
+            ends = (BranchEnd("closed curve", None),) * 2
+        else:
+            ends = _end(web.nodes[first], ids.get(first)), _end(web.nodes[final], ids.get(final))
+        return PathBranch(number, tuple(ranges), tuple(points), ends)
+
+
+def _end(node: SpecialPoint, event: int | None) -> BranchEnd:
+    return BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
+
+
+def least_eigenvalue(frame: Equilibrium) -> float:
+    """Return the smallest eigenvalue of the reduced Hessian [N m/rad]; nan where nothing can move."""
+    return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
+
+
+def parts_of(arc: BranchSegment, ends: bool = True, judged: bool = True) -> list[Part]:
+    """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
+    last = len(arc.frames) - 1
+    if arc.index:
+        return [Part(0, last, "saddle", "")]
+    if not judged:
+        return [Part(0, last, "undecided", "interrupted before it was judged")]
+    inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
+    if last == 1 or not ends:
+        inner = [arc.middle]
+    known = {k: _judged(arc.frames[k]) for k in inner}
+    cuts = [0]
+    for a, b in itertools.pairwise(inner):
+        if known[a][0] == known[b][0]:
+            continue
+        low, high = a, b
+        while high - low > 1:
+            middle = (low + high) // 2
+            known[middle] = _judged(arc.frames[middle])
+            # one change between a and b is assumed; events, where kinds change as a rule, cut arcs already
+            low, high = (middle, high) if known[middle][0] == known[a][0] else (low, middle)
+        cuts.append(high)
+    out = []
+    for first, end in zip(cuts, [*cuts[1:], last], strict=True):
+        # the judged frame nearest to the middle of the part
+        k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
+        out.append(Part(first, end, *known[k]))
+    return out
+
+
+def _judged(frame: Equilibrium) -> tuple[str, str]:
+    what = frame.judged
+    return (what.kind or what.verdict, what.reason)
 
 
 def chains_of(web: BifurcationDiagram) -> list[Chain]:
@@ -56,39 +299,7 @@ def chains_of(web: BifurcationDiagram) -> list[Chain]:
         # ends of branches: where one arc ends, or three and more meet
         if len(arcs) != 2:
             out += [walk(k, node) for k in arcs if k in left]
-    for k in range(len(web.arcs)):
-        if k in left:
-            out.append(walk(k, web.arcs[k].start))
-    return out
-
-
-def branches_of(
-    web: BifurcationDiagram,
-    parameter: ParameterRange,
-    chains: list[Chain],
-    parts: dict[int, list[JudgedSegment]],
-    across: Callable[[Equilibrium], float],
-) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
-    """Return branches and events, with their numbers.
-
-    parts: of each arc, see `parts_of`.  across: eigenvalue across the symmetry.
-    """
-    meets: dict[int, set[int]] = {}
-    for number, chain in enumerate(chains, start=1):
-        for k, _ in chain:
-            meets.setdefault(web.arcs[k].start, set()).add(number)
-            meets.setdefault(web.arcs[k].end, set()).add(number)
-    shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
-    shown.sort(key=lambda k: web.nodes[k].s)
-    ids = {k: i for i, k in enumerate(shown, start=1)}
-    events = tuple(
-        _event(web, ids[k], web.nodes[k], parameter, tuple(sorted(meets.get(k, ())))) for k in shown
-    )
-    branches = tuple(
-        _branch(web, parameter, number, chain, parts, across, ids)
-        for number, chain in enumerate(chains, start=1)
-    )
-    return branches, events
+    return out + [walk(k, web.arcs[k].start) for k in range(len(web.arcs)) if k in left]
 
 
 def joined(
@@ -107,11 +318,9 @@ def joined(
     found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
     groups: list[list[tuple[int, PathEvent]]] = []
     for which, e in found:
-        same = next((g for g in groups if one(g[0][1], e)), None)
-        if same is None:
-            groups.append([(which, e)])
-        else:
-            same.append((which, e))
+        if not (same := next((g for g in groups if one(g[0][1], e)), [])):
+            groups.append(same)
+        same.append((which, e))
     groups.sort(key=lambda group: group[0][1].t)
     ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
     events = []
@@ -121,90 +330,9 @@ def joined(
     branches = []
     for which, (several, _) in enumerate(diagrams):
         for b in several:
-            a, c = (
-                replace(end, event=None if end.event is None else ids[which, end.event])
-                for end in b.ends
-            )
+            a, c = (replace(end, event=ids.get((which, end.event or 0))) for end in b.ends)
             branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
     return branches, events
-
-
-def _event(
-    web: BifurcationDiagram,
-    number: int,
-    node: SpecialPoint,
-    parameter: ParameterRange,
-    meets: tuple[int, ...],
-) -> PathEvent:
-    problem, note = web.line.at(node.s), node.why
-    if node.between is not None:
-        low, high = (parameter.shown(parameter.t_of(s), 12) for s in node.between)
-        note = f"between {low} and {high}: {note}"
-    return PathEvent(
-        number,
-        _type(web, node),
-        parameter.t_of(node.s),
-        tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
-        "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
-        Residuals(node.residual, node.value),
-        node.located,
-        note,
-        meets,
-    )
-
-
-def _type(web: BifurcationDiagram, node: SpecialPoint) -> str:
-    """Return the type of an event, contacts as they close and leave while the parameter grows."""
-    if node.type == "refused":
-        return "singular"
-    if node.type not in ("closes", "leaves"):
-        return node.type
-    number = web.nodes.index(node)
-    held = [
-        (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
-        for arc in web.arcs
-        if number in (arc.start, arc.end)
-    ]
-    # of contacts that close together another one may be held: then more of them are on that side
-    most = max((len(contacts) for contacts, _ in held), default=0)
-    named = [after for contacts, after in held if node.contact in contacts][:1]
-    named = named or [after for contacts, after in held if len(contacts) == most]
-    if len(set(named)) != 1:
-        return node.type
-    return "closes" if named[0] else "leaves"
-
-
-def _branch(
-    web: BifurcationDiagram,
-    parameter: ParameterRange,
-    number: int,
-    chain: Chain,
-    parts: dict[int, list[JudgedSegment]],
-    across: Callable[[Equilibrium], float],
-    ids: dict[int, int],
-) -> PathBranch:
-    points: list[PathPoint] = []
-    ranges: list[KindRange] = []
-    for k, forward in chain:
-        arc = web.arcs[k]
-        frames = arc.frames if forward else arc.frames[::-1]
-        last = len(frames) - 1
-        # positions in the whole branch
-        begin = len(points) - bool(points)  # arcs share the point at which they meet
-        dependent = _dependent(arc.frames[last // 2])
-        points += [point_of(f, parameter, across, dependent) for f in frames[bool(points) :]]
-        for part in parts[k] if forward else reversed(parts[k]):
-            a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
-            t = parameter.t_of(frames[a].s), parameter.t_of(frames[b].s)
-            new = KindRange(t, part.kind, arc.index, part.certificate, (begin + a, begin + b))
-            ranges = _joined(ranges, new)
-    (a, forward), (b, onward) = chain[0], chain[-1]
-    first = web.arcs[a].start if forward else web.arcs[a].end
-    final = web.arcs[b].end if onward else web.arcs[b].start
-    ends = (_end(web, first, ids), _end(web, final, ids))
-    if first == final and len(chain) > 1:
-        ends = (BranchEnd("closed curve", None),) * 2
-    return PathBranch(number, tuple(ranges), tuple(points), ends)
 
 
 def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
@@ -214,43 +342,6 @@ def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
             t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
             return [*ranges[:-1], replace(old, t=t, points=points)]
     return [*ranges, new]
-
-
-def _end(web: BifurcationDiagram, node: int, ids: dict[int, int]) -> BranchEnd:
-    found = web.nodes[node]
-    why = found.type + (f": {found.why}" if found.why else "")
-    return BranchEnd(why, ids.get(node))
-
-
-Pieces = tuple[tuple[Contact, ...], ...]
-
-
-def point_of(
-    frame: Equilibrium,
-    parameter: ParameterRange,
-    across: Callable[[Equilibrium], float],
-    dependent: Pieces,
-) -> PathPoint:
-    """Return a state of a branch in the scene's units; dependent: see `_dependent`."""
-    p = frame.problem
-    forces = []
-    if frame.hold.contacts:
-        held = zip(frame.hold.contacts, frame.forces.tolist(), strict=True)
-        spread = _spread(frame.seen, dependent) if dependent else {}
-        for contact, value in held:
-            # moment at each single contact, in the scene's units
-            unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
-            low, high = spread.get(contact, (value, value))
-            forces.append(Multiplier(words, value * unit, (low * unit, high * unit)))
-    eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
-    return PathPoint(
-        parameter.t_of(frame.s),
-        tuple((p.expand(frame.state) + 0.0).tolist()),
-        p.energy(frame.state),
-        tuple(forces),
-        eigenvalue,
-        across(frame),
-    )
 
 
 def _dependent(frame: Equilibrium) -> Pieces:
@@ -272,10 +363,8 @@ def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
         open_ = np.abs(state.local.openings(rows)[0]).max(initial=0.0) > CONTACT_TOL
     except ArithmeticError:  # sides that run along each other have no gap here
         open_ = True
-    if open_:
-        pieces = tuple(state.pieces)
     out: dict[Contact, tuple[float, float]] = {}
-    for piece in pieces:
+    for piece in tuple(state.pieces) if open_ else pieces:
         found = state.on(piece).multiplier_set
         if not found.unique:
             for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
@@ -283,10 +372,49 @@ def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
     return out
 
 
-def widest_gap(web: BifurcationDiagram, taken: list[float]) -> float | None:
-    """Return the middle of the widest interval of s between events and checks; None where all are narrow."""
-    cuts = np.unique([web.low, web.high, *(n.s for n in web.nodes), *taken])
-    if len(cuts) < 2:
-        return None
-    k = int(np.diff(cuts).argmax())
-    return float(0.5 * (cuts[k] + cuts[k + 1]))
+def states_at(
+    web: BifurcationDiagram,
+    parameter: ParameterRange,
+    value: float,
+    winding: float,
+    branches: tuple[PathBranch, ...],
+    branch_of_arc: dict[int, int],
+) -> tuple[StateAt, ...]:
+    """Return the states of all branches at one value; winding: energy of preloaded springs that no state counts."""
+    out: list[tuple[np.ndarray, StateAt]] = []
+    s = parameter.s_of(value)
+    for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
+        if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
+            continue  # two arcs that meet there
+        what, branch = frame.judged, branch_of_arc.get(number, 0)
+        found = StateAt(
+            branch,
+            tuple(frame.seen.fold_angles.tolist()),
+            frame.problem.energy(frame.state) + winding,
+            what.verdict,
+            what.kind,
+            what.reason,
+            what.local_dimension,
+            what.contacts,
+            least_eigenvalue(frame),
+            frame.system.residual,
+            frame.seen.residual,
+            _stays(branches[branch - 1] if branch else None, value)
+            if what.verdict == "minimum"
+            else None,
+        )
+        out.append((frame.state, found))
+    # ties (mirror images of one another) in a fixed order
+    scale = web.line.problem.scale
+    return tuple(sorted((s for _, s in out), key=lambda s: rank(s.energy / scale, s.fold_angles)))
+
+
+def _stays(branch: PathBranch | None, value: float) -> tuple[float, float] | None:
+    """Return the range over which a minimum of a branch can be followed from a value without losing stability."""
+    if branch is None:
+        return value, value
+    runs = (
+        list(g) for good, g in itertools.groupby(branch.kind_ranges, lambda r: r.stable) if good
+    )
+    run = next((g for g in runs if any(r.low <= value <= r.high for r in g)), None)
+    return run and (min(r.low for r in run), max(r.high for r in run))

@@ -13,8 +13,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import Interrupted, NothingInTime, OptionError, OutOfTime
-from origami_nlp.minima import JudgedState, full_scene
+from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
+from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
@@ -30,28 +30,11 @@ Search: TypeAlias = Callable[[Scene | Pattern], tuple[JudgedState, ...]]
 """Returns the minima of an origami, or raises `OutOfTime`."""
 
 
-def search_minima(
-    options: dict[str, Any], until: float, origami: Scene | Pattern
-) -> tuple[JudgedState, ...]:
-    """Return the minima of an origami, by a search with some options.
-
-    Raises
-    ------
-    OutOfTime
-        If `time.monotonic` comes to `until` before it is through.
-    """
+def search_minima(origami: Scene | Pattern, until: float, **asked: Any) -> MinimaResult:
+    """Search for the minima of an origami, without ways out and the full space, up to a time (`time.monotonic`)."""
     left = None if until == math.inf else max(until - time.monotonic(), 0.0)
-    asked: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, **options}
-    try:
-        if isinstance(origami, Scene):
-            result = find_states(origami, full=False, **asked)
-        else:
-            result = find_states(origami, **asked)
-    except Interrupted:  # what it found is no path
-        raise KeyboardInterrupt from None
-    if result.search.stopped_by == "time":
-        raise OutOfTime
-    return tuple(result.minima)
+    plain: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, "full": False}
+    return find_states(origami, **{**plain, **asked})
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +93,7 @@ class Driver:
         """What is loaded."""
         return self.scene or self.work.pattern  # type: ignore[union-attr]
 
-    @property
+    @cached_property
     def unloaded(self) -> Any:
         """The origami without what drives the path."""
         own = isinstance(self.work, OwnForces)
@@ -231,10 +214,8 @@ class Driver:
         if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
             raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
         if self.scene is None and not phi.any():
-            raise OptionError(
-                f"{which} is the flat state, from which many branches go on: load a folded one (rest angles other than "
-                "0)"
-            )
+            why = "is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
+            raise OptionError(f"{which} {why}")
         if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
             a, b = self.work.corners
             raise OptionError(

@@ -25,7 +25,7 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import ROUNDED, SAMPLED, STATIONARY
-from origami_nlp.paths.plane import Plane
+from origami_nlp.paths.family import Plane
 from origami_nlp.problem import Contact
 
 FIRST, LONGEST, SHORTEST = 2e-3, 0.05, 1e-4

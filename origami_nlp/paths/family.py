@@ -1,4 +1,4 @@
-"""A family of origami over one parameter, and the line of its problems.
+"""Origami over one or two parameters, and the lines of problems between them.
 
 What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see
 `parameter_range`.
@@ -10,23 +10,14 @@ import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.continuation import (
-    STEPS,
-    ContinuationOptions,
-    GeometryLine,
-    Line,
-    ParameterLine,
-    line_between,
-)
+from origami_nlp.continuation import STEPS, ContinuationOptions, GeometryLine, Line, ParameterLine
 from origami_nlp.errors import OptionError
-from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.paths.alike import linear_numbers, same_problem, sector_line
 from origami_nlp.paths.parameter_range import PLACE, ParameterRange, kind_of, meant_by
 from origami_nlp.pattern import (
     LAW_NUMBER,
@@ -42,14 +33,13 @@ from origami_nlp.pattern import (
     with_places,
     with_symmetry_of,
 )
-from origami_nlp.pattern_problem import PatternProblem, pose, state_frame, states_to_fold
-from origami_nlp.pattern_states import find_states
-from origami_nlp.problem import LawChange
+from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.problem import LawChange, Parameters
 
 CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
-SAMPLES = 17
-"""Scenes of a family that are posed before it is followed, to see whether it is smooth."""
+SAMPLES, GRID = 17, 7
+"""Scenes of a family, and along each side of a plane, that are posed before it is followed: whether it is smooth."""
 FAMILIES = {
     "degree6": ((1.0, -2.0, 1.0, 1.0, -2.0, 1.0), (0.0, math.pi, 0.0, 0.0, math.pi, 0.0)),
     "degree8": (
@@ -107,13 +97,18 @@ class Family:
     @cached_property
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
-        low, high = self.parameter.ends
-        values = [self.parameter.t_of(float(s)) for s in np.linspace(low, high, self.samples)]
+        values = [
+            self.parameter.t_of(float(s)) for s in np.linspace(*self.parameter.ends, self.samples)
+        ]
         made = [(stated, pose(stated)) for stated in map(self.sampled, values)]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
         names = [f"{self.parameter.name} = {t:.6g}" for t in values]
         return same_problem(made, self.parameter.name, names, moving=self.course is not None)
+
+    @property
+    def _size(self) -> float:
+        return math.sqrt(max(self._posed[0].size / CREASES, 1.0))
 
     @cached_property
     def line(self) -> Line:
@@ -124,28 +119,33 @@ class Family:
         OptionError
             If they are not posed alike, or their numbers jump.
         """
-        low, high = self.parameter.ends
-        posed = self._posed
-        whole, size = posed[0], math.sqrt(max(posed[0].size / CREASES, 1.0))
-        first, last = (p.parameters.sectors for p in (posed[0], posed[-1]))
-        corners = whole.pattern.corners
-        moved = any(not np.array_equal(p.pattern.corners, corners) for p in posed)
-        if moved and not len(first):
-            return GeometryLine(whole, self._problem_at, high - low, WEIGHT * size)
-        self._check()
-        line = line_between(whole, posed[-1], high - low, WEIGHT * size).from_here(-low)
-        laws = line.direction.laws
-        if self.course is not None and laws is not None:
-            laws = replace(laws, moving=LawChange(self.course, 0.0))
-            line = replace(line, direction=replace(line.direction, laws=laws))
-        return sector_line(line, first, (last - first) / (high - low), low, high - low)
+        (low, high), posed, weight = self.parameter.ends, self._posed, WEIGHT * self._size
+        whole = posed[0]
+        corners = [p.pattern.corners for p in posed]
+        moved = not all(np.array_equal(c, corners[0]) for c in corners)
+        if moved and not len(whole.parameters.sectors):
+            return GeometryLine(whole, self._problem_at, high - low, weight)
+        numbers = np.array([linear_numbers(p.parameters) for p in posed])
+        # equal steps of s: numbers that are linear change by the same from scene to scene
+        change = np.diff(numbers, axis=0)
+        apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
+        if apart.max() > RESOLVED:
+            cuts = np.linspace(low, high, self.samples)[int(apart.argmax()) :][:2]
+            a, b = (self.parameter.t_of(float(s)) for s in cuts)
+            raise OptionError(
+                f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
+                "these are two families, follow each alone"
+            )
+        slope = (numbers[-1] - numbers[0]) / (high - low)
+        return line_along(whole, numbers[0], slope, weight, (low, high), self.course)
 
     def _problem_at(self, s: float) -> PatternProblem:
-        stated = self.scene_of(self.parameter.t_of(s))
-        return pose(stated).numbered_as(self._posed[0])
+        return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
 
     def winding(self, s: float) -> float:
         """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
+        if not any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1])):
+            return 0.0
         p, scale = self.line.at(s).parameters, self.line.problem.scale
         # k/2 (phi - phi0 - l/k)^2 = k/2 (phi - phi0)^2 - l phi + l phi0 + l^2 / (2 k)
         # of laws it does not count
@@ -158,95 +158,243 @@ class Family:
         return self._posed[0].orbits is not None
 
     @property
-    def preloaded(self) -> bool:
-        """Whether energies of its scenes count what it took to wind springs."""
-        return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))
-
-    @property
     def steps(self) -> ContinuationOptions:
         """Of the tracer: lengths are root mean squares over creases."""
-        size = math.sqrt(max(self._posed[0].size / CREASES, 1.0))
-        return replace(STEPS, first=size * STEPS.first, longest=size * STEPS.longest)
+        return replace(STEPS, first=self._size * STEPS.first, longest=self._size * STEPS.longest)
 
-    def search(
-        self, made: list[Any], seconds: float | None, **options: Any
-    ) -> Sequence[MinimaResult]:
-        """Search for the minima of some of its scenes or patterns in so many seconds together."""
-        share = None if seconds is None else seconds / len(made)
-        options = {"escape": False, "seconds": share, **options}
-        if isinstance(made[0], Scene):
-            return [find_states(one, **options, full=False) for one in made]
-        return [find_states(one, **{**options, "prove": False}) for one in made]
 
-    def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
-        """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""
-        frames = [
-            state_frame(self.sampled(t), phi, title, **more) for t, phi, title, more in states
-        ]
-        return states_to_fold(self.scene(self.parameter.low), frames)
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Scenes that differ from one in two parameters.
 
-    def _check(self) -> None:
-        """Raise an error where the numbers of scenes are not linear in s."""
-        # equal steps of s: numbers that are linear change by the same from scene to scene
-        change = np.diff([linear_numbers(m.parameters) for m in self._posed], axis=0)
-        apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
-        if apart.max() > RESOLVED:
-            k, (low, high) = int(apart.argmax()), self.parameter.ends
-            where = np.linspace(low, high, self.samples)
-            a, b = (self.parameter.t_of(float(where[k + i])) for i in (0, 1))
+    Attributes
+    ----------
+    scene
+        Where the other numbers come from.
+    parameters
+        Both parameters with their ranges.
+    """
+
+    scene: Scene
+    parameters: tuple[ParameterRange, ParameterRange]
+
+    def __post_init__(self) -> None:
+        for parameter in self.parameters:
+            if LAW_NUMBER.fullmatch(parameter.name):
+                raise OptionError(
+                    f"{parameter.name}: a number within a hinge law is followed over alone; of two parameters "
+                    "law_scale[1] and law_shift[1] can be"
+                )
+
+    def family(self, value: float, axis: int = 0) -> Family:
+        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
+        along, other = self.parameters[axis], self.parameters[1 - axis]
+        made = family_of(family_of(self.scene, other).scene_of(value), along)
+        return replace(made, like=self._like)
+
+    @cached_property
+    def _like(self) -> PatternProblem:
+        """Whose scale and numbers of contacts all problems of the plane take."""
+        return pose(self.scene)
+
+    @cached_property
+    def corner(self) -> np.ndarray:
+        """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
+        return np.array([parameter.ends[0] for parameter in self.parameters])
+
+    @cached_property
+    def size(self) -> np.ndarray:
+        """Lengths of both ranges, [2]."""
+        return np.array([parameter.ends[1] for parameter in self.parameters]) - self.corner
+
+    def values(self, point: np.ndarray) -> tuple[float, float]:
+        """Return both parameters in their units at a point [2] of the plane of s."""
+        a, b = (p.t_of(float(s)) for p, s in zip(self.parameters, point, strict=True))
+        return a, b
+
+    @cached_property
+    def _posed(self) -> tuple[PatternProblem, np.ndarray, np.ndarray]:
+        """A problem, the numbers of the lower corner, and their change with s, [2, .]."""
+        shares = np.linspace(0.0, 1.0, GRID)
+        places = [self.values(self.corner + self.size * (a, b)) for a in shares for b in shares]
+        scenes = [self.family(u).scene(t) for t, u in places]
+        made = [(scene, pose(scene)) for scene in scenes]
+        made[0][1].numbered_as(self._like)
+        a, b = (parameter.name for parameter in self.parameters)
+        alike = same_problem(made, a, [scene.label for scene in scenes])
+        posed = np.array([linear_numbers(m.parameters) for m in alike]).reshape(GRID, GRID, -1)
+        # what two edges of the plane say of its inside
+        i, j = (share * (edge - posed[0, 0]) for share, edge in zip(
+            (shares[:, None, None], shares[None, :, None]), (posed[-1, 0], posed[0, -1]), strict=True
+        ))  # fmt: skip
+        if np.abs(posed[0, 0] + i + j - posed).max() > RESOLVED:
+            raise OptionError(f"the scenes over {a} and {b} do not change smoothly")
+        edges = np.array([posed[-1, 0], posed[0, -1]]) - posed[0, 0]
+        return alike[0], posed[0, 0], edges / self.size[:, None]
+
+    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
+        """Return the problems along a direction [2] from a point [2] of the plane of s."""
+        whole, origin, slopes = self._posed
+        at = origin + (point - self.corner) @ slopes
+        return line_along(whole, at, direction @ slopes, weight)
+
+
+def linear_numbers(p: Parameters) -> np.ndarray:
+    """Return the numbers that are linear along a line: in the order of `Parameters`, stiffness as its logarithm."""
+    more = [] if p.dead is None else [p.dead.vector]
+    k, rest = p.stiffness, p.rest
+    if p.laws is not None:
+        # a law has a factor and a shift
+        none = p.laws.weight == 0
+        k, rest = np.where(none, k, p.laws.weight + none), np.where(none, rest, p.laws.shift)
+    return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
+
+
+def line_along(
+    whole: PatternProblem,
+    numbers: np.ndarray,
+    slope: np.ndarray,
+    weight: float,
+    ends: tuple[float, float] = (0.0, 1.0),
+    course: LawCourse | None = None,
+) -> Line:
+    """Return the problems whose `linear_numbers` change with s from where `ends` begin.
+
+    whole: has their structure.  course: a hinge law that s is a number of.
+    """
+    p, low = whole.parameters, ends[0]
+    cut = np.cumsum([len(p.sectors), *(len(p.stiffness),) * 3])
+    sectors, k, rest, load, dead = np.split(numbers - low * slope, cut)
+    d_sectors, d_k, d_rest, d_load, d_dead = np.split(slope, cut)
+    k, laws, d_laws = np.exp(k), p.laws, p.laws
+    if laws is not None:  # in the places of their springs, see `linear_numbers`
+        has = laws.weight != 0
+        laws = replace(laws, weight=np.where(has, k, 0.0), shift=np.where(has, rest, 0.0))
+        moving = None if course is None else LawChange(course, 0.0)
+        d_laws = replace(laws, weight=has * d_k, shift=has * d_rest, moving=moving)
+        k, rest = np.where(has, p.stiffness, k), np.where(has, p.rest, rest)
+        d_k, d_rest = np.where(has, 0.0, d_k), np.where(has, 0.0, d_rest)
+    forces = d_forces = p.dead
+    if p.dead is not None:  # `DeadLoads.vector` and back
+        tables = (v.reshape(-1, 5) for v in (dead, d_dead))
+        forces, d_forces = (replace(p.dead, points=v[:, :2], forces=v[:, 2:]) for v in tables)
+    first = numbers[: cut[0]]
+    shaped = whole.shaped(first) if (first != p.sectors).any() else whole
+    line = ParameterLine(
+        shaped,
+        Parameters(sectors, k, rest, load, forces, laws),
+        Parameters(d_sectors, d_k, d_rest, d_load, d_forces, d_laws),
+        weight,
+    )
+    if not d_sectors.any():
+        return line
+
+    def at(s: float) -> Any:
+        problem: Any = line.at(s)
+        return problem.shaped(first + (s - low) * d_sectors)
+
+    return GeometryLine(shaped, at, ends[1] - low, weight)
+
+
+def same_problem(
+    made: list[tuple[Any, PatternProblem]], name: str, names: list[str], *, moving: bool = False
+) -> list[PatternProblem]:
+    """Return problems with the scale and the numbers of contacts of the first.
+
+    Raises
+    ------
+    OptionError
+        If some have other facets, another symmetry or contact, or, unless they move, hinge laws; name: of the
+        parameter, names: of the scenes.
+    """
+    _, whole = made[0]
+    for (_, problem), where in zip(made, names, strict=True):
+        one, other = _structure(whole), _structure(problem)
+        if one[:-1] != other[:-1]:
             raise OptionError(
-                f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
-                "these are two families, follow each alone"
+                f"{where}: facets, creases, symmetry or contact are not those at the other end of {name}: state the "
+                "symmetry, or follow a shorter range"
             )
+        if not moving and one[-1] != other[-1]:
+            raise OptionError(f"{where}: hinge laws are others than elsewhere over {name}")
+    return [_posed_as(whole, stated, problem) for stated, problem in made]
 
 
-def family_of(scene: Scene, parameter: ParameterRange) -> Family:
-    """Return the scenes that differ from one in a parameter.
+def _structure(p: PatternProblem) -> tuple[Any, ...]:
+    """Return what problems that are posed alike share; last the laws, but for their factors and shifts."""
+    orbit = None if p.orbits is None else p.orbits.orbit.tolist()
+    laws = () if p.parameters.laws is None else p.parameters.laws.laws
+    facets = p.pattern.polygons, p.pattern.ends.tolist()
+    return *facets, p.contact, p.has_limits, orbit, laws
+
+
+def _posed_as(whole: PatternProblem, stated: Any, problem: PatternProblem) -> PatternProblem:
+    """Return a problem with the scale of another, and preload as a load.
+
+    A load is linear in the preload whatever the stiffness does; the angle to which it winds a spring is not.
+    """
+    preload = getattr(stated, "preload", ())
+    if len(preload):
+        load = problem.gathered(np.array(preload)) / problem.scale
+        rest = problem.reduce(np.array(stated.rest_angles))
+        problem = problem.varied(replace(problem.parameters, rest=rest, load=load))
+    return problem if problem is whole else problem.numbered_as(whole)
+
+
+def family_of(stated: Any, parameter: ParameterRange) -> Family:
+    """Return the scenes, or patterns, that differ from one in a parameter.
 
     Parameters
     ----------
-    scene
-        Where the other numbers come from; its symmetry is kept.
+    stated
+        Where the other numbers come from: a scene, whose symmetry is kept, or a pattern as `as_pattern` takes it; of an
+        example by name, its options can be followed over.
     parameter
         The parameter and its range.
 
     Returns
     -------
     Family
-        The scenes.
+        The scenes or patterns.
 
     Raises
     ------
     OptionError
-        If the scene has no such parameter.
+        If there is no such parameter.
     """
-    base = replace(scene.of_one_winding, symmetry=scene.group.name)
+    names = [name.strip() for name in parameter.name.split("+")]
+    example = stated.partition(":")[0] if isinstance(stated, str) else ""
+    made = examples.BY_NAME.get(example)
+    options = inspect.signature(made).parameters if made else {}
+    if all(name in options for name in names):
+        of = partial(examples.pattern, stated)
+        return Family(parameter, lambda t: of(**dict.fromkeys(names, t)), example=stated)
+    base: Any
+    if isinstance(stated, Scene):
+        base = replace(stated.of_one_winding, symmetry=stated.group.name)
+        sprung, bent = (partial(_replaced, base, name) for name in ("stiffness", "laws"))
+        rest = base.rest_angles
+    else:
+        base = as_pattern(stated, "origami")
+        base.check_alone("following states over a parameter")
+        sprung, bent, rest = base.with_springs, base.with_laws, base.rest
     if parameter.name == "ratio":
-        return Family(parameter, _over_ratio(base))
-    if parameter.name == "alpha":
-        return Family(parameter, _over_alpha(base))
-    if parameter.name == "loads" and base.loads:
-        return Family(parameter, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
+        check_law_place(base.laws, "ratio")
+        k = _stiffness_over_ratio(np.array(base.stiffness), np.array(rest))
+        return Family(parameter, lambda t: sprung(k(t)))
     if LAW_NUMBER.fullmatch(parameter.name):
         course = law_course(base.laws, parameter.name, parameter.low, parameter.high)
-        return Family(
-            parameter, lambda t: replace(base, laws=course.moved(base.laws, t)), course=course
-        )
-    places = []
-    for name in parameter.name.split("+"):
-        match = PLACE.fullmatch(name.strip())
-        most = len(base.loads) if match and match[3] else base.degree
-        if match is None or not 1 <= int(match[4]) <= most:
-            raise OptionError(
-                f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
-                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1], law_shift[1] or "
-                f"laws.NAME.energy, with entries 1 to {base.degree}"
-                + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
-                + meant_by(name)
-            )
-        places.append((kind_of(name), int(match[4]) - 1))
-        check_law_place(base.laws, *places[-1])
-    return Family(parameter, _over_places(base, places))
+        return Family(parameter, lambda t: bent(course.moved(base.laws, t)), course=course)
+    if isinstance(stated, Scene):
+        return Family(parameter, _over_scenes(base, parameter, names))
+    try:
+        with_places(base, dict.fromkeys(names, parameter.low))
+    except OptionError as error:
+        more = f"; of {example}: {', '.join(options)}" if options else ""
+        raise OptionError(
+            f"parameter = {error}, or ratio{more}{meant_by(parameter.name, options)}"
+        ) from None
+    return Family(parameter, lambda t: with_places(base, dict.fromkeys(names, t)))
 
 
 def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) -> Scene:
@@ -282,14 +430,11 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
     return with_symmetry_of(scene, replace(made, symmetry="auto"))
 
 
-def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
-    """Set the ratio of stiffnesses of a scene."""
-    check_law_place(scene.laws, "ratio")
-    k = stiffness_over_ratio(np.array(scene.stiffness), np.array(scene.rest_angles))
-    return lambda ratio: replace(scene, stiffness=tuple(k(ratio)))
+def _replaced(scene: Scene, name: str, values: Sequence[Any]) -> Scene:
+    return replace(scene, **{name: tuple(values)})
 
 
-def stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], list[float]]:
+def _stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], list[float]]:
     """Multiply stiffnesses [n] of mountains by sqrt(r / r_0), divide those of valleys by it."""
     mountain = rest < 0
     if mountain.all() or not mountain.any():
@@ -300,12 +445,32 @@ def stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], l
     # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
     now = log[mountain].mean() - log[~mountain].mean()
     side = np.where(mountain, 0.5, -0.5)
+    return lambda ratio: (k * np.exp(side * (math.log(ratio) - now))).tolist()  # type: ignore[no-any-return]
 
-    def at(ratio: float) -> list[float]:
-        values: list[float] = (k * np.exp(side * (math.log(ratio) - now))).tolist()
-        return values
 
-    return at
+def _over_scenes(
+    scene: Scene, parameter: ParameterRange, names: list[str]
+) -> Callable[[float], Scene]:
+    """Return what sets a parameter of a scene: sector angles of the paper's families, factors of forces, or places."""
+    if parameter.name == "alpha":
+        return _over_alpha(scene)
+    if parameter.name == "loads" and scene.loads:
+        return partial(_at_places, scene, [("loads", k) for k in range(len(scene.loads))])
+    places = []
+    for name in names:
+        match = PLACE.fullmatch(name)
+        most = len(scene.loads) if match and match[3] else scene.degree
+        if match is None or not 1 <= int(match[4]) <= most:
+            raise OptionError(
+                f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
+                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1], law_shift[1] or "
+                f"laws.NAME.energy, with entries 1 to {scene.degree}"
+                + (f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else "")
+                + meant_by(name)
+            )
+        places.append((kind_of(name), int(match[4]) - 1))
+        check_law_place(scene.laws, *places[-1])
+    return partial(_at_places, scene, places)
 
 
 def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
@@ -327,46 +492,33 @@ def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
     return sorted({place % scene.degree for place in moved})
 
 
-def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float], Scene]:
-    def at(t: float) -> Scene:
-        values = {
-            "stiffness": list(scene.stiffness),
-            "rest_angles": list(scene.rest_angles),
-            "preload": list(scene.preload or (0.0,) * scene.degree),
-        }
-        sectors, loads = scene.vertex.sector_angles, list(scene.loads)
-        laws = list(scene.laws)
-        for what, entry in places:
-            if what == "sector_angles":
-                sectors = _with_sector(scene, sectors, entry, t)
-            elif what == "loads":
-                x, y, z = scene.loads[entry].force or (0.0, 0.0, 0.0)
-                loads[entry] = replace(loads[entry], force=(t * x, t * y, t * z))
-            else:
-                for i in _images(scene, entry, False):
-                    if what in LAW_PLACES:
-                        # of what is stated: an image may be named as well
-                        laws[i] = law_at(scene.laws[i], what, t)
-                        continue
-                    given = scene.preload[i] if what == "torque" and scene.preload else 0.0
-                    values["preload" if what == "torque" else what][i] = given + t
-        vertex = scene.vertex
-        if sectors != vertex.sector_angles:
-            vertex = Vertex(sectors, vertex.flat)
-        k, rest, preload = (tuple(v) for v in values.values())
-        return replace(
-            scene, vertex=vertex, stiffness=k, rest_angles=rest, preload=preload, loads=tuple(loads),
-            laws=tuple(laws),
-        )  # fmt: skip
-
-    return at
+def _at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
+    """Return a scene with t at some places."""
+    preload = scene.preload or (0.0,) * scene.degree
+    lists = {name: list(getattr(scene, name)) for name in ("stiffness", "rest_angles")}
+    lists |= {"preload": list(preload), "loads": list(scene.loads), "laws": list(scene.laws)}
+    vertex = scene.vertex
+    for what, entry in places:
+        if what == "sector_angles":
+            vertex = Vertex(_with_sector(scene, vertex, entry, t), vertex.flat)
+        elif what == "loads":
+            force = tuple(t * f for f in scene.loads[entry].force or (0.0,) * 3)
+            lists["loads"][entry] = replace(scene.loads[entry], force=force)
+        else:
+            for i in _images(scene, entry, False):
+                if what in LAW_PLACES:
+                    # of what is stated: an image may be named as well
+                    lists["laws"][i] = law_at(scene.laws[i], what, t)
+                elif what == "torque":
+                    lists["preload"][i] = preload[i] + t
+                else:
+                    lists[what][i] = t
+    return replace(scene, vertex=vertex, **{name: tuple(v) for name, v in lists.items()})
 
 
-def _with_sector(
-    scene: Scene, sectors: tuple[float, ...], entry: int, t: float
-) -> tuple[float, ...]:
+def _with_sector(scene: Scene, vertex: Vertex, entry: int, t: float) -> tuple[float, ...]:
     """Return sector angles with t at a facet and its images; where the sheet is flat the others give way alike."""
-    images, out = _images(scene, entry, True), np.array(sectors)
+    images, out = _images(scene, entry, True), np.array(vertex.sector_angles)
     others = [i for i in range(len(out)) if i not in images]
     if scene.vertex.flat and not others:
         raise OptionError(
@@ -377,59 +529,3 @@ def _with_sector(
         out[others] -= len(images) * (t - out[entry]) / len(others)
     out[images] = t
     return tuple(out.tolist())
-
-
-def pattern_family(stated: Any, parameter: ParameterRange) -> Family:
-    """Return the patterns that differ from one in a parameter.
-
-    Parameters
-    ----------
-    stated
-        As `as_pattern` takes it; of an example by name, its options can be followed over.
-    parameter
-        The parameter and its range.
-
-    Returns
-    -------
-    Family
-        The patterns.
-
-    Raises
-    ------
-    OptionError
-        If the pattern has no such parameter.
-    """
-    names = [name.strip() for name in parameter.name.split("+")]
-    example = stated.partition(":")[0] if isinstance(stated, str) else ""
-    options = (
-        inspect.signature(examples.BY_NAME[example]).parameters
-        if example in examples.BY_NAME
-        else {}
-    )
-    if all(name in options for name in names):
-        return Family(
-            parameter,
-            lambda t: examples.pattern(stated, **dict[str, Any](dict.fromkeys(names, t))),
-            example=stated,
-        )
-    problem = as_pattern(stated, "origami")
-    problem.check_alone("following states over a parameter")
-    if parameter.name == "ratio":
-        check_law_place(problem.laws, "ratio")
-        k = stiffness_over_ratio(problem.stiffness, problem.rest)
-        return Family(parameter, lambda t: problem.with_springs(k(t)))
-    if LAW_NUMBER.fullmatch(parameter.name):
-        course = law_course(problem.laws, parameter.name, parameter.low, parameter.high)
-        return Family(
-            parameter,
-            lambda t: problem.with_laws(course.moved(problem.laws, t)),
-            course=course,
-        )
-    try:
-        with_places(problem, dict.fromkeys(names, parameter.low))
-    except OptionError as error:
-        more = f"; of {example}: {', '.join(options)}" if options else ""
-        raise OptionError(
-            f"parameter = {error}, or ratio{more}{meant_by(parameter.name, options)}"
-        ) from None
-    return Family(parameter, lambda t: with_places(problem, dict.fromkeys(names, t)))

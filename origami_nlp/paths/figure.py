@@ -1,9 +1,8 @@
-"""Branches over the parameter: energy, a fold angle and contact moments; minima solid, saddles dashed."""
+"""Pictures of paths: branches over a parameter, legs under a load; minima solid, others dashed; and maps of events."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -13,13 +12,11 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.display import INKS, KINDS, label_text
-from origami_nlp.paths.atlas import Atlas
-from origami_nlp.paths.boundary import FLAT, BifurcationSet
-from origami_nlp.paths.records import PathBranch, PathPoint
-from origami_nlp.paths.smooth import smooth
+from origami_nlp.paths.boundary import FLAT, BifurcationSet, smooth
+from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.result import Panel, Path
 
-SADDLE = "#56B4E9"
-COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": SADDLE}
+COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": "#56B4E9"}
 OTHER = "#CC79A7"
 """Of states whose verdict is neither."""
 MARKS = {
@@ -28,60 +25,63 @@ MARKS = {
     "closes": "o",
     "leaves": "o",
     "branching": "X",
-    "breaks-symmetry": "P",
     "singular": "x",
 }
 OTHER_MARK = "P"
-"""Of events that only patterns have."""
+"""Of events that only some paths have."""
 WIDE = 60.0
 """Energies whose largest is so many times the smallest are drawn on a logarithmic scale."""
+PATH, SNAP = "#222222", "#c1121f"
+ARROW = {"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2}
+BAND: Any = {"color": PATH, "lw": 6, "alpha": 0.13, "solid_capstyle": "round", "zorder": 1}
+DOTS: Any = {"lw": 1.4, "ls": (0, (1, 1.5)), "zorder": 2.5}
+TANGENT: Any = {"color": "#7b2d8b", "lw": 1.1, "ls": (0, (4, 2)), "zorder": 3}
+TANGENT_SHARE = 0.2
+"""Of the loads that are shown, to either side of the start, along which the stiffness there is drawn."""
 
 
-def draw_atlas(atlas: Atlas) -> Figure:
-    """Draw the branches of an atlas.
+def draw_path(path: Path) -> Figure:
+    """Draw the states of a path: branches over a parameter, or a load over what it works on, and the energy.
 
     Parameters
     ----------
-    atlas
-        Of `follow`.
+    path
+        Of `follow` or `load_path`.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Energy, the fold angle that separates branches best, and contact moments where there are any, over the
-        parameter; events are marked and numbered, the number of minima stands above.
+        Over a parameter energy, the fold angle that separates branches best, and contact moments where there are any,
+        the number of minima above.  Of a load the load and the energy over what it works on, and the energy over the
+        load: the path in grey, snaps as red arrows.  Events are marked and numbered.
 
     Raises
     ------
     OptionError
-        If `atlas` is not of its type.
+        If `path` is not of its type.
     """
-    check_type("atlas", atlas, Atlas)
-    crease = _telling_crease(atlas)
-    panels: list[tuple[str, Callable[[PathPoint], float]]] = [
-        ("energy [J]", lambda p: p.energy),
-        (f"fold angle {crease + 1} [deg]", lambda p: math.degrees(p.fold_angles[crease])),
-    ]
-    if any(p.multipliers for b in atlas.branches for p in b.points):
-        panels.append(("largest moment [N m]", _moment))
+    check_type("path", path, Path)
+    panels, load = path.panels, isinstance(path, LoadPath)
+    size = (4.2 * len(panels), 4.6) if load else (7.0, 1.0 + 2.1 * len(panels))
     with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
-        figure = Figure(figsize=(7.0, 1.0 + 2.1 * len(panels)), layout="constrained")
-        rows = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for axes, (label, value) in zip(rows, panels, strict=True):
-            _panel(atlas, axes, label, value)
-        _counts(atlas, rows[0])
-        rows[-1].set_xlabel(label_text(atlas.parameter.axis))
-        if atlas.parameter.log:
-            rows[-1].set_xscale("log")
-        rows[-1].set_xlim(
-            *(atlas.parameter.drawn(t) for t in (atlas.parameter.low, atlas.parameter.high))
+        figure = Figure(figsize=size, dpi=110, layout="constrained")
+        grid: dict[str, Any] = (
+            {"ncols": len(panels)} if load else {"nrows": len(panels), "sharex": True}
         )
-        _legend(atlas, figure)
+        every = figure.subplots(**grid, squeeze=False).ravel()
+        for panel, axes in zip(panels, every, strict=True):
+            _panel(path, panel, axes)
+        handles = _legend(path)
+        if isinstance(path, LoadPath):
+            begun = f", from state #{path.state}" if path.state else ""
+            figure.suptitle(label_text(f"{path.label}: {path.driver.name}{begun}"), fontsize=10)
+            handles += _legs(path, every)
+        else:
+            _counts(path, every[0])
+        if handles:
+            many = min(6, len(handles))
+            figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)
     return figure
-
-
-def _moment(p: PathPoint) -> float:
-    return max((m.value for m in p.multipliers), default=math.nan)
 
 
 def kind_look(kind: str) -> dict[str, Any]:
@@ -92,109 +92,125 @@ def kind_look(kind: str) -> dict[str, Any]:
 
 def event_look(type: str) -> dict[str, Any]:
     """Return how an event is marked, for ``Axes.plot``."""
-    face = "white" if type == "leaves" else "black"
-    marker = MARKS.get(type, OTHER_MARK)
-    return {"marker": marker, "ls": "none", "color": "black", "mfc": face, "ms": 4.5}
+    look = {"marker": MARKS.get(type, OTHER_MARK), "mfc": "white" if type == "leaves" else "black"}
+    return {**look, "ls": "none", "color": "black", "ms": 4.5, "zorder": 5}
 
 
-def draw_ranges(axes: Any, branch: PathBranch, x: np.ndarray, y: np.ndarray) -> None:
-    """Draw the points of a branch, [m] each, range by range as their kinds are drawn."""
-    for r in branch.kind_ranges:
-        part = slice(r.points[0], r.points[1] + 1)
-        axes.plot(x[part], y[part], **kind_look(r.kind))
-
-
-def kinds_legend(branches: Sequence[PathBranch]) -> list[Line2D]:
-    """Return legend entries for the kinds of states on branches."""
-    kinds = dict.fromkeys(r.kind for b in branches for r in b.kind_ranges)
+def _legend(path: Path) -> list[Line2D]:
+    kinds = dict.fromkeys(r.kind for b in path.branches for r in b.kind_ranges)
     order = sorted(kinds, key=lambda k: [*COLOURS, k].index(k))
-    return [Line2D([], [], **kind_look(kind), label=kind) for kind in order]
+    handles = [Line2D([], [], **kind_look(kind), label=kind) for kind in order]
+    types = dict.fromkeys(e.type for e in path.events)
+    return handles + [Line2D([], [], **event_look(type), label=type) for type in types]
 
 
-def _telling_crease(atlas: Atlas) -> int:
-    """Return the crease whose angle differs most between the states in the middle of the range."""
-    angles = [p.fold_angles for b in atlas.branches for p in b.points]
-    return int(np.ptp(np.array(angles), axis=0).argmax()) if angles else 0
-
-
-def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], float]) -> None:
-    drawn, stable = [], []
-    for branch in atlas.branches:
-        t = np.array([atlas.parameter.drawn(p.t) for p in branch.points])
-        y = np.array([value(p) for p in branch.points])
-        drawn.append(y)
-        draw_ranges(axes, branch, t, y)
-        stable += [y[slice(r.points[0], r.points[1] + 1)] for r in branch.kind_ranges if r.stable]
-    axes.margins(y=0.1)  # for the numbers of events
-    every = np.concatenate(drawn) if drawn else np.zeros(0)
-    every = every[np.isfinite(every)]
-    if label.startswith("energy") and len(every) and 0 < every.min() * WIDE < every.max():
+def _panel(path: Path, panel: Panel, axes: Any) -> None:
+    stable, every = [], []
+    for branch in path.branches:
+        at = panel.values(branch.points)
+        every.append(at[:, 1])
+        for r in branch.kind_ranges:
+            part = at[r.points[0] : r.points[1] + 1]
+            axes.plot(*part.T, **kind_look(r.kind))
+            stable += [part[:, 1]] if r.stable else []
+        # stable but for the symmetry: dots
+        broken = np.array([p.full_space_eigenvalue < 0 for p in branch.points])
+        broken &= [branch.kind_at(k) in KINDS for k in range(len(broken))]
+        axes.plot(at[:, 0], np.where(broken, at[:, 1], np.nan), color="white", **DOTS)
+    values = np.concatenate([*every, np.zeros(0)])
+    values = values[np.isfinite(values)]
+    if panel.y == "energy [J]" and len(values) and 0 < values.min() * WIDE < values.max():
         axes.set_yscale("log")
-    for event in atlas.events:
-        at = _event_value(atlas, event.id, value)
-        axes.plot(atlas.parameter.drawn(event.t), at, **event_look(event.type), zorder=5)
-        axes.annotate(
-            str(event.id),
-            (atlas.parameter.drawn(event.t), at),
-            (3, 4),
-            textcoords="offset points",
-            fontsize=8,
-            annotation_clip=True,
-        )
-    if label.startswith("largest moment") and stable:  # those of saddles can be huge
+    # the way back meets events where the way there did: their numbers stand beside each other
+    named: dict[tuple[float, ...], list[str]] = {}
+    for event in path.events:
+        place = panel.values([path.point_of(event)])[0]
+        axes.plot(*place, **event_look(event.type))
+        named.setdefault(tuple(float(f"{v:.6g}") for v in place), []).append(str(event.id))
+    for at, ids in named.items():
+        look: dict[str, Any] = {
+            "textcoords": "offset points",
+            "fontsize": 8,
+            "annotation_clip": True,
+        }
+        axes.annotate(", ".join(ids), at, (3, 4), **look)
+    axes.margins(y=0.1)  # for the numbers of events
+    if panel.y.startswith("largest moment") and stable:  # those of saddles can be huge
         most = float(np.nanmax(np.concatenate(stable), initial=0.0))
         if most > 0:
             axes.set_ylim(-0.05 * most, 1.1 * most)
-    axes.set_ylabel(label)
+    over = path.parameter
+    for name, label, scale, limits in (
+        (panel.x, axes.set_xlabel, axes.set_xscale, axes.set_xlim),
+        (panel.y, axes.set_ylabel, axes.set_yscale, axes.set_ylim),
+    ):
+        label(label_text(name))
+        if name == over.axis:
+            if over.log:
+                scale("log")
+            limits(*map(over.drawn, _shown_range(path)))
+    axes.label_outer() if not isinstance(path, LoadPath) else None
     axes.grid(True, lw=0.3, color="#dddddd")
 
 
-def _event_value(atlas: Atlas, event: int, value: Callable[[PathPoint], float]) -> float:
-    """Return the ordinate of an event: that of the nearest point of its branches."""
-    found = atlas.events[event - 1]
-    points = [p for b in atlas.branches if b.id in found.branches for p in b.points]
-    if not points:
-        return math.nan
+def _shown_range(path: Path) -> tuple[float, float]:
+    """Values of the parameter that are shown; of a load those of the path, but not far beyond its last event."""
+    if not isinstance(path, LoadPath):
+        return path.parameter.low, path.parameter.high
+    loads = [p.t for leg in path.legs for p in leg.points] + [s.t for s in path.snaps]
+    low, high = min(loads), max(loads)
+    events = [0.0, *(e.t for e in path.events if low <= e.t <= high)]
+    more = 0.3 * (max(events) - min(events)) or high - low
+    low, high = max(low, min(events) - more), min(high, max(events) + more)
+    room = 0.08 * (high - low) or 1.0
+    return low - room, high + room
 
-    def apart(p: PathPoint) -> float:
-        return abs(p.t - found.t) + float(
-            np.abs(np.subtract(p.fold_angles, found.fold_angles)).max()
+
+def _legs(path: LoadPath, every: Any) -> list[Line2D]:
+    """Draw what the state does into all axes; return its legend."""
+    for panel, axes in zip(path.panels, every, strict=True):
+        for leg in path.legs:
+            at = panel.values(leg.points)
+            axes.plot(*at.T, **BAND)
+            if leg.moved:  # of creases that may yield no other states are followed
+                axes.plot(*at.T, color=PATH, lw=1.4, zorder=2)
+        for snap in path.snaps:
+            ends = [path.point_at(snap.t, phi) for phi in (snap.before, snap.after)]
+            a, b = panel.values(ends)
+            axes.annotate("", b, a, arrowprops=ARROW, zorder=4)
+            axes.plot(*a, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
+            axes.plot(*b, ".", ms=5, color=SNAP, zorder=4)  # arrows alone do not widen the axes
+    handles = [Line2D([], [], **BAND, label="the path")]
+    if path.snaps:
+        places = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:4]
+        label = f"snap at {', '.join(places)} {path.driver.unit}".rstrip()
+        handles.append(Line2D([], [], color=SNAP, label=label))
+    if any(p.full_space_eigenvalue < 0 for b in path.branches for p in b.points):
+        label = "dotted: stable only with its symmetry"
+        handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
+    if math.isfinite(path.start_stiffness):
+        start, (low, high) = path.legs[0].points[0], _shown_range(path)
+        ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
+        every[0].plot(
+            path.shown(start.angle + ends / path.start_stiffness), start.t + ends, **TANGENT
         )
+        label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
+        handles.append(Line2D([], [], **TANGENT, label=label))
+    return handles
 
-    return value(min(points, key=apart))
 
-
-def _counts(atlas: Atlas, axes: Any) -> None:
+def _counts(path: Any, axes: Any) -> None:
     """Write the number of minima above, interval by interval."""
-    parameter = atlas.parameter
-    low, high = parameter.ends
-    axes.annotate(
-        "minima:", (0, 1.02), xycoords="axes fraction", xytext=(-48, 2), textcoords="offset points"
-    )
-    for interval in atlas.intervals:
-        a, b = (parameter.s_of(t) for t in interval.t)
-        if (b - a) < 0.02 * (high - low):
-            continue
-        where = (0.5 * (a + b) - low) / (high - low)
-        axes.annotate(
-            str(interval.minima),
-            (where, 1.02),
-            xycoords="axes fraction",
-            ha="center",
-            va="bottom",
-            fontweight="bold",
-        )
-    for cut in {t for i in atlas.intervals for t in i.t} - {parameter.low, parameter.high}:
-        axes.axvline(atlas.parameter.drawn(cut), color="#bbbbbb", lw=0.6, zorder=0)
-
-
-def _legend(atlas: Atlas, figure: Figure) -> None:
-    handles = kinds_legend(atlas.branches)
-    types = dict.fromkeys(e.type for e in atlas.events)
-    handles += [Line2D([], [], **event_look(type), label=type) for type in types]
-    if handles:
-        many = min(6, len(handles))
-        figure.legend(handles=handles, loc="outside upper center", ncols=many, frameon=False)
+    low, high = path.parameter.ends
+    above: dict[str, Any] = {"xycoords": "axes fraction", "va": "bottom"}
+    axes.annotate("minima:", (0, 1.02), ha="right", **above)
+    for interval in path.intervals:
+        a, b = (path.parameter.s_of(t) for t in interval.t)
+        if (b - a) >= 0.02 * (high - low):
+            where = (0.5 * (a + b) - low) / (high - low), 1.02
+            axes.annotate(str(interval.minima), where, ha="center", fontweight="bold", **above)
+    for cut in {t for i in path.intervals for t in i.t} - {path.parameter.low, path.parameter.high}:
+        axes.axvline(path.parameter.drawn(cut), color="#bbbbbb", lw=0.6, zorder=0)
 
 
 def draw_boundaries(boundaries: BifurcationSet) -> Figure:
@@ -222,22 +238,17 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
-            y, x = smooth(curve, boundaries.parameters).T
-            x = np.array([across.drawn(across.t_of(s)) for s in x])
-            y = np.array([up.drawn(up.t_of(s)) for s in y])
-            turns = "fold" in curve.type or curve.type == FLAT
-            name = curve.contact.split(" (")[0]
-            name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
-            axes.plot(
-                x,
-                y,
-                color=INKS[k % len(INKS)],
-                ls="-" if turns else (0, (4, 2)),
-                lw=1.6 if turns else 1.2,
-                label=f"{curve.id}  {curve.type}: {name}"
-                if curve.contact
-                else f"{curve.id}  {name}",
+            y, x = (
+                [p.drawn(p.t_of(s)) for s in column]
+                for p, column in zip(
+                    (up, across), smooth(curve, boundaries.parameters).T, strict=True
+                )
             )
+            name = curve.contact and f"{curve.type}: {curve.contact.split(' (')[0]}"
+            name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
+            turns = "fold" in curve.type or curve.type == FLAT
+            look: Any = {"ls": "-", "lw": 1.6} if turns else {"ls": (0, (4, 2)), "lw": 1.2}
+            axes.plot(x, y, color=INKS[k % len(INKS)], **look, label=f"{curve.id}  {name}")
         low, high = up.ends
         for line in (line for line in boundaries.lines if line.parameter == up.name):
             for i in line.intervals:
@@ -246,15 +257,13 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
                     at = across.drawn(line.t), up.drawn(up.t_of(0.5 * (a + b)))
                     side = {across.low: "left", across.high: "right"}.get(line.t, "center")
                     axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
-        axes.set_xlim(*(across.drawn(t) for t in (across.low, across.high)))
-        axes.set_ylim(*(up.drawn(t) for t in (up.low, up.high)))
-        for parameter, label, scale in (
-            (across, axes.set_xlabel, axes.set_xscale),
-            (up, axes.set_ylabel, axes.set_yscale),
+        for p, label, scale, limits in (
+            (across, axes.set_xlabel, axes.set_xscale, axes.set_xlim),
+            (up, axes.set_ylabel, axes.set_yscale, axes.set_ylim),
         ):
-            label(label_text(parameter.axis))
-            if parameter.log:
-                scale("log")
+            label(label_text(p.axis))
+            scale("log" if p.log else "linear")
+            limits(p.drawn(p.low), p.drawn(p.high))
         if boundaries.curves:
             figure.legend(loc="outside upper center", ncols=1, frameon=False, fontsize=8)
     return figure

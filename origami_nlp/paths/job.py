@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,8 +18,7 @@ from origami_nlp.continuation import (
     ContinuationOptions,
     Equilibrium,
     EquilibriumCurve,
-    GeometryLine,
-    ParameterLine,
+    Line,
     SpecialPoint,
     find_one_sided_branches,
     is_equilibrium,
@@ -27,18 +26,25 @@ from origami_nlp.continuation import (
 from origami_nlp.errors import OUT_OF_TIME, OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
-from origami_nlp.paths.branches import branches_of, chains_of, joined
-from origami_nlp.paths.confirming import confirm
+from origami_nlp.paths.branches import Across, Packing, joined
 from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
-from origami_nlp.paths.judging import Touching, breaking_eigenvalue, parts_of
-from origami_nlp.paths.load_records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import PathEvent
+from origami_nlp.paths.records import (
+    PITCHFORK,
+    STOPPED,
+    ConfirmedSnap,
+    Cost,
+    Leg,
+    PathEvent,
+    PathPoint,
+    Snap,
+)
 from origami_nlp.paths.stable_path import (
     BRANCHES,
     OFF_BRANCH,
     StableSegment,
+    confirm,
     given,
     holding,
     release,
@@ -48,6 +54,7 @@ from origami_nlp.paths.stable_path import (
 )
 from origami_nlp.pattern_problem import PopSigns
 
+T = TypeVar("T")
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
@@ -87,7 +94,7 @@ class PathRecord:
     """What was followed of one load path.
 
     jobs: spaces, or stages of hinges that yield, in which something was.
-    ways, falls: in order.  alarms: in words.  work: plastic [J].
+    ways, falls: in order.  alarms: in words.  work: plastic [J].  cut: whether the user (Ctrl-C) ended judging.
     """
 
     jobs: list[FollowedLoad] = field(default_factory=list)
@@ -95,6 +102,15 @@ class PathRecord:
     falls: list[Fall] = field(default_factory=list)
     alarms: list[str] = field(default_factory=list)
     work: float = 0.0
+    cut: bool = False
+
+    def unless_cut(self, make: Callable[[], T], otherwise: T) -> T:
+        """Return what is made, or something else once the user has ended judging."""
+        try:
+            return otherwise if self.cut else make()
+        except KeyboardInterrupt:
+            self.cut = True
+            return otherwise
 
 
 class FollowedLoad:
@@ -115,24 +131,33 @@ class FollowedLoad:
         self._given, self.root = (low, high, full, steps, until), self
         self.record = record or PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
-        self._full = driver.keeping(IDENTITY).line() if symmetric else None
-        self._known, self._touching = dict[Equilibrium, float](), Touching()
-        functions = [("breaks-symmetry", self.across)] if self._full else []
+        line = driver.keeping(IDENTITY).line() if symmetric else None
+        self.across = Across(line, driver.origami)
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
         self.web = BifurcationDiagram(
-            line, low, high, steps=driver.steps(steps), functions=functions + yields,
-            stops=[type for type, _ in yields], lazy=True, until=until,
+            line, low, high, steps=driver.steps(steps), lazy=True, until=until,
+            functions=([("breaks-symmetry", self.across)] if symmetric else []) + yields,
+            stops=[type for type, _ in yields],
         )  # fmt: skip
+        over = ParameterRange(driver.name, low, high, driver.unit, False)
+        first = self.record.jobs[:1] == [self]
+        ends = first and driver.scene is not None and not hinges
+        self.packing = Packing(self.web, over, self.across, self._under_load, ends)
 
     @property
     def problem(self) -> Any:
         """Of the line that is followed."""
         return self.web.line.problem
 
+    @property
+    def full(self) -> Line | None:
+        """Problems without the symmetry, of a path that looks at them; None elsewhere."""
+        return self.root.across.line
+
     def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
         """Return the same path in the space of states that keep some of the symmetries of the scene."""
         root = self.root
-        if root._full is None or set(elements) == set(root.driver.elements):
+        if root.full is None or set(elements) == set(root.driver.elements):
             return root
         driver, jobs = root.driver.keeping(elements), self.record.jobs
         if driver.elements not in [job.driver.elements for job in jobs]:
@@ -144,31 +169,27 @@ class FollowedLoad:
         """Return a stage of a path with hinges that yield."""
         return FollowedLoad(self.driver, *self._given, hinges, self.record)
 
-    def across(self, frame: Equilibrium) -> float:
-        """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
-        if self._full is None:
-            return math.nan
-        if frame not in self._known:
-            given = self._full, self.driver.origami, self._touching
-            self._known[frame] = breaking_eigenvalue(frame, *given)
-        return self._known[frame]
+    def _under_load(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+        """Return what the load works on, and the energy without it."""
+        energy = float(self.driver.unloaded.energy(phi))
+        energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
+        return {"energy": energy, "angle": float(self.driver.conjugate(phi))}
 
     def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
         """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
 
         It may snap at its end.
         """
-        if self.root._full is None:
+        if self.full is None:
             return "", None
-        last = max(len(way.frames) - 1 - (way.why != "range"), first)
+        last, own = max(len(way.frames) - 1 - (way.why != "range"), first), self.across.line
 
         @cache
         def verdict(k: int) -> str:
-            frame, full = way.frames[k], self._full
-            if full is None:
+            frame = way.frames[k]
+            if own is None:
                 return frame.judged.verdict
-            state = frame.problem.expand(frame.state)
-            return classify(State(full.at(frame.s), state)).verdict
+            return classify(State(own.at(frame.s), frame.problem.expand(frame.state))).verdict
 
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
@@ -309,28 +330,29 @@ class FollowedLoad:
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state of all fold angles less that of another one, at a load."""
-        problem: Any = (self.root._full or self.web.line).at(t)
+        problem: Any = (self.full or self.web.line).at(t)
         return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
 
     def path(self, state: int, search: Search | None) -> LoadPath:
-        """Judge what was followed, and pack it; that takes as long as it takes.
+        """Judge what was followed, and pack it; that takes as long as it takes, or until the user ends it.
 
         Of hinges that yield other states than those of the path belong to no path.
         """
-        kept, low, high = self.record, self.low, self.high
-        parameter = ParameterRange(self.driver.name, low, high, self.driver.unit, False)
+        kept, diagrams = self.record, []
         again = [
-            None if self.hinges else restabilises(of.web, way.node, self._stable_end)
-            for of, way, *_ in kept.falls
+            None
+            if self.hinges
+            else kept.unless_cut(
+                lambda f=f: restabilises(f.job.web, f.way.node, self._stable_end), None
+            )  # type: ignore[misc]
+            for f in kept.falls
         ]
-        diagrams = []
         for job in kept.jobs:
-            web = job.web
-            ends = job is self and self.driver.scene is not None and not self.hinges
-            parts = {k: parts_of(arc, ends) for k, arc in enumerate(web.arcs)}
-            lines, met = branches_of(web, parameter, chains_of(web), parts, job.across)
+            job.packing.cut = kept.cut
+            lines, met, _ = job.packing.records()
+            kept.cut = job.packing.cut
             diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
-        legs = [way.job.leg(way) for way in kept.ways]
+        legs = [run.job._leg(run) for run in kept.ways]
         on_path = {p.fold_angles for leg in legs for p in leg.points}
         if self.driver.scene is None:
             pops = PopSigns(self.driver.origami)
@@ -342,7 +364,7 @@ class FollowedLoad:
             self._one,
             lambda e: (e.fold_angles not in on_path, *(-coarse(np.array(e.fold_angles))).tolist()),
         )
-        snaps = [self._snap(k, events, search, s) for k, s in enumerate(again)]
+        snaps = [f.job._snap(f, k, events, search, again[k]) for k, f in enumerate(kept.falls)]
         if self.hinges:
             used = {snap.event for snap in snaps}
             events = [e for e in events if e.id in used or e.fold_angles in on_path]
@@ -355,11 +377,13 @@ class FollowedLoad:
             for r in branch.kind_ranges
             if not r.stable and r.kind != "saddle"
         ]
-        tallies = [job.web.tally for job in kept.jobs]
+        kept.alarms += [STOPPED] * kept.cut
+        alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.web.tally for job in kept.jobs]
+        cost = Cost(sum(t.steps for t in tallies), sum(t.evaluations for t in tallies))
         return LoadPath(
-            self.driver, state, low, high, tuple(legs), tuple(snaps), tuple(branches), tuple(events),
-            tuple(dict.fromkeys(kept.alarms)), sum(t.steps for t in tallies),
-            sum(t.evaluations for t in tallies), kept.work,
+            self.packing.parameter, tuple(branches), tuple(events), alarms, cost,
+            any(line.startswith((OUT_OF_TIME, STOPPED)) for line in alarms),
+            self.driver, state, tuple(legs), tuple(snaps), kept.work,
         )  # fmt: skip
 
     def _one(self, a: PathEvent, b: PathEvent) -> bool:
@@ -372,44 +396,46 @@ class FollowedLoad:
         near = NEAR_SINGULAR_TOL if branching else SETTLED
         return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.driver.elements)
 
-    def leg(self, way: Run) -> Leg:
-        """Pack the states of a way."""
-        points = []
-        for frame in way.segment.frames:
-            phi = frame.problem.expand(frame.state) + 0.0
-            low = frame.problem.scale * min(frame.eigenvalues.tolist(), default=math.nan)
-            points.append(self._point(frame.s, phi, low))
-        node = self.web.nodes[way.segment.node]
-        if way.snap is not None and node.type == "singular":
-            points.append(self._point(node.s, self.problem.expand(node.point[:-1])))
-        judged = self._judged(way.segment, int(way.branches_off))
+    def _leg(self, run: Run) -> Leg:
+        """Pack the states of a run."""
+        way, first = run.segment, run.segment.frames[0]
+        points = [self.packing.point(frame) for frame in way.frames]
+        node = self.web.nodes[way.node]
+        if run.snap is not None and node.type == "singular":
+            phi = self.problem.expand(node.point[:-1])
+            more, none = self._under_load(first, phi), (math.nan,) * 2
+            points.append(
+                PathPoint(node.s, tuple(phi.tolist()), more["energy"], (), *none, more["angle"])
+            )
+        judged = self.record.unless_cut(
+            lambda: self._judged(way, int(run.branches_off)), ("", None)
+        )
         keeps = self.driver.scene.group.name if self.driver.scene else ""
         stiff = math.nan
-        if not way.branches_off and len(way.segment.frames) > 1:
-            stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
-        moved = self.hinges.moved_at(way.segment.frames[-1].state).tolist() if self.hinges else ()
-        whole = way.segment.why, way.snap, *judged, keeps, stiff, tuple(moved)
-        return Leg(int(way.toward), tuple(points), *whole)
-
-    def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
-        angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
-        energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
-        return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
+        if not run.branches_off and len(way.frames) > 1:
+            stiff = stiffness_at(first, self.web.root, self.driver)
+        moved = self.hinges.moved_at(way.frames[-1].state).tolist() if self.hinges else ()
+        whole = way.why, run.snap, *judged, keeps, stiff, tuple(moved)
+        return Leg(int(run.toward), tuple(points), *whole)
 
     def _snap(
-        self, k: int, events: Sequence[PathEvent], search: Search | None, again: float | None
+        self,
+        fall: Fall,
+        k: int,
+        events: Sequence[PathEvent],
+        search: Search | None,
+        again: float | None,
     ) -> Snap:
-        job, way, _, into, landed, s, what = self.record.falls[k]
-        found = job.web.nodes[way.node]
-        one = job.problem.expand(found.point[:-1]) + 0.0
-        two = into.problem.expand(into.at_the_snap(landed, s, found.s)) + 0.0
-        far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
-        event = events[far.index(min(far))]
-        if job.hinges and (over := job.hinges.over(two)):
-            self.record.alarms.append(
-                f"after the snap at load {found.s:.6g} {over} would bear more than they yield at: where it ends is not "
-                "known"
-            )
+        found, into = self.web.nodes[fall.way.node], fall.into
+        one = self.problem.expand(found.point[:-1]) + 0.0
+        two = into.problem.expand(into.at_the_snap(fall.state, fall.s, found.s)) + 0.0
+        event = min(
+            events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
+        )
+        alarms = self.record.alarms
+        if self.hinges and (over := self.hinges.over(two)):
+            why = f"{over} would bear more than they yield at: where it ends is not known"
+            alarms.append(f"after the snap at load {found.s:.6g} {why}")
         return Snap(
             event.id,
             found.s,
@@ -417,16 +443,16 @@ class FollowedLoad:
             tuple(one.tolist()),
             tuple(two.tolist()),
             (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
-            job._released(found.s, one, two),
-            str(what.kind),
-            what.reason,
+            self._released(found.s, one, two),
+            str(fall.what.kind),
+            fall.what.reason,
             again,
-            None if search is None else self._confirmed(k, search),
+            search and self.record.unless_cut(lambda: self._confirmed(fall, k, search), None),
         )
 
-    def _stable_end(self, of: ParameterLine | GeometryLine, node: SpecialPoint) -> float | None:
+    def _stable_end(self, of: Line, node: SpecialPoint) -> float | None:
         """Return the load at which stable states of more symmetry end at a node of a space of less."""
-        if self._full is None:
+        if self.full is None:
             return None
         at = of.problem.expand(node.point[:-1])
         into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
@@ -458,13 +484,13 @@ class FollowedLoad:
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
-    def _confirmed(self, k: int, search: Search) -> ConfirmedSnap | None:
+    def _confirmed(self, fall: Fall, k: int, search: Search) -> ConfirmedSnap | None:
         """Confirm a snap by searches, as far as time allows."""
-        job, way, toward, into, landed, s, _ = self.record.falls[k]
-        both = set(job.driver.elements) & set(into.driver.elements)
-        wider = job if job is into else job.keeping(tuple(sorted(both)))
+        both = set(self.driver.elements) & set(fall.into.driver.elements)
+        wider = self if self is fall.into else self.keeping(tuple(sorted(both)))
+        landed = fall.into.web, fall.state, fall.s
         try:
-            return confirm(wider.driver, (job.web, way), (into.web, landed, s), toward, search)
+            return confirm(wider.driver, (self.web, fall.way), landed, fall.toward, search)
         except OutOfTime:
             self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
             return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 from origami_nlp.arguments import (
     check_flag,
@@ -15,14 +14,14 @@ from origami_nlp.arguments import (
     shown,
 )
 from origami_nlp.continuation import ContinuationOptions
-from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
+from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
 from origami_nlp.paths.driver import IDENTITY, driver_of, search_minima
 from origami_nlp.paths.job import FollowedLoad
-from origami_nlp.paths.load_records import STOPPED
 from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.records import STOPPED
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
-from origami_nlp.pattern import Scene, Stated, as_origami
+from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
 from origami_nlp.pattern_problem import Work
 
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
@@ -124,15 +123,24 @@ def load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     until = check_until(seconds)
-    search = partial(search_minima, asked, until)
+
+    def search(one: Scene | Pattern) -> tuple[JudgedState, ...]:
+        try:
+            result = search_minima(one, until, **asked)
+        except Interrupted:  # what it found is no path
+            raise KeyboardInterrupt from None
+        if result.search.stopped_by == "time":
+            raise OutOfTime
+        return tuple(result.minima)
+
     driver, number, x = driver.begin(state, search)
     hinges = None
     if yield_torque is not None:
         x = driver.problem.expand(x)
         hinges = YieldingHinges.of(driver, yield_torque, x, number)
         driver, full, confirm = driver.keeping(IDENTITY), False, False
-    low, high = min(0.0, *ends), max(0.0, *ends)
-    job = FollowedLoad(driver, low, high, full, options, until, hinges)
+    job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, until, hinges)
+    kept = job.record
     try:
         for end in ends:
             if hinges:
@@ -146,16 +154,16 @@ def load_path(
                 arrived[0].go(*arrived[1:], 0.0, once=False)
                 job.between(*ends)
     except OutOfTime:  # of a descent
-        job.record.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+        kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     except KeyboardInterrupt:
         job.web.stop()
-    stopped = any(one.web.stopped for one in (job, *job.record.jobs))
+    stopped = any(one.web.stopped for one in (job, *kept.jobs))
     if stopped:
-        if not job.record.ways:
+        if not kept.ways:
             raise KeyboardInterrupt
-        job.record.alarms.append(STOPPED)
-    if not job.record.ways and not hinges:
+        kept.alarms.append(STOPPED)
+    if not kept.ways and not hinges:
         late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
-        raise OptionError(job.record.alarms[0] if seconds is None else late)
+        raise OptionError(kept.alarms[0] if seconds is None else late)
     found = job.path(number, search if confirm and not stopped else None)
-    return unless_stopped(found, stopped)
+    return unless_stopped(found, stopped or kept.cut)

@@ -14,35 +14,24 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import (
-    Cell,
-    Content,
-    Details,
-    Report,
-    Section,
-    Table,
-    Viewable,
-    Words,
-    angle_columns,
-)
-from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.display import Cell, Details, Section, Table, Words
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.paths.driver import Driver
-from origami_nlp.paths.load_records import (
+from origami_nlp.paths.records import (
     COLLAPSE,
+    EVENT_WORDS,
     HOLDS,
     PITCHFORK,
-    STOPPED,
     YIELDS,
     ConfirmedSnap,
     Leg,
-    LoadPoint,
+    PathEvent,
+    PathPoint,
     Snap,
 )
-from origami_nlp.paths.records import EVENT_WORDS, PathBranch, PathEvent
+from origami_nlp.paths.result import Curve, Mark, Panel, Path, bold, degrees_listed
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 WHY = {
     "range": "stable; end of the range",
@@ -63,8 +52,8 @@ MOST_NAMED = 3
 """Snaps whose loads the verdict names."""
 
 
-@dataclass(frozen=True, repr=False)
-class LoadPath(Report, Viewable):
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadPath(Path):
     """A state of a vertex or of a pattern under a load that grows, through contacts and snaps.
 
     Attributes
@@ -73,16 +62,8 @@ class LoadPath(Report, Viewable):
         What the load is: its `name`, its `unit`, and the `coordinate` that it works on.
     state
         Number (1-based) of the unloaded minimum that is loaded; 0 where it was given itself.
-    low, high
-        Range of the load.
     legs, snaps
         What the state does, in order.
-    branches, events
-        All equilibria that were followed, unstable ones included, and where they change.
-    alarms
-        What does not fit together, in words; empty where everything does.
-    steps, evaluations
-        What following cost.
     plastic_work
         What hinges that yield have taken [J].
 
@@ -100,24 +81,11 @@ class LoadPath(Report, Viewable):
 
     driver: Driver
     state: int
-    low: float
-    high: float
     legs: tuple[Leg, ...]
     snaps: tuple[Snap, ...]
-    branches: tuple[PathBranch, ...]
-    events: tuple[PathEvent, ...]
-    alarms: tuple[str, ...]
-    steps: int
-    evaluations: int
     plastic_work: float = 0.0
 
-    PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/2"
-    ALSO = ("dissipated", "interrupted", "start_stiffness", "stiffness_unit")
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether the time was over before the path came to its end, or its snaps were confirmed; an alarm says so."""
-        return any(line.startswith((OUT_OF_TIME, STOPPED)) for line in self.alarms)
+    ALSO = ("dissipated", "start_stiffness", "stiffness_unit")
 
     @property
     def label(self) -> str:
@@ -134,30 +102,82 @@ class LoadPath(Report, Viewable):
         """The pattern, as stated; None of a scene."""
         return None if self.scene else self.driver.origami
 
+    def origami_at(self, t: float) -> Any:
+        """Return what is loaded, without the load."""
+        return self.driver.unloaded
+
     @property
     def dissipated(self) -> float:
         """Energy lost in all snaps and to yielding [J]; over a closed cycle the area of the hysteresis loop."""
         return sum(snap.released for snap in self.snaps) + self.plastic_work
 
-    def view_content(self) -> Content:
-        """Return legs and snaps as plain data, see `view`."""
-        content: Content = self._from_room(self.TURNED)(self)  # bodies in space are slow to import
-        return content
+    @property
+    def curves(self) -> list[Curve]:
+        """The legs: stable states."""
+        return [
+            Curve("leg", k, leg.points, ["minimum"] * len(leg.points), {})
+            for k, leg in enumerate(self.legs, start=1)
+        ]
+
+    @property
+    def marks(self) -> list[Mark]:
+        """The first state, and those before and after each snap."""
+        unit, first = self.driver.unit, self.legs[0].points[0]
+        out = [(f"leg 1 begins at {first.t:.6g} {unit}", first.t, first.fold_angles)]
+        for k, snap in enumerate(self.snaps, start=1):
+            at = f"snap {k} at {snap.t:.9g} {unit}"
+            out += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
+        lines = [f"fold angles [deg]: {degrees_listed(phi, 2 * MOST_ANGLES)}" for _, _, phi in out]
+        return [
+            Mark(title.rstrip(), self.point_at(t, phi), (line,))
+            for (title, t, phi), line in zip(out, lines, strict=True)
+        ]
+
+    def point_at(self, t: float, fold_angles: Sequence[float]) -> PathPoint:
+        """Return a state as a point.
+
+        Parameters
+        ----------
+        t
+            The load.
+        fold_angles
+            All N [rad].
+
+        Returns
+        -------
+        PathPoint
+            With its energy and what the load works on.
+        """
+        phi = np.array(fold_angles)
+        energy, angle = (
+            float(f(phi)) for f in (self.driver.unloaded.energy, self.driver.conjugate)
+        )
+        return PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
+
+    @property
+    def panels(self) -> list[Panel]:
+        """Load and energy over what the load works on, energy over the load."""
+        load, energy = (
+            (self.parameter.axis, lambda p: p.t),
+            ("energy without the load [J]", lambda p: p.energy),
+        )
+        place = self.where, lambda p: self.shown(p.angle)
+        pairs = (place, load), (place, energy), (load, energy)
+        return [Panel(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
 
     def table(self) -> Table:
         """Return one row an event, in order of the load."""
         on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
-        all_located = all(e.located for e in self.events)
-        rows = []
-        for e in self.events:
-            load = f"{e.t:{'.12g' if e.located else '.6g'}}"
-            where = f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}"
-            row = [f"{e.id}{'*' * (e.id in on)}", e.type, load, e.contact or "-", where]
-            rows.append(row if all_located else [*row, "not located" * (not e.located)])
-        what = "angle [rad]" if self.is_angle else "position [m]"
-        heads = ["event", "type", f"load{self.in_unit}", "contact", what, ""][: 6 - all_located]
-        title = f"all events, * on the path, {self.low:.6g} to {self.high:.6g} {self.driver.unit}"
-        return Table(heads, rows, title.rstrip(), "rlrLrl"[: len(heads)], framed=False, narrow=True)
+        over = self.parameter
+        title = f"all events, * on the path, {over.low:.6g} to {over.high:.6g} {over.unit}"
+        return self.events_table(title.rstrip(), frozenset(on))
+
+    @property
+    def _beside_head(self) -> str:  # type: ignore[override]
+        return self.where
+
+    def _beside(self, event: PathEvent) -> str:
+        return self._place(float(self.driver.conjugate(np.array(event.fold_angles))))
 
     def report_sections(self) -> Iterator[Section]:
         """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
@@ -177,8 +197,8 @@ class LoadPath(Report, Viewable):
         yield from self._moved()
         for number, snap in enumerate(self.snaps, start=1):
             if snap.confirmed is not None and not all(snap.confirmed.found):
-                yield Words(self._searches(number, snap.confirmed), "bold")
-        yield from (Words(line, "bold") for line in self.alarms)
+                yield from bold([self._searches(number, snap.confirmed)])
+        yield from bold(self.alarms)
         if self.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
         yield Details(tuple(self._details()), "Events, certificates, searches")
@@ -251,7 +271,9 @@ class LoadPath(Report, Viewable):
         arrived = None
         for number, leg in enumerate(self.legs, start=1):
             first, last = leg.points[0], leg.points[-1]
-            if arrived is None or abs(first.t - arrived) > SHIFT * (self.high - self.low):
+            if arrived is None or abs(first.t - arrived) > SHIFT * (
+                self.parameter.high - self.parameter.low
+            ):
                 said = f"state #{self.state}" if self.state else "the state that was given"
                 again = " again, loaded the other way" * (arrived is not None)
                 yield f"{first.t:.6g}", said + again, self._place(first.angle), ""
@@ -275,7 +297,7 @@ class LoadPath(Report, Viewable):
                 yield f"{last.t if leg.snap is None else snap.t:.6g}", ending, place, lost
             arrived = last.t
 
-    def _on(self, leg: Leg) -> Iterator[tuple[LoadPoint, PathEvent]]:
+    def _on(self, leg: Leg) -> Iterator[tuple[PathPoint, PathEvent]]:
         """Return the events that a leg passes, in its order, without that at its end."""
         left = {e.fold_angles: e for e in self.events}
         if leg.snap:
@@ -337,7 +359,7 @@ class LoadPath(Report, Viewable):
                 yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
             if snap.confirmed is not None:
                 yield f"   {self._searches(number, snap.confirmed)}"
-        yield Words(f"{self.steps} steps", "dim")
+        yield Words(f"{self.cost.steps} steps", "dim")
 
     def _searches(self, number: int, c: ConfirmedSnap) -> str:
         """Say whether the states before and after a snap are among those that searches beside it find."""
@@ -348,35 +370,7 @@ class LoadPath(Report, Viewable):
             f"{many} known at {beyond:.6g} {unit}, the one after {after}"
         )
 
-    def states(self) -> Iterator[tuple[str, tuple[float, ...], dict[str, Any]]]:
-        """Yield the stable states of all legs in order.
-
-        Yields
-        ------
-        tuple
-            Title, fold angles, and what else is known of each, for a frame of a FOLD file.
-        """
-        for number, leg in enumerate(self.legs, start=1):
-            for p in leg.points:
-                title = f"leg {number}, {self.driver.name} = {p.t:.9g} {self.driver.unit}".rstrip()
-                yield title, p.fold_angles, {"leg": number, "parameter": p.t, "energy": p.energy}
-
-    def to_fold(self) -> dict[str, Any]:
-        """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
-        stated = self.driver.origami
-        frames = [state_frame(stated, phi, title, **more) for title, phi, more in self.states()]
-        return states_to_fold(stated, frames)
-
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""
         ends = dict.fromkeys(leg.points[k].fold_angles for leg in self.legs for k in (0, -1))
         return state_parts(self.driver.origami, [np.array(phi) for phi in ends])
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        load = "_".join(["t", *self.driver.unit.split()])
-        place = "angle_rad" if self.is_angle else "position_m"
-        for number, leg in enumerate(self.legs, start=1):
-            for p in leg.points:
-                row: dict[str, object] = {"leg": number, load: p.t, place: p.angle}
-                row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
-                yield row | angle_columns(p.fold_angles)

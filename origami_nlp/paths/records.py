@@ -1,9 +1,12 @@
-"""What an atlas is made of: branches with their points and kinds, events, checks, counts, and states at one value."""
+"""What paths are made of: points, ranges of one kind, branches, events; checks and counts; legs and snaps of loads."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any
 
+from origami_nlp.display import angle_columns
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, Kind
 from origami_nlp.problem import STOP
@@ -22,6 +25,19 @@ EVENT_WORDS = {
 """Types of events as reports say them."""
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
 """Kinds of minima."""
+PITCHFORK = "pitchfork"
+"""Why a leg ends where stable states branch off, along which the load goes on."""
+YIELDS, HOLDS = "yields", "unloads"
+"""Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
+STOPPED = "interrupted: the path goes on from where it ends here"
+"""What an alarm says where the user (Ctrl-C) ended a path."""
+COLLAPSE = "collapses"
+"""Why a leg ends where hinges yield and nothing stable goes on."""
+
+
+def _in(unit: str) -> Any:
+    """Return a field of a record with its unit, as names of columns have it."""
+    return field(metadata={"unit": unit})
 
 
 @dataclass(frozen=True)
@@ -45,30 +61,39 @@ class Multiplier:
 
 @dataclass(frozen=True, repr=False)
 class PathPoint(ShortRepr):
-    """One state of a branch.
+    """One state of a path.
 
     Attributes
     ----------
     t
-        The parameter in its unit.
+        The parameter, or the load, in its unit.
     fold_angles
         All N [rad].
     energy
-        In the scene's units.
+        In the scene's units; under a load the energy without it [J].
     multipliers
         Of the contacts held closed.
     eigenvalue
         Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
     full_space_eigenvalue
         Smallest across the imposed symmetry, without it [N m/rad]; nan where there is none, or where it is not known.
+    angle
+        What a load works on; nan over a parameter.
     """
 
     t: float
     fold_angles: tuple[float, ...]
-    energy: float
+    energy: float = _in("J")
     multipliers: tuple[Multiplier, ...]
-    eigenvalue: float
+    eigenvalue: float = _in("N_m_per_rad")
     full_space_eigenvalue: float
+    angle: float = math.nan
+
+    def row(self) -> dict[str, object]:
+        """Return the point as columns of a data frame, those with a unit and the fold angles."""
+        own = {f.name: f.metadata["unit"] for f in fields(self) if f.metadata.get("unit")}
+        named: dict[str, object] = {f"{k}_{unit}": getattr(self, k) for k, unit in own.items()}
+        return named | angle_columns(self.fold_angles)
 
 
 @dataclass(frozen=True)
@@ -224,12 +249,8 @@ class PathEvent(ShortRepr):
         said = EVENT_WORDS.get(kind, kind)
         angle, stop, who = self.contact.partition(f" {STOP} at ")
         if stop and kind in other:
-            does, they = {"closes": ("reaches", "reach"), "leaves": ("leaves", "leave")}[kind]
-            return (
-                f"{who} {they} their stops: {angle}"
-                if "," in who
-                else f"{who} {does} its stop: {angle}"
-            )
+            does = {"closes": ("reaches", "reach"), "leaves": ("leaves", "leave")}[kind]["," in who]
+            return f"{who} {does} {'their stops' if ',' in who else 'its stop'}: {angle}"
         return f"{said}: {self.contact}" if self.contact else said
 
 
@@ -255,8 +276,6 @@ class SearchCheck:
         Of the search.
     seconds
         Of the search, wall time.
-    morse
-        What the Morse identity says there, "" where it was not asked.
     complete
         ``proved`` (or ``proved-except-singular``, ``not-proved``) where a proof was asked for, ``traced`` where one
         degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
@@ -270,7 +289,6 @@ class SearchCheck:
     expected_undiscovered: Unbounded
     starts: int
     seconds: float
-    morse: str = ""
     complete: str = ""
 
 
@@ -304,15 +322,15 @@ class Cost:
     evaluations
         Of the KKT system.
     seconds
-        Wall time of following and judging, without the checks.
+        Wall time of following and judging, without the checks; nan of loads.
     checks
         Wall time of the checks.
     """
 
     steps: int
     evaluations: int
-    seconds: float
-    checks: float
+    seconds: float = math.nan
+    checks: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -349,3 +367,108 @@ class StateAt:
     kkt_residual: float
     closure_residual: float
     stays: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class ConfirmedSnap:
+    """Searches before and after a snap, which know nothing of the path.
+
+    Attributes
+    ----------
+    t
+        Loads before the snap and after it, at which is searched.
+    minima
+        How many minima each search found.
+    found
+        Whether the state of the path before the snap, and the one after it, is among them.
+    """
+
+    t: tuple[float, float]
+    minima: tuple[int, int]
+    found: tuple[bool, bool]
+
+
+@dataclass(frozen=True, repr=False)
+class Snap(ShortRepr):
+    """Where a state ends, and where it goes.
+
+    Attributes
+    ----------
+    event
+        Number of the event at which the state ends.
+    t
+        The load there.
+    type
+        ``fold``, ``nonsmooth-fold``, ``branching``, ``breaks-symmetry`` or ``flat state``.
+    before, after
+        Fold angles of the last state and, at the same load, of the one it descends to, all N [rad].
+    angle
+        What the load works on, before and after.
+    released
+        Energy that is lost, load included [J].
+    kind, certificate
+        Of the state after.
+    restabilises
+        Load at which the unstable states that begin here become stable again; None where they do not, or were not
+        followed so far.
+    confirmed
+        By a search; None where it was not asked for.
+    """
+
+    event: int
+    t: float
+    type: str
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    angle: tuple[float, float]
+    released: float
+    kind: str
+    certificate: str
+    restabilises: float | None
+    confirmed: ConfirmedSnap | None
+
+
+@dataclass(frozen=True, repr=False)
+class Leg(ShortRepr):
+    """Stable states that the load passes one way.
+
+    Attributes
+    ----------
+    toward
+        1 where the load grows, -1 where it falls.
+    points
+        States in order.
+    why
+        ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
+        ``breaks-symmetry``, ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
+        (hinges yield, and nothing stable goes on), or what stopped it.
+    snap
+        Number (1-based) of the snap that ends it, or None.
+    full_space
+        ``stable``, ``unstable`` or ``undecided`` without the symmetry, judged at both ends and in the middle; empty
+        where none is imposed, or it was not asked for.
+    full_space_from
+        First load at which it is not stable there; None where it is.
+    symmetry
+        That its states keep, such as ``"D2"``; ``"none"``, of a pattern empty.
+    stiffness
+        Derivative of the load by what it works on where the leg begins [N m/rad, N/m, or 1/m of a factor]; inf where
+        that stays, nan at a bifurcation, and where no state goes on.
+    moved
+        Of hinges that may yield: by how much the rest angles of all N have moved where the leg ends [rad]; else empty.
+    """
+
+    toward: int
+    points: tuple[PathPoint, ...] = field(repr=False)
+    why: str
+    snap: int | None
+    full_space: str
+    full_space_from: float | None
+    symmetry: str = ""
+    stiffness: Unbounded = math.nan
+    moved: tuple[float, ...] = ()
+
+    @property
+    def span(self) -> str:
+        """From which load to which."""
+        return f"{self.points[0].t:.6g} to {self.points[-1].t:.6g}"

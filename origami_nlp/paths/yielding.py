@@ -20,8 +20,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.job import FollowedLoad, Run
-from origami_nlp.paths.load_records import COLLAPSE, HOLDS, YIELDS
-from origami_nlp.paths.records import PathEvent
+from origami_nlp.paths.records import COLLAPSE, HOLDS, YIELDS, PathEvent
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
 
 MOST_STAGES = 100

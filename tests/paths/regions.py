@@ -11,9 +11,8 @@ import numpy as np
 
 from origami_nlp import find_minima
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.paths.boundary import BifurcationSet
-from origami_nlp.paths.plane import Plane
-from origami_nlp.paths.smooth import smooth
+from origami_nlp.paths.boundary import BifurcationSet, smooth
+from origami_nlp.paths.family import Plane
 
 CELLS = 400
 """Along each range: what is narrower than some cells is no region of its own."""

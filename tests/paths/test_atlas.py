@@ -15,7 +15,7 @@ from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.minima import judge_in_full_space
 from origami_nlp.paths import (
     Family,
-    draw_atlas,
+    draw_path,
     family_of,
     follow,
     follow_family,
@@ -315,7 +315,7 @@ def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
     back = o.read_result(tmp_path / "atlas.json")
     assert back.to_dict() == atlas.to_dict() and back.events == atlas.events
     assert back.intervals == atlas.intervals
-    assert len(draw_atlas(back).axes) == len(draw_atlas(atlas).axes)
+    assert len(draw_path(back).axes) == len(draw_path(atlas).axes)
     with pytest.raises(OptionError, match="follow anew"):
         back.at(1.0)
 

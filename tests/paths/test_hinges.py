@@ -12,7 +12,7 @@ import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.continuation import line_between
 from origami_nlp.errors import OptionError
-from origami_nlp.paths.alike import same_problem
+from origami_nlp.paths.family import same_problem
 from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
 from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.computed_once import thinned

@@ -11,7 +11,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.paths.family import family_of, pattern_family
+from origami_nlp.paths.family import family_of
 from origami_nlp.paths.parameter_range import parse_parameter_range
 from origami_nlp.pattern import (
     detent,
@@ -124,9 +124,7 @@ def test_wells_of_a_pattern_are_moved():
     """A Miura vertex as a pattern."""
     sheet = o.examples.pattern("miura", 2, 2)
     law = sum_of([linear(1.0), well(0.5, 0.6, 0.4)], "snap")
-    family = pattern_family(
-        sheet.with_laws(law), parse_parameter_range("laws.snap.sum[2].at_deg=20:60")
-    )
+    family = family_of(sheet.with_laws(law), parse_parameter_range("laws.snap.sum[2].at_deg=20:60"))
     line, x = family.line, np.array([0.3, 0.7, -0.4, 0.2])
     t, h = 0.7, 1e-6
     moved, _ = line.drift(line.at(t), t, x, np.zeros(line.problem.equation_count), ())

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 import origami_nlp as o
 from origami_nlp.continuation import GeometryLine
 from origami_nlp.errors import OptionError
-from origami_nlp.paths import parse_parameter_range, pattern_family
+from origami_nlp.paths import family_of, parse_parameter_range
 from origami_nlp.pattern import scene_pattern
 
 FEW = {"checks": 1, "effort": "quick"}
@@ -90,7 +90,7 @@ def test_angles_of_a_miura_are_those_of_its_closed_form(tmp_path):
 
 
 def test_closure_is_differentiated_along_a_line_of_moving_vertices():
-    family = pattern_family("miura:3x3", parse_parameter_range("alpha=50deg:65deg"))
+    family = family_of("miura:3x3", parse_parameter_range("alpha=50deg:65deg"))
     line, s = family.line, 1.0
     x = np.full(12, 0.3)
     nu = np.random.default_rng(0).normal(size=line.problem.equation_count)

@@ -1,0 +1,191 @@
+"""What a path is, over a parameter or under a load: branches, events, and what is drawn, written and told of both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origami_nlp.display import Content, Report, Table, Viewable, Words
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.records import Cost, PathBranch, PathEvent, PathPoint
+from origami_nlp.pattern_problem import state_frame, states_to_fold
+
+
+class Curve(NamedTuple):
+    """States of a path in order: a branch, or a leg of a load, and what each of them is."""
+
+    word: str
+    id: int
+    points: Sequence[PathPoint]
+    kinds: Sequence[str]
+    more: dict[str, object]
+
+
+class Mark(NamedTuple):
+    """A state of a path that is shown by itself: its title, the point, and lines about it."""
+
+    title: str
+    point: PathPoint
+    lines: tuple[str, ...]
+
+
+class Panel(NamedTuple):
+    """Axes over which the states of a path are drawn: labels, and the value of a state along each."""
+
+    x: str
+    y: str
+    value_x: Callable[[PathPoint], float]
+    value_y: Callable[[PathPoint], float]
+
+    def values(self, points: Sequence[PathPoint]) -> np.ndarray:
+        """Return the places of points, [m, 2]."""
+        return np.array([(self.value_x(p), self.value_y(p)) for p in points]).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path(Report, Viewable):
+    """States that were followed over a parameter, or under a load.
+
+    Attributes
+    ----------
+    parameter
+        The parameter, or the load, and its range.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    cost
+        What it took.
+    interrupted
+        Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
+    """
+
+    parameter: ParameterRange
+    branches: tuple[PathBranch, ...]
+    events: tuple[PathEvent, ...]
+    alarms: tuple[str, ...]
+    cost: Cost
+    interrupted: bool
+
+    PICTURE, SCHEMA = "draw_path", "origami-nlp/path/1"
+
+    @property
+    def curves(self) -> list[Curve]:
+        """What is listed point by point."""
+        raise NotImplementedError
+
+    @property
+    def marks(self) -> list[Mark]:
+        """The states that are shown by themselves."""
+        raise NotImplementedError
+
+    @property
+    def panels(self) -> list[Panel]:
+        """The axes over which it is drawn."""
+        raise NotImplementedError
+
+    def origami_at(self, t: float) -> Any:
+        """Return what is folded at a value of the parameter, without the load of the path.
+
+        Parameters
+        ----------
+        t
+            The value.
+
+        Returns
+        -------
+        Scene or Pattern
+            Whose states those at t are.
+        """
+        raise NotImplementedError
+
+    def point_of(self, event: PathEvent) -> PathPoint:
+        """Return the nearest point of its branches, or of all curves, to an event.
+
+        Parameters
+        ----------
+        event
+            Of this path.
+
+        Returns
+        -------
+        PathPoint
+            With the values of the event where they are known.
+        """
+        own = [p for b in self.branches if b.id in event.branches for p in b.points]
+        phi = np.array(event.fold_angles)
+        return min(
+            own or [p for curve in self.curves for p in curve.points],
+            key=lambda p: abs(p.t - event.t) + float(np.abs(phi - p.fold_angles).max()),
+        )
+
+    def events_table(self, title: str, on: frozenset[int] = frozenset()) -> Table:
+        """Return one row an event.
+
+        Parameters
+        ----------
+        title
+            Of the table.
+        on
+            Numbers of those that get a star.
+
+        Returns
+        -------
+        Table
+            With twelve digits of what is located.
+        """
+        over, rows = self.parameter, []
+        for e in self.events:
+            t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
+            row = [f"{e.id}{'*' * (e.id in on)}", e.type, t, e.contact or "-", self._beside(e)]
+            rows.append([*row, "" if e.located else "not located"])
+        heads = ["event", "type", over.axis, "contact", self._beside_head, ""]
+        many = 6 - all(e.located for e in self.events)
+        rows = [row[:many] for row in rows]
+        return Table(heads[:many], rows, title, "rlrLrl"[:many], framed=False, narrow=True)
+
+    _beside_head = "branches"
+
+    def _beside(self, event: PathEvent) -> str:
+        return ", ".join(map(str, event.branches))
+
+    def view_content(self) -> Content:
+        """Return curves and marks as plain data, see `view`."""
+        content: Content = self._from_room("view_path")(self)  # bodies in space are slow to import
+        return content
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        over = self.parameter
+        for curve in self.curves:
+            for p, kind in zip(curve.points, curve.kinds, strict=True):
+                row = {**curve.more, curve.word: curve.id, "parameter": over.name, "t": p.t}
+                row |= {"unit": over.unit, "kind": kind}
+                row |= {} if math.isnan(p.angle) else {"angle": p.angle}
+                yield row | p.row()
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return all points as FOLD data (spec 1.1), one frame each, in order."""
+        frames, over = [], self.parameter
+        for curve in self.curves:
+            for p, kind in zip(curve.points, curve.kinds, strict=True):
+                at = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
+                known = {curve.word: curve.id, "parameter": p.t, "energy": p.energy, "kind": kind}
+                frames.append(
+                    state_frame(self.origami_at(p.t), p.fold_angles, f"{at}: {kind}", **known)
+                )
+        return states_to_fold(self.origami_at(over.low), frames)
+
+
+def degrees_listed(fold_angles: Sequence[float], most: int) -> str:
+    """Return fold angles in degrees, of many the first."""
+    said = ", ".join(f"{math.degrees(v) + 0.0:.2f}" for v in fold_angles[:most])
+    return said + ", ..." * (len(fold_angles) > most)
+
+
+def bold(lines: Sequence[str]) -> Iterator[Words]:
+    """Return lines that stand out."""
+    return (Words(line, "bold") for line in lines)
