@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.continuation import BifurcationDiagram
 from origami_nlp.display import Details, Section, Table, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.paths.branches import states_at
+from origami_nlp.numerics import DUPLICATE_TOL, NONZERO
 from origami_nlp.paths.family import Family, family_of
+from origami_nlp.paths.followed import Followed
 from origami_nlp.paths.records import Interval, PathPoint, SearchCheck, StateAt
 from origami_nlp.paths.result import Curve, Mark, Panel, Path, bold, degrees_listed
 from origami_nlp.pattern import Pattern, Scene
@@ -41,8 +40,8 @@ class Atlas(Path):
         In the order in which they were made.
     family
         The scenes.
-    web, branch_of_arc
-        What was followed, for `at`; None and empty where the atlas was read from a file.
+    web
+        What was followed, for `at`; None where the atlas was read from a file.
     others
         Atlases of the symmetric states that wind more often round their axis (`Scene.windings`), one for each winding:
         branches, events and intervals of this one are about states that wind once.
@@ -60,8 +59,7 @@ class Atlas(Path):
     scene: Scene | Pattern
     checks: tuple[SearchCheck, ...]
     family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
-    web: BifurcationDiagram | None = field(default=None, metadata={"plain": False})
-    branch_of_arc: dict[int, int] = field(default_factory=dict, metadata={"plain": False})
+    web: Followed | None = field(default=None, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
     example: str = field(default="", metadata={"omit": True})
 
@@ -124,8 +122,7 @@ class Atlas(Path):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        wound = self.family.winding(parameter.s_of(value))
-        here = states_at(self.web, parameter, value, wound, self.branches, self.branch_of_arc)
+        here = self.web.listed_at(value)
         more = (state for other in self.others for state in other.at(value))
         every = sorted((*here, *more), key=lambda state: state.energy)
         return tuple(every) if self.others else here
@@ -169,7 +166,7 @@ class Atlas(Path):
             "energy [J]": lambda p: p.energy,
             f"fold angle {k + 1} [deg]": lambda p: math.degrees(p.fold_angles[k]),
         }
-        if any(p.multipliers for p in points):
+        if any(m.value > NONZERO for p in points for m in p.multipliers):
             values["largest moment [N m]"] = lambda p: max(
                 (m.value for m in p.multipliers), default=math.nan
             )

@@ -24,11 +24,7 @@ from origami_nlp.paths.event_curve import (
     follow_event,
 )
 from origami_nlp.paths.family import Plane, with_generic_symmetry
-from origami_nlp.paths.parameter_range import (
-    ParameterRange,
-    parse_nearby,
-    parse_parameter_range,
-)
+from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
 from origami_nlp.paths.records import Interval
 from origami_nlp.paths.survey import follow_family
 from origami_nlp.pattern import Scene, as_scene

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
@@ -26,8 +27,8 @@ def view_path(path: Path) -> Content:
     Returns
     -------
     Content
-        Stations: events over a parameter; of a load the first state, and those before and after each snap.  Tracks: each
-        stretch of a curve on which the parameter runs one way.  Panels: those of the figure.
+        Stations: events over a parameter; of a load the first state, and those before and after each snap.  Tracks:
+        each stretch of a curve on which the parameter runs one way.  Panels: those of the figure.
     """
     # along springs and loads no vertex moves
     still = getattr(getattr(path, "family", None), "still", True)
@@ -51,7 +52,7 @@ def view_path(path: Path) -> Content:
     none, panels, shown = np.empty(0), [], list(zip(along, tracks, strict=True))
     for p in path.panels:
         places = p.values([m.point for m in marks]).tolist()
-        at = tuple((k, x, y) for k, (x, y) in enumerate(places))
+        at = tuple((k, x, y) for k, (x, y) in enumerate(places) if math.isfinite(y))
         lines = tuple(Line(p.values(points), track.title, "curve") for points, track in shown)
         panels.append(Panel(f"{p.y} over {p.x}", (p.x, p.y), none, none, None, lines, at))
     note, pieces = "" if tracks else "Nothing was followed.", tuple(path.report_sections())

@@ -14,7 +14,6 @@ import numpy as np
 from origami_nlp.continuation import (
     LATE,
     START,
-    BifurcationDiagram,
     ContinuationOptions,
     Equilibrium,
     EquilibriumCurve,
@@ -25,9 +24,9 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME, OutOfTime
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
-from origami_nlp.paths.branches import Across, Packing, joined
+from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse
 from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
+from origami_nlp.paths.followed import Across, joined
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import (
@@ -40,21 +39,14 @@ from origami_nlp.paths.records import (
     PathPoint,
     Snap,
 )
-from origami_nlp.paths.stable_path import (
-    BRANCHES,
-    OFF_BRANCH,
-    StableSegment,
-    confirm,
-    given,
-    holding,
-    release,
-    restabilises,
-    stiffness_at,
-    walk,
-)
+from origami_nlp.paths.ways import BRANCHES, OFF_BRANCH, StableSegment, Ways
 from origami_nlp.pattern_problem import PopSigns
 
 T = TypeVar("T")
+STEP = EPS ** (1 / 3)
+"""Of central differences [rad]: its square is their error."""
+SIDE = 0.01
+"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
@@ -113,63 +105,57 @@ class PathRecord:
             return otherwise
 
 
-class FollowedLoad:
-    """One load path while it is followed: with the symmetry of a scene, or (of a `root`) without it; or one stage."""
+class FollowedLoad(Ways):
+    """One load path while it is followed: with the symmetry of a scene, or (of an `origin`) with less; or one stage."""
 
     def __init__(
         self,
         driver: Driver,
-        low: float,
-        high: float,
+        over: ParameterRange,
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
         hinges: Any = None,
-        record: PathRecord | None = None,
+        of: FollowedLoad | None = None,
     ) -> None:
-        self.driver, self.low, self.high, self.hinges = driver, low, high, hinges
-        self._given, self.root = (low, high, full, steps, until), self
-        self.record = record or PathRecord([] if hinges else [self])
+        self.driver, self.hinges = driver, hinges
+        self._given, self.origin = (over, full, steps, until), of or self
+        self.record = of.record if of else PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
-        line = driver.keeping(IDENTITY).line() if symmetric else None
-        self.across = Across(line, driver.origami)
+        across = Across(driver.keeping(IDENTITY).line() if symmetric else None, driver.origami)
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
-        self.web = BifurcationDiagram(
-            line, low, high, steps=driver.steps(steps), lazy=True, until=until,
-            functions=([("breaks-symmetry", self.across)] if symmetric else []) + yields,
-            stops=[type for type, _ in yields],
-        )  # fmt: skip
-        over = ParameterRange(driver.name, low, high, driver.unit, False)
-        first = self.record.jobs[:1] == [self]
-        ends = first and driver.scene is not None and not hinges
-        self.packing = Packing(self.web, over, self.across, self._under_load, ends)
+        ends = not of and driver.scene is not None and not hinges
+        options: Any = {"steps": driver.steps(steps), "lazy": True, "until": until}
+        stops = [type for type, _ in yields]
+        super().__init__(line, over, across, ends=ends, functions=yields, stops=stops, **options)
 
     @property
     def problem(self) -> Any:
         """Of the line that is followed."""
-        return self.web.line.problem
+        return self.line.problem
 
     @property
     def full(self) -> Line | None:
         """Problems without the symmetry, of a path that looks at them; None elsewhere."""
-        return self.root.across.line
+        return self.origin.across.line
 
     def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
         """Return the same path in the space of states that keep some of the symmetries of the scene."""
-        root = self.root
-        if root.full is None or set(elements) == set(root.driver.elements):
-            return root
-        driver, jobs = root.driver.keeping(elements), self.record.jobs
+        origin = self.origin
+        if origin.full is None or set(elements) == set(origin.driver.elements):
+            return origin
+        driver, jobs = origin.driver.keeping(elements), self.record.jobs
         if driver.elements not in [job.driver.elements for job in jobs]:
-            jobs.append(FollowedLoad(driver, *self._given, record=self.record))
-            jobs[-1].root = root
+            jobs.append(FollowedLoad(driver, *self._given, of=origin))
         return next(job for job in jobs if job.driver.elements == driver.elements)
 
     def stage(self, hinges: Any) -> FollowedLoad:
         """Return a stage of a path with hinges that yield."""
-        return FollowedLoad(self.driver, *self._given, hinges, self.record)
+        made = FollowedLoad(self.driver, *self._given, hinges, self)
+        made.origin = made
+        return made
 
-    def _under_load(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+    def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return what the load works on, and the energy without it."""
         energy = float(self.driver.unloaded.energy(phi))
         energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
@@ -202,12 +188,12 @@ class FollowedLoad:
 
     def between(self, *ends: float) -> None:
         """Follow in the range of load that these and 0 span."""
-        self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
+        self.low, self.high = min(0.0, *ends), max(0.0, *ends)
 
     def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
         """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
-        if not holding(self.web, x, s) and given(self.web, x, s) is None:
-            self.web.add(x, s, "minimum", toward, follow)
+        if not self.holding(x, s) and self.given(x, s) is None:
+            self.add(x, s, "minimum", toward, follow)
 
     def go(
         self,
@@ -233,11 +219,11 @@ class FollowedLoad:
         self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
             # x is stable at s, and the load runs on from there
-            way, begun = walk(self.web, x, s, toward, end, self.across), bool(before)
-            if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
+            way, begun = self.walk(x, s, toward, end), bool(before)
+            if self.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
                     keep(LATE)
-                if not self.web.stopped:
+                if not self.stopped:
                     alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
@@ -250,7 +236,7 @@ class FollowedLoad:
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
-            landed = release(into.web, node, toward)
+            landed = into.release(node, toward)
             if isinstance(landed, str):
                 keep()
                 if way.why == "snap":
@@ -261,8 +247,8 @@ class FollowedLoad:
             x, into = into.chosen(x, node)
             if node.type in BRANCHES:
                 into.begin(x, s, toward)
-                led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
-                if led is not None and into.meets(led, self.web.nodes[way.node], self):
+                led = into.walk(x, s, -toward, self.high if toward < 0 else self.low, kept=False)
+                if led is not None and into.meets(led, self.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
                     keep(PITCHFORK)
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
@@ -272,7 +258,7 @@ class FollowedLoad:
                     return None
             self.record.falls.append(Fall(self, way, toward, into, x, s, what))
             keep("snap", len(self.record.falls))
-            if not self.web.low <= s <= self.web.high:
+            if not self.low <= s <= self.high:
                 return None
             into.begin(x, s, toward, follow=not once)
             if once:
@@ -287,7 +273,7 @@ class FollowedLoad:
 
         At the flat state branches cross: from there the energy falls along another one.
         """
-        node = self.web.nodes[way.node]
+        node = self.nodes[way.node]
         if way.why == "snap":
             return self, node
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
@@ -302,7 +288,7 @@ class FollowedLoad:
 
         The image is the same whatever rounding is.
         """
-        elements = self.root.driver.elements
+        elements = self.origin.driver.elements
         phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
         image = max(
             (phi[image_of(len(phi), e)] for e in kept_by(elements, at)),
@@ -313,9 +299,9 @@ class FollowedLoad:
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
         """Whether stable states lead back to a node of another space, or this, where they branch off."""
-        point = self.web.nodes[led.node].point
-        at = np.append(self.problem.reduce(of.web.line.problem.expand(node.point[:-1])), node.s)
-        return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
+        point = self.nodes[led.node].point
+        at = np.append(self.problem.reduce(of.problem.expand(node.point[:-1])), node.s)
+        return bool(np.abs(self.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
 
     def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
         """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
@@ -323,14 +309,14 @@ class FollowedLoad:
         A snap loses energy at s0 already; along states that branch off it is lost by and by, less than the same two
         states lose by the change of the load from s0 to s.
         """
-        node = self.web.nodes[way.node]
+        node = self.nodes[way.node]
         one, two = self.problem.expand(node.point[:-1]), into.problem.expand(x)
         lost, at_the_node = (self._released(t, one, two) for t in (s, node.s))
         return lost <= 2 * abs(lost - at_the_node)
 
     def _released(self, t: float, one: np.ndarray, two: np.ndarray) -> float:
         """Energy of a state of all fold angles less that of another one, at a load."""
-        problem: Any = (self.full or self.web.line).at(t)
+        problem: Any = (self.full or self.line).at(t)
         return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
 
     def path(self, state: int, search: Search | None) -> LoadPath:
@@ -342,15 +328,13 @@ class FollowedLoad:
         again = [
             None
             if self.hinges
-            else kept.unless_cut(
-                lambda f=f: restabilises(f.job.web, f.way.node, self._stable_end), None
-            )  # type: ignore[misc]
+            else kept.unless_cut(lambda f=f: f.job.restabilises(f.way.node, self._stable_end), None)  # type: ignore[misc]
             for f in kept.falls
         ]
         for job in kept.jobs:
-            job.packing.cut = kept.cut
-            lines, met, _ = job.packing.records()
-            kept.cut = job.packing.cut
+            job.cut = kept.cut
+            lines, met = job.records()
+            kept.cut = job.cut
             diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
         legs = [run.job._leg(run) for run in kept.ways]
         on_path = {p.fold_angles for leg in legs for p in leg.points}
@@ -378,10 +362,10 @@ class FollowedLoad:
             if not r.stable and r.kind != "saddle"
         ]
         kept.alarms += [STOPPED] * kept.cut
-        alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.web.tally for job in kept.jobs]
+        alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.tally for job in kept.jobs]
         cost = Cost(sum(t.steps for t in tallies), sum(t.evaluations for t in tallies))
         return LoadPath(
-            self.packing.parameter, tuple(branches), tuple(events), alarms, cost,
+            self.parameter, tuple(branches), tuple(events), alarms, cost,
             any(line.startswith((OUT_OF_TIME, STOPPED)) for line in alarms),
             self.driver, state, tuple(legs), tuple(snaps), kept.work,
         )  # fmt: skip
@@ -399,11 +383,11 @@ class FollowedLoad:
     def _leg(self, run: Run) -> Leg:
         """Pack the states of a run."""
         way, first = run.segment, run.segment.frames[0]
-        points = [self.packing.point(frame) for frame in way.frames]
-        node = self.web.nodes[way.node]
+        points = [self.point(frame) for frame in way.frames]
+        node = self.nodes[way.node]
         if run.snap is not None and node.type == "singular":
             phi = self.problem.expand(node.point[:-1])
-            more, none = self._under_load(first, phi), (math.nan,) * 2
+            more, none = self.seen_as(first, phi), (math.nan,) * 2
             points.append(
                 PathPoint(node.s, tuple(phi.tolist()), more["energy"], (), *none, more["angle"])
             )
@@ -413,7 +397,7 @@ class FollowedLoad:
         keeps = self.driver.scene.group.name if self.driver.scene else ""
         stiff = math.nan
         if not run.branches_off and len(way.frames) > 1:
-            stiff = stiffness_at(first, self.web.root, self.driver)
+            stiff = self._stiffness(first)
         moved = self.hinges.moved_at(way.frames[-1].state).tolist() if self.hinges else ()
         whole = way.why, run.snap, *judged, keeps, stiff, tuple(moved)
         return Leg(int(run.toward), tuple(points), *whole)
@@ -426,7 +410,7 @@ class FollowedLoad:
         search: Search | None,
         again: float | None,
     ) -> Snap:
-        found, into = self.web.nodes[fall.way.node], fall.into
+        found, into = self.nodes[fall.way.node], fall.into
         one = self.problem.expand(found.point[:-1]) + 0.0
         two = into.problem.expand(into.at_the_snap(fall.state, fall.s, found.s)) + 0.0
         event = min(
@@ -450,47 +434,69 @@ class FollowedLoad:
             search and self.record.unless_cut(lambda: self._confirmed(fall, k, search), None),
         )
 
-    def _stable_end(self, of: Line, node: SpecialPoint) -> float | None:
+    def _stable_end(self, of: Any, node: SpecialPoint) -> float | None:
         """Return the load at which stable states of more symmetry end at a node of a space of less."""
         if self.full is None:
             return None
         at = of.problem.expand(node.point[:-1])
         into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
-        web, point = into.web, np.append(into.problem.reduce(at), node.s)
-        if web.line is of:
+        point = np.append(into.problem.reduce(at), node.s)
+        if into is of:
             return None
-        for half in find_one_sided_branches(web.line, point, web.tally):
-            curve = EquilibriumCurve(web.line, half.frame.hold, web.tally)
+        for half in find_one_sided_branches(into.line, point, into.tally):
+            curve = EquilibriumCurve(into.line, half.frame.hold, into.tally)
             aside = curve.beside(half.frame, OFF_BRANCH)
             if aside is not None and not aside.index and into.across(aside) > 0:
                 into.begin(aside.state, aside.s, 0.0)
                 break
-        for k, other in enumerate(web.nodes):
+        for k, other in enumerate(into.nodes):
             apart = np.abs(other.point - point).max()
             if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
-                stable = any(not a.index and k in (a.start, a.end) for a in web.arcs)
+                stable = any(not a.index and k in (a.start, a.end) for a in into.arcs)
                 return other.s if stable else None
         return None
 
     def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
-        web, begun = self.web, given(self.web, landed, s)
-        on_path = holding(web, landed, s)
+        begun, on_path = self.given(landed, s), self.holding(landed, s)
         if not on_path and begun is None:
             return landed
-        same = web.arcs[on_path[0][0]].at(at, web.tally) if on_path else None
-        frame = on_path[0][1] if on_path else web.nodes[begun or 0].halves[0].frame
-        curve = EquilibriumCurve(web.line, frame.hold, web.tally)
+        same = self.arcs[on_path[0][0]].at(at, self.tally) if on_path else None
+        frame = on_path[0][1] if on_path else self.nodes[begun or 0].halves[0].frame
+        curve = EquilibriumCurve(self.line, frame.hold, self.tally)
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
     def _confirmed(self, fall: Fall, k: int, search: Search) -> ConfirmedSnap | None:
-        """Confirm a snap by searches, as far as time allows."""
+        """Search on both sides of a snap for the states that the path has there; None where that cannot be."""
         both = set(self.driver.elements) & set(fall.into.driver.elements)
         wider = self if self is fall.into else self.keeping(tuple(sorted(both)))
-        landed = fall.into.web, fall.state, fall.s
+        driver, at, way = wider.driver, self.nodes[fall.way.node].s, fall.way
+        side = fall.toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
+        t, beyond = at - side, at + side
+        before, after = self.passed(way, t), fall.into.ahead(fall.state, fall.s, beyond)
+        if before is None:
+            # beside states where closure loses rank Newton knows those of the path alone
+            behind = (f for f in way.frames[::-1] if (t - f.s) * fall.toward >= 0)
+            f = next(behind, way.frames[0])
+            t, before = f.s, np.asarray(f.problem.expand(f.state))
+        loaded = driver.at(t), driver.at(beyond)
+        if None in loaded:
+            return None
         try:
-            return confirm(wider.driver, (self.web, fall.way), landed, fall.toward, search)
+            found = [[m.phi for m in search(origami)] for origami in loaded]
         except OutOfTime:
             self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
             return None
+        known = [
+            state is not None and any(np.abs(x - state).max() <= SETTLED for x in own)
+            for own, state in zip(found, (before, after), strict=True)
+        ]
+        return ConfirmedSnap((t, beyond), (len(found[0]), len(found[1])), (known[0], known[1]))
+
+    def _stiffness(self, frame: Equilibrium) -> float:
+        """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
+        along, driver = frame.tangent / self.root, self.driver
+        ahead, behind = (frame.problem.expand(frame.state + h * along[:-1]) for h in (STEP, -STEP))
+        moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
+        return math.inf if abs(moved) <= INPUT_TOL * driver.work.arm else float(along[-1]) / moved

@@ -19,6 +19,7 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.paths.driver import IDENTITY, driver_of, search_minima
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import STOPPED
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
 from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
@@ -139,7 +140,8 @@ def load_path(
         x = driver.problem.expand(x)
         hinges = YieldingHinges.of(driver, yield_torque, x, number)
         driver, full, confirm = driver.keeping(IDENTITY), False, False
-    job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, until, hinges)
+    over = ParameterRange(driver.name, min(0.0, *ends), max(0.0, *ends), driver.unit, False)
+    job = FollowedLoad(driver, over, full, options, until, hinges)
     kept = job.record
     try:
         for end in ends:
@@ -156,8 +158,8 @@ def load_path(
     except OutOfTime:  # of a descent
         kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     except KeyboardInterrupt:
-        job.web.stop()
-    stopped = any(one.web.stopped for one in (job, *kept.jobs))
+        job.stop()
+    stopped = any(one.stopped for one in (job, *kept.jobs))
     if stopped:
         if not kept.ways:
             raise KeyboardInterrupt

@@ -18,19 +18,14 @@ from origami_nlp.arguments import (
     check_whole,
     refuse,
 )
-from origami_nlp.continuation import (
-    STEPS,
-    BifurcationDiagram,
-    ContinuationOptions,
-    Equilibrium,
-)
+from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium
 from origami_nlp.errors import OUT_OF_TIME, Interrupted, unless_stopped
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
-from origami_nlp.paths.branches import Across, Packing
 from origami_nlp.paths.driver import search_minima
 from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
+from origami_nlp.paths.followed import Across, Followed
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import Cost, SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
@@ -165,21 +160,21 @@ def follow_family(
     check_type("options", STEPS if options is None else options, ContinuationOptions)
     survey = _Survey(family, through_folds, full, options, until, progress or (lambda _: None))
     search["prove"] = prove
-    survey.web.add_flat()
+    survey.add_flat()
     parameter = family.parameter
     middle = parameter.t_of(0.5 * sum(parameter.ends))
     ends = [parameter.low, parameter.high, middle]
     survey.check([middle] if checks == 1 else ends[:checks], search)
-    while len(survey.checks) < checks and not survey.web.late:
+    while len(survey.checks) < checks and not survey.late:
         taken = [parameter.s_of(c.t) for c in survey.checks]
         # the middle of the widest interval between events and checks
-        cuts = np.unique([*parameter.ends, *(n.s for n in survey.web.nodes), *taken])
+        cuts = np.unique([*parameter.ends, *(n.s for n in survey.nodes), *taken])
         k = int(np.diff(cuts).argmax())
         survey.check([parameter.t_of(float(0.5 * (cuts[k] + cuts[k + 1])))], search)
     return survey.atlas()
 
 
-class _Survey:
+class _Survey(Followed):
     """Searches and what they start, until the atlas is made."""
 
     def __init__(
@@ -191,24 +186,15 @@ class _Survey:
         until: float,
         say: Callable[[str], object],
     ) -> None:
-        self._say, self._begin = say, time.perf_counter()
-        self.family, self.parameter = family, family.parameter
-        line = None
+        self._say, self._began, self.family, line = say, time.perf_counter(), family, None
         if full and family.symmetric:
             few = 2 if family.still else SAMPLES
-            line = Family(self.parameter, lambda t: full_scene(family.sampled(t)), few).line
-        self.across = Across(line, family.scene(self.parameter.low))
+            line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
+        across = Across(line, family.scene(family.parameter.low))
         # some of the time is for judging what was followed
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
-        self.web = BifurcationDiagram(
-            family.line,
-            *self.parameter.ends,
-            steps=steps or family.steps,
-            through_folds=through_folds,
-            functions=[("breaks-symmetry", self.across)] if line else [],
-            until=turn,
-            progress=self._followed,
-        )
+        options = {"steps": steps or family.steps, "through_folds": through_folds, "until": turn}
+        super().__init__(family.line, family.parameter, across, progress=self._followed, **options)
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
 
@@ -219,9 +205,9 @@ class _Survey:
 
     def check(self, values: list[float], search: dict[str, Any]) -> None:
         """Search at some values at once; follow what is new at one after the other, and compare."""
-        if self.web.late:
+        if self.late:
             return
-        begin, until = time.perf_counter(), self.web.steps.until
+        begin, until = time.perf_counter(), self.steps.until
         self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
         share = (until - time.monotonic()) / len(values)
         try:
@@ -232,10 +218,10 @@ class _Survey:
         except Interrupted:
             if not self.checks:
                 raise KeyboardInterrupt from None  # nothing is followed yet
-            self.web.stop()
+            self.stop()
             return
         seconds = time.perf_counter() - begin
-        self._begin += seconds
+        self._began += seconds
         for t, result in zip(values, results, strict=True):
             self._compare(t, result, seconds / len(values))
 
@@ -245,20 +231,20 @@ class _Survey:
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
         new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
-            if self.web.late:  # each of many states takes long to begin with
+            if self.late:  # each of many states takes long to begin with
                 break
             x = model.reduce(np.array(minimum.fold_angles))
             # not explained by any branch: it begins one
             if _nearest(followed, x) > SETTLED:
                 # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
-                if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
+                if _nearest([f for _, f in self.states_at(s)], x) <= SETTLED:
                     self.alarms.append(f"{at}: a minimum lies on a branch of saddles")
                     continue
-                new += self.web.add(x, s, "minimum")
+                new += self.add(x, s, "minimum")
                 followed = self._minima(s)
             met.append(x)
         missed = 0
-        for frame in [] if self.web.late else followed:
+        for frame in [] if self.late else followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
                 # a followed state that is a minimum and that the search has not found
                 what = frame.judged
@@ -275,32 +261,30 @@ class _Survey:
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
         out: list[Equilibrium] = []
-        for frame in (*(f for _, f in self.web.states_at(s)), *self.web.alone_at(s)):
+        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
             if not frame.index and _nearest(out, frame.state) > SETTLED:
                 out.append(frame)
         return out
 
-    def _wound(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+    def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
-        wound = self.family.winding(frame.s)
-        return {"energy": frame.problem.energy(frame.state) + wound} if wound else {}
+        return {"energy": frame.problem.energy(frame.state) + self.family.winding(frame.s)}
 
     def atlas(self) -> Atlas:
         """Judge what was followed, and pack it."""
-        web, over, family = self.web, self.parameter, self.family
-        branches, events, begun = Packing(web, over, self.across, self._wound).records()
+        over, family, (branches, events) = self.parameter, self.family, self.records()
         self.alarms += [
             f"branch {branch.id}, {over.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
             for branch in branches
             for r in branch.kind_ranges
             if not r.stable and r.kind != "saddle"
         ]
-        took = time.perf_counter() - self._begin, sum(c.seconds for c in self.checks)
+        took = time.perf_counter() - self._began, sum(c.seconds for c in self.checks)
         return Atlas(
             over, branches, events, tuple(dict.fromkeys(self.alarms)),
-            Cost(web.tally.steps, web.tally.evaluations, *took),
-            web.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
-            family.scene_of(over.low), tuple(self.checks), family, web, begun, example=family.example,
+            Cost(self.tally.steps, self.tally.evaluations, *took),
+            self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
+            family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
         )  # fmt: skip
 
 

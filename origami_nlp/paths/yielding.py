@@ -223,7 +223,7 @@ def _begin(
         seen.add(yielding.tobytes())
         job = path.stage(replace(hinges, since=np.where(yielding, x, np.nan)))
         job.begin(x, t, toward, follow=False)
-        ahead = [h.frame for node in job.web.nodes for h in node.halves]
+        ahead = [h.frame for node in job.nodes for h in node.halves]
         ahead = [frame for frame in ahead if frame.ahead * toward > 0 and not frame.index]
         if not ahead:
             if not full.any():

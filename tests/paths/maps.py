@@ -23,12 +23,7 @@ from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt
 
 import origami_nlp as o
-from origami_nlp.paths import (
-    BifurcationSet,
-    EventCurve,
-    find_bifurcation_set,
-    smooth,
-)
+from origami_nlp.paths import BifurcationSet, EventCurve, find_bifurcation_set, smooth
 from tests.paths.regions import Region, find_regions, region_cells
 
 FIGURES = Path(__file__).parents[2] / "docs" / "figures"
@@ -40,10 +35,7 @@ FAMILIES = {  # in the symmetric space, and in the full one: scene, range of alp
         False: (("degree6", "pi/4", BELOW, 4), ("degree6", "5*pi/12", ABOVE, 6)),
         True: (("degree6", "pi/4", BELOW, 4), ("degree6", "5*pi/12", ABOVE, 5)),
     },
-    "degree8": {
-        False: (("degree8", "pi/6", WHOLE, 5),),
-        True: (("degree8", "pi/6", HALF, 4),),
-    },
+    "degree8": {False: (("degree8", "pi/6", WHOLE, 5),), True: (("degree8", "pi/6", HALF, 4),)},
 }
 MIRRORED = {("degree8", True)}
 """Where 90 deg - alpha_1 is the same vertex with other labels, and drawn from what is known of alpha_1."""

@@ -163,8 +163,8 @@ def test_the_stiffness_at_the_start_is_that_of_the_reduced_hessian(crease, creas
 
 def test_the_stiffness_at_the_start_is_drawn_through_the_start():
     found = path("waterbomb", 1, 0.09)
-    (axes, _) = draw(found).axes
-    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    figure = draw(found)
+    axes, labels = figure.axes[0], [text.get_text() for text in figure.legends[0].get_texts()]
     assert "snap at 0.0841 N m" in labels
     assert f"stiffness at the start\n{found.start_stiffness:.4g} N m/rad" in labels
     style = [line for line in axes.lines if line.get_color() == "#7b2d8b"]
@@ -176,9 +176,7 @@ def test_the_stiffness_at_the_start_is_drawn_through_the_start():
 
 @pytest.mark.slow  # three load paths of a vertex with 8 creases
 @pytest.mark.parametrize("growth", [1.5, 3.0])
-def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(
-    growth,
-):
+def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(growth):
     """Branchings are roots of a system that is regular there: steps of the tracer do not show (they did: 1e-5 rad)."""
     scene, steps = examples.waterbomb_base(), replace(STEPS, growth=growth)
     found = load_path(scene, 1, to=0.14, confirm=False, options=steps)

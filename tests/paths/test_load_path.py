@@ -146,27 +146,18 @@ def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
 def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(SCENE))
-    args = (
-        "--crease",
-        "1",
-        "--to",
-        "-0.15",
-        "--no-confirm",
-        "--no-full",
-        "--effort",
-        "quick",
-    )
+    args = ("--crease", "1", "--to", "-0.15", "--no-confirm", "--no-full", "--effort", "quick")
     code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
     assert code == 0, err
     data = json.loads(out)
-    assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N m"
+    assert data["schema"] == "origami-nlp/path/1" and data["driver"]["unit"] == "N m"
     assert [e["type"] for e in data["events"]] == ["fold", "nonsmooth-fold"]
     assert data["events"][0]["t"] == pytest.approx(SNAP, abs=1e-10)
     assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
     frames = json.loads((tmp_path / "path.fold").read_text())["file_frames"]
     assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
     assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)
-    assert len(draw(loop(), tmp_path / "load.png").axes) == 2
+    assert len(draw(loop(), tmp_path / "load.png").axes) == 3
     assert "after snap 1, contact-pinned" in " ".join(str(loop()).split())
 
 

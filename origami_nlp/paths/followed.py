@@ -87,60 +87,68 @@ class Across:
         return min(found, default=math.inf)
 
 
-class Packing:
-    """A diagram as records, its arcs judged; where the user (Ctrl-C) ends that, arcs that are left are undecided.
+class Followed(BifurcationDiagram):
+    """Equilibria over a parameter or under a load, and what they are as records.
+
+    Where the user (Ctrl-C) ends judging, arcs that are left are undecided.
 
     Parameters
     ----------
-    web
-        What was followed.
+    line
+        The problems.
     parameter
-        Over which.
+        The parameter, or load, and its range.
     across
         Eigenvalue across the symmetry.
-    more
-        Fields of the point of a state, from its frame and all fold angles, in place of those of its problem.
     ends
         Whether arcs are judged beside their ends too, not in the middle alone.
+    functions, options
+        As of `BifurcationDiagram`.
     """
 
     def __init__(
         self,
-        web: BifurcationDiagram,
+        line: Line,
         parameter: ParameterRange,
-        across: Callable[[Equilibrium], float],
-        more: Callable[[Equilibrium, np.ndarray], dict[str, Any]] = lambda frame, phi: {},
+        across: Across,
+        *,
         ends: bool = True,
+        functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
+        **options: Any,
     ) -> None:
-        self.web, self.parameter, self._across, self._more = web, parameter, across, more
-        self._ends, self.cut = ends, False
-        self._parts = dict[int, list[Part]]()
-        self._points = dict[Equilibrium, PathPoint]()
+        broken = [("breaks-symmetry", across)] if across.line else []
+        super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
+        self.parameter, self.across, self._ends, self.cut = parameter, across, ends, False
+        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, PathPoint]()
 
-    def records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...], dict[int, int]]:
-        """Return branches and events with their numbers, and the number of the branch of each arc."""
+    def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+        """Return fields of the point of a state, at all fold angles, beside those of its problem."""
+        return {"energy": frame.problem.energy(frame.state)}
+
+    def records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
+        """Return branches and events with their numbers."""
         try:
             return self._records()
         except KeyboardInterrupt:
-            self.web.stop()
+            self.stop()
             self.cut = True
             return self._records()
 
-    def _records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...], dict[int, int]]:
-        web, chains = self.web, chains_of(self.web)
-        begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
+    def _records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
+        chains = self._chains()
+        self._begun = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
-        for k, arc in enumerate(web.arcs):
+        for k, arc in enumerate(self.arcs):
             if k not in self._parts:
                 self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
             for node in (arc.start, arc.end):
-                meets.setdefault(node, set()).add(begun[k])
-        shown = [k for k, node in enumerate(web.nodes) if node.type not in QUIET]
-        shown.sort(key=lambda k: web.nodes[k].s)
+                meets.setdefault(node, set()).add(self._begun[k])
+        shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
+        shown.sort(key=lambda k: self.nodes[k].s)
         ids = {k: i for i, k in enumerate(shown, start=1)}
         events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        branches = tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1))
-        return branches, events, begun
+        self._branches = tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1))
+        return self._branches, events
 
     def point(self, frame: Equilibrium, dependent: Pieces | None = None) -> PathPoint:
         """Return a state in the scene's units; dependent: see `_dependent`."""
@@ -156,21 +164,64 @@ class Packing:
                 unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
                 low, high = spread.get(contact, (value, value))
                 forces.append(Multiplier(words, value * unit, (low * unit, high * unit)))
-        more = self._more(frame, phi)
         found = PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
-            more.pop("energy") if "energy" in more else p.energy(frame.state),
-            tuple(forces),
-            least_eigenvalue(frame),
-            math.nan if self.cut else self._across(frame),
-            **more,
+            multipliers=tuple(forces),
+            eigenvalue=least_eigenvalue(frame),
+            full_space_eigenvalue=math.nan if self.cut else self.across(frame),
+            **self.seen_as(frame, phi),
         )
         return self._points.setdefault(frame, found)
 
+    def listed_at(self, value: float) -> tuple[StateAt, ...]:
+        """Return the states of all branches at one value of the parameter; `records` come first."""
+        out: list[tuple[np.ndarray, StateAt]] = []
+        s, scale = self.parameter.s_of(value), self.line.problem.scale
+        for number, frame in (*self.states_at(s), *((-1, f) for f in self.alone_at(s))):
+            if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
+                continue  # two arcs that meet there
+            what, branch, phi = frame.judged, self._begun.get(number, 0), frame.seen.fold_angles
+            stays = _stays(self._branches[branch - 1] if branch else None, value)
+            found = StateAt(
+                branch, tuple(phi.tolist()), self.seen_as(frame, phi)["energy"], what.verdict, what.kind,
+                what.reason, what.local_dimension, what.contacts, least_eigenvalue(frame),
+                frame.system.residual, frame.seen.residual, stays if what.verdict == "minimum" else None,
+            )  # fmt: skip
+            out.append((frame.state, found))
+        # ties (mirror images of one another) in a fixed order
+        every = (state for _, state in out)
+        return tuple(sorted(every, key=lambda one: rank(one.energy / scale, one.fold_angles)))
+
+    def _chains(self) -> list[Chain]:
+        """Join arcs at nodes where just two of them meet; others end there."""
+        meeting: dict[int, list[int]] = {}
+        for k, arc in enumerate(self.arcs):
+            meeting.setdefault(arc.start, []).append(k)
+            meeting.setdefault(arc.end, []).append(k)
+        left = set(range(len(self.arcs)))
+
+        def walk(k: int, node: int) -> Chain:
+            chain: Chain = []
+            while k in left:
+                left.discard(k)
+                forward = self.arcs[k].start == node
+                chain.append((k, forward))
+                node = self.arcs[k].end if forward else self.arcs[k].start
+                onward = [other for other in meeting[node] if other != k]
+                if len(meeting[node]) != 2 or not onward:
+                    break
+                k = onward[0]
+            return chain
+
+        # ends of branches: where one arc ends, or three and more meet; then closed curves
+        ends = [(k, node) for node, arcs in sorted(meeting.items()) if len(arcs) != 2 for k in arcs]
+        ends += [(k, arc.start) for k, arc in enumerate(self.arcs)]
+        return [walk(k, node) for k, node in ends if k in left]
+
     def _event(self, number: int, at: int, meets: tuple[int, ...]) -> PathEvent:
-        node = self.web.nodes[at]
-        problem, note = self.web.line.at(node.s), node.why
+        node = self.nodes[at]
+        problem, note = self.line.at(node.s), node.why
         if node.between is not None:
             low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
             note = f"between {low} and {high}: {note}"
@@ -188,12 +239,12 @@ class Packing:
 
     def _type(self, at: int) -> str:
         """Return the type of an event, contacts as they close and leave while the parameter grows."""
-        node = self.web.nodes[at]
+        node = self.nodes[at]
         if node.type not in ("closes", "leaves"):
             return "singular" if node.type == "refused" else node.type
         held = [
             (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
-            for arc in self.web.arcs
+            for arc in self.arcs
             if at in (arc.start, arc.end)
         ]
         # of contacts that close together another one may be held: then more of them are on that side
@@ -203,9 +254,9 @@ class Packing:
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
     def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> PathBranch:
-        web, points, ranges = self.web, list[PathPoint](), list[KindRange]()
+        points, ranges = list[PathPoint](), list[KindRange]()
         for k, forward in chain:
-            arc = web.arcs[k]
+            arc = self.arcs[k]
             frames = arc.frames if forward else arc.frames[::-1]
             last = len(frames) - 1
             # positions in the whole branch
@@ -220,12 +271,12 @@ class Packing:
                     ranges, KindRange(t, part.kind, arc.index, part.certificate, place)
                 )
         (a, forward), (b, onward) = chain[0], chain[-1]
-        first = web.arcs[a].start if forward else web.arcs[a].end
-        final = web.arcs[b].end if onward else web.arcs[b].start
+        first = self.arcs[a].start if forward else self.arcs[a].end
+        final = self.arcs[b].end if onward else self.arcs[b].start
         if first == final and len(chain) > 1:
             ends = (BranchEnd("closed curve", None),) * 2
         else:
-            ends = _end(web.nodes[first], ids.get(first)), _end(web.nodes[final], ids.get(final))
+            ends = _end(self.nodes[first], ids.get(first)), _end(self.nodes[final], ids.get(final))
         return PathBranch(number, tuple(ranges), tuple(points), ends)
 
 
@@ -271,35 +322,6 @@ def parts_of(arc: BranchSegment, ends: bool = True, judged: bool = True) -> list
 def _judged(frame: Equilibrium) -> tuple[str, str]:
     what = frame.judged
     return (what.kind or what.verdict, what.reason)
-
-
-def chains_of(web: BifurcationDiagram) -> list[Chain]:
-    """Join arcs at nodes where just two of them meet; others end there."""
-    meeting: dict[int, list[int]] = {}
-    for k, arc in enumerate(web.arcs):
-        meeting.setdefault(arc.start, []).append(k)
-        meeting.setdefault(arc.end, []).append(k)
-    left = set(range(len(web.arcs)))
-    out: list[Chain] = []
-
-    def walk(arc: int, node: int) -> Chain:
-        chain: Chain = []
-        while arc in left:
-            left.discard(arc)
-            forward = web.arcs[arc].start == node
-            chain.append((arc, forward))
-            node = web.arcs[arc].end if forward else web.arcs[arc].start
-            onward = [k for k in meeting[node] if k != arc]
-            if len(meeting[node]) != 2 or not onward:
-                break
-            arc = onward[0]
-        return chain
-
-    for node, arcs in sorted(meeting.items()):
-        # ends of branches: where one arc ends, or three and more meet
-        if len(arcs) != 2:
-            out += [walk(k, node) for k in arcs if k in left]
-    return out + [walk(k, web.arcs[k].start) for k in range(len(web.arcs)) if k in left]
 
 
 def joined(
@@ -370,43 +392,6 @@ def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
             for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
                 out.setdefault(contact, (float(low), float(high)))
     return out
-
-
-def states_at(
-    web: BifurcationDiagram,
-    parameter: ParameterRange,
-    value: float,
-    winding: float,
-    branches: tuple[PathBranch, ...],
-    branch_of_arc: dict[int, int],
-) -> tuple[StateAt, ...]:
-    """Return the states of all branches at one value; winding: energy of preloaded springs that no state counts."""
-    out: list[tuple[np.ndarray, StateAt]] = []
-    s = parameter.s_of(value)
-    for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
-        if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
-            continue  # two arcs that meet there
-        what, branch = frame.judged, branch_of_arc.get(number, 0)
-        found = StateAt(
-            branch,
-            tuple(frame.seen.fold_angles.tolist()),
-            frame.problem.energy(frame.state) + winding,
-            what.verdict,
-            what.kind,
-            what.reason,
-            what.local_dimension,
-            what.contacts,
-            least_eigenvalue(frame),
-            frame.system.residual,
-            frame.seen.residual,
-            _stays(branches[branch - 1] if branch else None, value)
-            if what.verdict == "minimum"
-            else None,
-        )
-        out.append((frame.state, found))
-    # ties (mirror images of one another) in a fixed order
-    scale = web.line.problem.scale
-    return tuple(sorted((s for _, s in out), key=lambda s: rank(s.energy / scale, s.fold_angles)))
 
 
 def _stays(branch: PathBranch | None, value: float) -> tuple[float, float] | None:
