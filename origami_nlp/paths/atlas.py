@@ -13,11 +13,11 @@ import numpy as np
 
 from origami_nlp.display import Details, Section, Table, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.numerics import DUPLICATE_TOL, NONZERO
+from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
-from origami_nlp.paths.followed import Followed
+from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.records import Interval, PathPoint, SearchCheck, StateAt
-from origami_nlp.paths.result import Curve, Mark, Panel, Path, bold, degrees_listed
+from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed
 from origami_nlp.pattern import Pattern, Scene
 
 COMPLETE = {"proved": "proved to be all"}
@@ -59,7 +59,7 @@ class Atlas(Path):
     scene: Scene | Pattern
     checks: tuple[SearchCheck, ...]
     family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
-    web: Followed | None = field(default=None, metadata={"plain": False})
+    web: FollowedDiagram | None = field(default=None, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
     example: str = field(default="", metadata={"omit": True})
 
@@ -132,18 +132,18 @@ class Atlas(Path):
         return self.family.sampled(t)
 
     @property
-    def curves(self) -> list[Curve]:
+    def curves(self) -> list[Track]:
         """The branches, those of other windings after them."""
         more: dict[str, object] = {"scene": getattr(self.scene, "label", self.scene.name)}
         more["winding"] = getattr(self.scene, "winding", None) or 1
         own = [
-            Curve("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))], more)
+            Track("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))], more)
             for b in self.branches
         ]
         return own + [curve for other in self.others for curve in other.curves]
 
     @property
-    def marks(self) -> list[Mark]:
+    def marks(self) -> list[Station]:
         """The events."""
         out = []
         for e in self.events:
@@ -152,11 +152,11 @@ class Atlas(Path):
             said = f"fold angles [deg]: {degrees_listed(e.fold_angles, MOST_ANGLES)}"
             lines = tuple(filter(None, (e.contact, e.note, said)))
             where = self.parameter.shown(e.t, 9)
-            out.append(Mark(f"event {e.id}: {e.type} at {where}", point, lines))
+            out.append(Station(f"event {e.id}: {e.type} at {where}", point, lines))
         return out
 
     @property
-    def panels(self) -> list[Panel]:
+    def panels(self) -> list[Plot]:
         """Energy, the fold angle that separates branches best, and contact moments where there are any."""
         over = self.parameter
         points = [p for b in self.branches for p in b.points]
@@ -166,11 +166,12 @@ class Atlas(Path):
             "energy [J]": lambda p: p.energy,
             f"fold angle {k + 1} [deg]": lambda p: math.degrees(p.fold_angles[k]),
         }
-        if any(m.value > NONZERO for p in points for m in p.multipliers):
+        least = STATIONARY * max(self.scene.stiffness)  # below, moments are rounding
+        if any(m.value > least for p in points for m in p.multipliers):
             values["largest moment [N m]"] = lambda p: max(
                 (m.value for m in p.multipliers), default=math.nan
             )
-        return [Panel(over.axis, y, lambda p: over.drawn(p.t), of) for y, of in values.items()]
+        return [Plot(over.axis, y, lambda p: over.drawn(p.t), of) for y, of in values.items()]
 
     def summary(self) -> str:
         """Return one line: how many minima there are, and where their number changes."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import itertools
-import math
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,17 +14,11 @@ from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tal
 from origami_nlp.display import Report, Section, Table, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, ROUNDED, SAMPLED, STATIONARY
-from origami_nlp.paths.event_curve import (
-    MEETS,
-    EventPoint,
-    EventTracer,
-    FlatTracer,
-    Tracer,
-    follow_event,
-)
+from origami_nlp.paths.event_curve import MEETS, EventPoint, EventTracer
 from origami_nlp.paths.family import Plane, with_generic_symmetry
 from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
 from origami_nlp.paths.records import Interval
+from origami_nlp.paths.result import bold
 from origami_nlp.paths.survey import follow_family
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact
@@ -152,51 +145,39 @@ class BifurcationSet(Report):
 
     PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/path/1"
 
-    @property
-    def _ended(self) -> str:
-        return "interrupted" if self.stopped else OUT_OF_TIME
-
     def _rows(self) -> Iterator[dict[str, object]]:
-        for curve in self.curves:
-            for p in curve.points:
-                row: dict[str, object] = {"curve": curve.id, "type": curve.type}
-                row["contact"] = curve.contact
-                for k, (parameter, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
-                    row |= {f"parameter_{k}": parameter.name, f"t_{k}": t}
-                    row[f"unit_{k}"] = parameter.unit
-                yield row | angle_columns(p.fold_angles)
+        for curve, p in ((c, p) for c in self.curves for p in c.points):
+            row: dict[str, object] = {"curve": curve.id, "type": curve.type}
+            row["contact"] = curve.contact
+            for k, (over, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
+                row |= {f"parameter_{k}": over.name, f"t_{k}": t, f"unit_{k}": over.unit}
+            yield row | angle_columns(p.fold_angles)
 
     def report_sections(self) -> Iterator[Section]:
         """Return the curves, and the counts along each line."""
         a, b = self.parameters
         rows = []
         for c in self.curves:
-            first, last = c.points[0].t, c.points[-1].t
-            ends = [f"({_shown(a, p[0])}, {_shown(b, p[1])})" for p in (first, last)]
-            rows.append(
-                (str(c.id), c.type, c.contact or "-", *ends, str(len(c.points)), ", ".join(c.ends))
+            ends = (
+                f"({a.shown(p.t[0], 5)}, {b.shown(p.t[1], 5)})" for p in (c.points[0], c.points[-1])
             )
+            more = str(len(c.points)), ", ".join(c.ends)
+            rows.append((str(c.id), c.type, c.contact or "-", *ends, *more))
         heads = ("curve", "type", "contact", "from", "to", "points", "ends")
         title = f"{len(self.curves)} curves of events over {a.name} and {b.name}"
         yield Table(heads, rows, title, "rlLllrL")
         for line in self.lines:
             along, other = (a, b) if line.parameter == a.name else (b, a)
             counts = ", ".join(
-                f"{i.minima} ({_shown(along, i.t[0])} to {_shown(along, i.t[1])})"
+                f"{i.minima} ({along.shown(i.t[0], 5)} to {along.shown(i.t[1], 5)})"
                 for i in line.intervals
             )
-            yield Words(f"{other.name} = {_shown(other, line.t)}: minima {counts or 'not counted'}")
+            yield f"{other.name} = {other.shown(line.t, 5)}: minima {counts or 'not counted'}"
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
         if self.interrupted:
-            yield Words(
-                f"{self._ended}: curves are those until then; on lines that were not followed whole minima are not "
-                "counted",
-                "bold",
-            )
-
-
-def _shown(parameter: ParameterRange, t: float) -> str:
-    return f"{math.degrees(t):.5g} deg" if parameter.unit == "rad" else f"{t:.5g}"
+            ended = "interrupted" if self.stopped else OUT_OF_TIME
+            left = "on lines that were not followed whole minima are not counted"
+            yield from bold([f"{ended}: curves are those until then; {left}"])
 
 
 def find_bifurcation_set(
@@ -259,113 +240,109 @@ def find_bifurcation_set(
     if a.name == b.name:
         raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
     scene = with_generic_symmetry(scene, (a, b))
-    plane, tally = Plane(scene, (a, b)), Tally()
-    curves: list[EventCurve] = []
-    counted: list[CountedLine] = []
-    ends = plane.corner, plane.corner + plane.size
-    where = np.linspace(ends[0][1], ends[1][1], lines) if lines > 1 else [np.mean(ends, axis=0)[1]]
-    inside = np.linspace(ends[0][0], ends[1][0], across + 2)[1:-1]
-    stopped = False
+    found, stopped = _Map(Plane(scene, (a, b)), until), False
     try:
+        found.follow_lines(lines, across, seed=seed, effort=effort)
+        found.follow_ends()
+    except KeyboardInterrupt:
+        if not found.lines:
+            raise
+        stopped = True
+    late = stopped or time.monotonic() > until or not all(line.intervals for line in found.lines)
+    what = tuple(found.curves), tuple(found.lines), time.perf_counter() - begin, late, stopped
+    return unless_stopped(BifurcationSet(scene, (a, b), *what), stopped)
+
+
+class _Map:
+    """Curves and counted lines in a plane, as far as they are known."""
+
+    def __init__(self, plane: Plane, until: float) -> None:
+        self.plane, self.until, self.tally = plane, until, Tally()
+        self.curves: list[EventCurve] = []
+        self.lines: list[CountedLine] = []
+
+    def follow_lines(self, lines: int, across: int, **search: object) -> None:
+        """Follow each parameter at some values of the other one, and the events that are met."""
+        plane, ends = self.plane, (self.plane.corner, self.plane.corner + self.plane.size)
+        up, right = zip(*ends, strict=True)
+        where = np.linspace(*right, lines) if lines > 1 else [np.mean(right)]
+        inside = np.linspace(*up, across + 2)[1:-1]
         for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
-            if time.monotonic() > until:
-                break
-            family = plane.family(plane.parameters[1 - axis].t_of(u), axis)
-            atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
+            if time.monotonic() > self.until:
+                return
+            t = plane.parameters[1 - axis].t_of(u)
+            family = plane.family(t, axis)
+            atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
             assert atlas.web is not None  # of one that was just followed
             if atlas.stopped:
                 raise KeyboardInterrupt
-            met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
-            names = plane.parameters[axis].name, plane.parameters[1 - axis].t_of(u)
-            counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
-        _from_ends(plane, curves, tally, until)
-    except KeyboardInterrupt:
-        if not counted:
-            raise
-        stopped = True
-    late = stopped or time.monotonic() > until or not all(line.intervals for line in counted)
-    seconds = time.perf_counter() - begin
-    found = BifurcationSet(scene, (a, b), tuple(curves), tuple(counted), seconds, late, stopped)
-    return unless_stopped(found, stopped)
+            met = self._follow_events(atlas.web, axis, u)
+            counts = () if atlas.interrupted else atlas.intervals
+            self.lines.append(CountedLine(plane.parameters[axis].name, t, counts, met))
 
-
-def _events_on(
-    plane: Plane,
-    web: BifurcationDiagram,
-    axis: int,
-    u: float,
-    curves: list[EventCurve],
-    tally: Tally,
-    until: float,
-) -> tuple[tuple[float, int], ...]:
-    """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
-    met: list[tuple[float, int]] = []
-    for number, node in enumerate(web.nodes):
-        flat = node.type == "singular" and not node.point[:-1].any()
-        if not (flat or node.type in FOLLOWED) or not node.located:
-            continue
-        t = plane.parameters[axis].t_of(node.s)
-        point, normal = np.full(2, u), np.zeros(2)
-        point[axis], normal[axis] = node.s, 1.0
-        first: EventPoint | None = None
-        tracers: Iterable[Tracer] = (
-            EventTracer(plane, hold, contact, tally)
-            for hold, contact in _systems(web, number, node)
-        )
-        # several systems can have the node as a solution: the first in which Newton comes back to it is followed
-        for tracer in (FlatTracer(plane),) if flat else tracers:
-            first = tracer.at(point, normal, node.point[:-1])
-            if first is not None and abs(first.point[axis] - node.s) <= NEAR_SINGULAR_TOL:
-                break
-            first = None
-        if first is None:
-            met.append((t, 0))
-            continue
-        # one curve meets a line more than once, and every other line as well
-        known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
-        if not known:
-            points, ends = follow_event(tracer, first, until)
-            known = len(curves) + 1
-            good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
-            found, kind = tuple(_point(plane, p) for p in good), FLAT if flat else node.type
-            curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
-        met.append((t, known))
-    return tuple(sorted(met))
-
-
-def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally, until: float) -> None:
-    """Follow the events that begin where a curve meets another one: on short lines from its last state."""
-    looked: list[CurvePoint] = []
-    for curve in curves:  # grows
-        for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
-            if not why.startswith(MEETS) or any(_same(plane, point, p) for p in looked):
+    def _follow_events(
+        self, web: BifurcationDiagram, axis: int, u: float
+    ) -> tuple[tuple[float, int], ...]:
+        """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
+        met, plane, curves = list[tuple[float, int]](), self.plane, self.curves
+        for number, node in enumerate(web.nodes):
+            flat = node.type == "singular" and not node.point[:-1].any()
+            if not (flat or node.type in FOLLOWED) or not node.located:
                 continue
-            looked.append(point)
-            for axis in (0, 1):
-                if time.monotonic() > until:
-                    return
-                web, u = _short_line(plane, point, axis)
-                if len(curves) < MOST_CURVES:
-                    _events_on(plane, web, axis, u, curves, tally, until)
+            point, normal = np.full(2, u), np.eye(2)[axis]
+            point[axis] = node.s
+            known, systems = 0, [(None, None)] if flat else _systems(web, number, node)
+            # several systems can have the node as a solution: the first in which Newton comes back to it is followed
+            for system in systems:
+                tracer = EventTracer(plane, *system, self.tally)
+                first = tracer.at(point, normal, node.point[:-1])
+                if first is None or abs(first.point[axis] - node.s) > NEAR_SINGULAR_TOL:
+                    continue
+                # one curve meets a line more than once, and every other line as well
+                known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
+                if not known:
+                    points, ends = tracer.follow(first, self.until)
+                    known = len(curves) + 1
+                    good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
+                    found, kind = tuple(map(self._point, good)), FLAT if flat else node.type
+                    curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
+                break
+            met.append((plane.parameters[axis].t_of(node.s), known))
+        return tuple(sorted(met))
 
+    def follow_ends(self) -> None:
+        """Follow the events that begin where a curve meets another one: on short lines from its last state."""
+        looked: list[CurvePoint] = []
+        for curve in self.curves:  # grows
+            for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
+                if why != MEETS or any(self._same(point, p) for p in looked):
+                    continue
+                looked.append(point)
+                for axis in (0, 1):
+                    if time.monotonic() > self.until or len(self.curves) >= MOST_CURVES:
+                        return
+                    self._follow_events(*self._short_line(point, axis))
 
-def _same(plane: Plane, a: CurvePoint, b: CurvePoint) -> bool:
-    apart = [abs(o.s_of(s) - o.s_of(t)) for o, s, t in zip(plane.parameters, a.t, b.t, strict=True)]
-    angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
-    return bool((apart <= AROUND / 10 * plane.size).all() and angles <= AROUND)
+    def _same(self, a: CurvePoint, b: CurvePoint) -> bool:
+        over = zip(self.plane.parameters, a.t, b.t, strict=True)
+        apart = [abs(p.s_of(s) - p.s_of(t)) for p, s, t in over]
+        angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
+        return bool((apart <= AROUND / 10 * self.plane.size).all() and angles <= AROUND)
 
+    def _short_line(self, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, int, float]:
+        """Return what is followed from an event over one parameter nearby, and the value of the other."""
+        plane, parameter = self.plane, self.plane.parameters[axis]
+        s, room, ends = parameter.s_of(point.t[axis]), AROUND * plane.size[axis], parameter.ends
+        low, high = (parameter.t_of(float(np.clip(v, *ends))) for v in (s - room, s + room))
+        near = replace(parameter, low=low, high=high)
+        family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
+        web = BifurcationDiagram(family.line, *near.ends)
+        web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
+        return web, axis, plane.parameters[1 - axis].s_of(point.t[1 - axis])
 
-def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, float]:
-    """Return what is followed from an event over one parameter nearby, and the value of the other."""
-    parameter, other = plane.parameters[axis], plane.parameters[1 - axis]
-    s, end = parameter.s_of(point.t[axis]), plane.corner[axis] + plane.size[axis]
-    low = max(s - AROUND * plane.size[axis], float(plane.corner[axis]))
-    high = min(s + AROUND * plane.size[axis], float(end))
-    near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
-    family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
-    web = BifurcationDiagram(family.line, *near.ends)
-    web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
-    return web, other.s_of(point.t[1 - axis])
+    def _point(self, p: EventPoint) -> CurvePoint:
+        angles = p.frame.problem.expand(p.frame.state)
+        return CurvePoint(self.plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)
 
 
 def _systems(
@@ -375,9 +352,8 @@ def _systems(
 
     Several contacts may close together, and not all of them to first order.
     """
-    holds = [
-        arc.frames[len(arc.frames) // 2].hold for arc in web.arcs if number in (arc.start, arc.end)
-    ]
+    arcs = [arc for arc in web.arcs if number in (arc.start, arc.end)]
+    holds = [arc.frames[len(arc.frames) // 2].hold for arc in arcs]
     # one system serves both sides: without the contact, where its opening vanishes
     least = min(holds, key=lambda hold: len(hold.contacts))
     if node.contact is None:
@@ -389,22 +365,23 @@ def _systems(
         yield rest, contact
 
 
-def _contact(tracer: Tracer, at: EventPoint) -> str:
+def _contact(tracer: EventTracer, at: EventPoint) -> str:
     """Return the contact of an event in words; "" where it has none."""
     contact = tracer.contact
     return "" if contact is None else at.frame.problem.words(contact, at.frame.state).text
 
 
-def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
+def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
     """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
     plane = tracer.plane
     if _contact(tracer, first).split(" (")[0] != curve.contact.split(" (")[0]:
         return False  # rays that lie on each other close with either of their openings
-    u = first.point[axis]
-    # a change of sign: the curve passes the value u between two of its points
-    at = [plane.parameters[axis].s_of(p.t[axis]) - u for p in curve.points]
-    angles = first.frame.problem.expand(first.frame.state)
-    room = plane.size[axis] * NEAR_SINGULAR_TOL
+    # a change of sign: the curve passes the value between two of its points
+    at = [plane.parameters[axis].s_of(p.t[axis]) - first.point[axis] for p in curve.points]
+    angles, room = (
+        first.frame.problem.expand(first.frame.state),
+        plane.size[axis] * NEAR_SINGULAR_TOL,
+    )
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
         if min(da, db) > room or max(da, db) < -room:
             continue
@@ -415,11 +392,6 @@ def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) ->
         if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
             return True
     return False
-
-
-def _point(plane: Plane, p: EventPoint) -> CurvePoint:
-    angles = p.frame.problem.expand(p.frame.state)
-    return CurvePoint(plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)
 
 
 def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange]) -> np.ndarray:

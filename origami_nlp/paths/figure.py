@@ -14,7 +14,7 @@ from origami_nlp.arguments import check_type
 from origami_nlp.display import INKS, KINDS, label_text
 from origami_nlp.paths.boundary import FLAT, BifurcationSet, smooth
 from origami_nlp.paths.load_result import LoadPath
-from origami_nlp.paths.result import Panel, Path
+from origami_nlp.paths.result import Path, Plot
 
 COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": "#56B4E9"}
 OTHER = "#CC79A7"
@@ -104,7 +104,7 @@ def _legend(path: Path) -> list[Line2D]:
     return handles + [Line2D([], [], **event_look(type), label=type) for type in types]
 
 
-def _panel(path: Path, panel: Panel, axes: Any) -> None:
+def _panel(path: Path, panel: Plot, axes: Any) -> None:
     stable, every = [], []
     for branch in path.branches:
         at = panel.values(branch.points)

@@ -87,7 +87,7 @@ class Across:
         return min(found, default=math.inf)
 
 
-class Followed(BifurcationDiagram):
+class FollowedDiagram(BifurcationDiagram):
     """Equilibria over a parameter or under a load, and what they are as records.
 
     Where the user (Ctrl-C) ends judging, arcs that are left are undecided.

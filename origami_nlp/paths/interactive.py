@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.display import Content, Keyframe, Line, Panel, Poser, Trajectory, join_states
 from origami_nlp.paths.records import PathPoint
-from origami_nlp.paths.result import Curve, Path
+from origami_nlp.paths.result import Path, Track
 
 STEPS = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
 
@@ -74,7 +74,7 @@ def _view(poser: Any, p: PathPoint) -> np.ndarray:
     return view
 
 
-def _one_way(path: Path, curve: Curve) -> list[tuple[str, Sequence[PathPoint]]]:
+def _one_way(path: Path, curve: Track) -> list[tuple[str, Sequence[PathPoint]]]:
     """Return the stretches of a curve on which the parameter runs one way, with their titles."""
     t = np.array([p.t for p in curve.points])
     steps = np.sign(np.diff(t))

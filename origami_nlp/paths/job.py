@@ -25,20 +25,11 @@ from origami_nlp.continuation import (
 from origami_nlp.errors import OUT_OF_TIME, OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse
+from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
 from origami_nlp.paths.followed import Across, joined
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import (
-    PITCHFORK,
-    STOPPED,
-    ConfirmedSnap,
-    Cost,
-    Leg,
-    PathEvent,
-    PathPoint,
-    Snap,
-)
 from origami_nlp.paths.ways import BRANCHES, OFF_BRANCH, StableSegment, Ways
 from origami_nlp.pattern_problem import PopSigns
 
@@ -51,8 +42,17 @@ MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
 
+class Fall(NamedTuple):
+    """Where a snap leads: to a state, known at the load s, in one space."""
+
+    into: FollowedLoad
+    state: np.ndarray
+    s: float
+    what: Classification
+
+
 class Run(NamedTuple):
-    """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
+    """Stable states that the load passes in one space, one way, and the snap that ends them.
 
     branches_off: whether the first of them is a bifurcation.
     """
@@ -60,25 +60,13 @@ class Run(NamedTuple):
     job: FollowedLoad
     segment: StableSegment
     toward: float
-    snap: int | None
+    fall: Fall | None
     branches_off: bool = False
 
     def ending(self, why: str, frames: int | None = None) -> Run:
         """Return the first of its states, which end for another reason."""
         first = self.segment.frames[:frames]
-        return self._replace(segment=replace(self.segment, frames=first, why=why), snap=None)
-
-
-class Fall(NamedTuple):
-    """A snap: from the end of a way in one space to a state, known at the load s, in one."""
-
-    job: FollowedLoad
-    way: StableSegment
-    toward: float
-    into: FollowedLoad
-    state: np.ndarray
-    s: float
-    what: Classification
+        return self._replace(segment=replace(self.segment, frames=first, why=why), fall=None)
 
 
 @dataclass
@@ -86,20 +74,19 @@ class PathRecord:
     """What was followed of one load path.
 
     jobs: spaces, or stages of hinges that yield, in which something was.
-    ways, falls: in order.  alarms: in words.  work: plastic [J].  cut: whether the user (Ctrl-C) ended judging.
+    ways: in order.  alarms: in words.  work: plastic [J].  cut: whether the user (Ctrl-C) ended judging.
     """
 
     jobs: list[FollowedLoad] = field(default_factory=list)
     ways: list[Run] = field(default_factory=list)
-    falls: list[Fall] = field(default_factory=list)
     alarms: list[str] = field(default_factory=list)
     work: float = 0.0
     cut: bool = False
 
-    def unless_cut(self, make: Callable[[], T], otherwise: T) -> T:
+    def unless_cut(self, make: Callable[..., T], *given: Any, otherwise: T) -> T:
         """Return what is made, or something else once the user has ended judging."""
         try:
-            return otherwise if self.cut else make()
+            return otherwise if self.cut else make(*given)
         except KeyboardInterrupt:
             self.cut = True
             return otherwise
@@ -141,10 +128,10 @@ class FollowedLoad(Ways):
 
     def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
         """Return the same path in the space of states that keep some of the symmetries of the scene."""
-        origin = self.origin
+        origin, jobs = self.origin, self.record.jobs
         if origin.full is None or set(elements) == set(origin.driver.elements):
             return origin
-        driver, jobs = origin.driver.keeping(elements), self.record.jobs
+        driver = origin.driver.keeping(elements)
         if driver.elements not in [job.driver.elements for job in jobs]:
             jobs.append(FollowedLoad(driver, *self._given, of=origin))
         return next(job for job in jobs if job.driver.elements == driver.elements)
@@ -160,31 +147,6 @@ class FollowedLoad(Ways):
         energy = float(self.driver.unloaded.energy(phi))
         energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
         return {"energy": energy, "angle": float(self.driver.conjugate(phi))}
-
-    def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
-        """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
-
-        It may snap at its end.
-        """
-        if self.full is None:
-            return "", None
-        last, own = max(len(way.frames) - 1 - (way.why != "range"), first), self.across.line
-
-        @cache
-        def verdict(k: int) -> str:
-            frame = way.frames[k]
-            if own is None:
-                return frame.judged.verdict
-            return classify(State(own.at(frame.s), frame.problem.expand(frame.state))).verdict
-
-        # asked at three places, then bisected: between two of them the verdict is taken to change once
-        good = first - 1
-        for k in sorted({first, (first + last) // 2, last}):
-            if (bad := verdict(k)) != "minimum":
-                lost = bisect_left(range(k), True, good + 1, key=lambda i: verdict(i) == bad)
-                return "unstable" if bad == "not stationary" else "undecided", way.frames[lost].s
-            good = k
-        return "stable", None
 
     def between(self, *ends: float) -> None:
         """Follow in the range of load that these and 0 span."""
@@ -208,56 +170,46 @@ class FollowedLoad(Ways):
 
         before: stable states that led to x.
         """
-        toward = 1.0 if end > s else -1.0
-        alarms = self.record.alarms
-
-        def keep(why: str = "", snap: int | None = None) -> None:
-            assert way is not None
-            run = Run(self, replace(way, why=why or way.why), toward, snap, begun)
-            self.record.ways.append(run)
-
+        toward, ways, alarms = 1.0 if end > s else -1.0, self.record.ways, self.record.alarms
         self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
             # x is stable at s, and the load runs on from there
-            way, begun = self.walk(x, s, toward, end), bool(before)
+            way = self.walk(x, s, toward, end)
             if self.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
-                    keep(LATE)
+                    ways.append(Run(self, replace(way, why=LATE), toward, None, bool(before)))
                 if not self.stopped:
                     alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
                 alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
-            way, before = replace(way, frames=(*before, *way.frames)), ()
+            way = replace(way, frames=(*before, *way.frames))
+            run, before = Run(self, way, toward, None, bool(before)), ()
+            ways.append(run.ending(LATE))  # until it is known how it ends
             lost = self._lost(way)
-            if lost is None:
-                keep()
-                last = way.frames[-1]
-                return (self, last.state, last.s) if way.why == "range" else None
-            into, node = lost
-            landed = into.release(node, toward)
-            if isinstance(landed, str):
-                keep()
+            landed = lost and lost[0].release(lost[1], toward)
+            if lost is None or isinstance(landed, str):
+                ways[-1], last = run, way.frames[-1]
                 if way.why == "snap":
-                    words = f"no certified minimum was reached from the end at {node.s:.9g}"
+                    words = f"no certified minimum was reached from the end at {last.s:.9g}"
                     alarms.append(f"{words}: {landed}")
-                return None
-            x, s, what = landed
+                return (self, last.state, last.s) if way.why == "range" else None
+            (into, node), (x, s, what) = lost, landed
             x, into = into.chosen(x, node)
             if node.type in BRANCHES:
                 into.begin(x, s, toward)
-                led = into.walk(x, s, -toward, self.high if toward < 0 else self.low, kept=False)
+                far = self.parameter.high if toward < 0 else self.parameter.low
+                led = into.walk(x, s, -toward, far, kept=False)
                 if led is not None and into.meets(led, self.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    keep(PITCHFORK)
+                    ways[-1] = run.ending(r.PITCHFORK)
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
                 if self._continuous(way, into, x, s):
-                    keep()
+                    ways[-1] = run
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            self.record.falls.append(Fall(self, way, toward, into, x, s, what))
-            keep("snap", len(self.record.falls))
+            ways[-1] = run.ending("snap")._replace(fall=Fall(into, x, s, what))
             if not self.low <= s <= self.high:
                 return None
             into.begin(x, s, toward, follow=not once)
@@ -279,9 +231,12 @@ class FollowedLoad(Ways):
         flat = node.type == "singular" and node.located and not node.point[:-1].any()
         if way.why == "breaks-symmetry" or flat:
             into = self.keeping(IDENTITY)
-            phi = into.problem.reduce(self.problem.expand(node.point[:-1]))
-            return into, replace(node, point=np.append(phi, node.s))
+            return into, replace(node, point=into.seen_from(self, node))
         return None
+
+    def seen_from(self, other: FollowedLoad, node: SpecialPoint) -> np.ndarray:
+        """Return the point (x, s) of a node of another space."""
+        return np.append(self.problem.reduce(other.problem.expand(node.point[:-1])), node.s)
 
     def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
         """Return an image of a state under what keeps the state at a node, and the space of what symmetry it has.
@@ -290,18 +245,15 @@ class FollowedLoad(Ways):
         """
         elements = self.origin.driver.elements
         phi, at = self.problem.expand(x), self.problem.expand(node.point[:-1])
-        image = max(
-            (phi[image_of(len(phi), e)] for e in kept_by(elements, at)),
-            key=lambda y: tuple(coarse(y).tolist()),
-        )
+        images = (phi[image_of(len(phi), e)] for e in kept_by(elements, at))
+        image = max(images, key=lambda y: tuple(coarse(y).tolist()))
         into = self.keeping(kept_by(elements, image))
         return into.problem.reduce(image), into
 
     def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
         """Whether stable states lead back to a node of another space, or this, where they branch off."""
-        point = self.nodes[led.node].point
-        at = np.append(self.problem.reduce(of.problem.expand(node.point[:-1])), node.s)
-        return bool(np.abs(self.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
+        apart = self.root * (self.nodes[led.node].point - self.seen_from(of, node))
+        return bool(np.abs(apart).max() <= NEAR_SINGULAR_TOL)
 
     def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
         """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
@@ -324,19 +276,21 @@ class FollowedLoad(Ways):
 
         Of hinges that yield other states than those of the path belong to no path.
         """
-        kept, diagrams = self.record, []
-        again = [
-            None
-            if self.hinges
-            else kept.unless_cut(lambda f=f: f.job.restabilises(f.way.node, self._stable_end), None)  # type: ignore[misc]
-            for f in kept.falls
-        ]
+        kept, falls = self.record, [run for run in self.record.ways if run.fall]
+        again: list[float | None] = [None] * len(falls)
+        for k, run in enumerate(falls if not self.hinges else ()):
+            ends = run.segment.node, self._stable_end
+            again[k] = kept.unless_cut(run.job.restabilises, *ends, otherwise=None)
+        diagrams = []
         for job in kept.jobs:
             job.cut = kept.cut
             lines, met = job.records()
             kept.cut = job.cut
             diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
-        legs = [run.job._leg(run) for run in kept.ways]
+        legs, snapped = [], 0
+        for run in kept.ways:
+            snapped += run.fall is not None
+            legs.append(run.job._leg(run, snapped if run.fall else None))
         on_path = {p.fold_angles for leg in legs for p in leg.points}
         if self.driver.scene is None:
             pops = PopSigns(self.driver.origami)
@@ -348,91 +302,102 @@ class FollowedLoad(Ways):
             self._one,
             lambda e: (e.fold_angles not in on_path, *(-coarse(np.array(e.fold_angles))).tolist()),
         )
-        snaps = [f.job._snap(f, k, events, search, again[k]) for k, f in enumerate(kept.falls)]
+        snaps = [run.job._snap(run, k, events, search, again[k]) for k, run in enumerate(falls)]
         if self.hinges:
             used = {snap.event for snap in snaps}
             events = [e for e in events if e.id in used or e.fold_angles in on_path]
             ids = {e.id: k for k, e in enumerate(events, start=1)}
             events = [replace(e, id=ids[e.id], branches=()) for e in events]
             branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
-        kept.alarms += [
-            f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
-            for branch in branches
-            for r in branch.kind_ranges
-            if not r.stable and r.kind != "saddle"
-        ]
-        kept.alarms += [STOPPED] * kept.cut
+        kept.alarms += [line for branch in branches for line in branch.alarms()]
+        kept.alarms += [r.STOPPED] * kept.cut
         alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.tally for job in kept.jobs]
-        cost = Cost(sum(t.steps for t in tallies), sum(t.evaluations for t in tallies))
+        cost = r.Cost(sum(t.steps for t in tallies), sum(t.evaluations for t in tallies))
         return LoadPath(
             self.parameter, tuple(branches), tuple(events), alarms, cost,
-            any(line.startswith((OUT_OF_TIME, STOPPED)) for line in alarms),
+            any(line.startswith((OUT_OF_TIME, r.STOPPED)) for line in alarms),
             self.driver, state, tuple(legs), tuple(snaps), kept.work,
         )  # fmt: skip
 
-    def _one(self, a: PathEvent, b: PathEvent) -> bool:
+    def _one(self, a: r.PathEvent, b: r.PathEvent) -> bool:
         """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
         branching = {a.type, b.type} <= set(BRANCHES)
-        apart = abs(a.t - b.t) > SETTLED * (self.high - self.low)
+        apart = abs(a.t - b.t) > SETTLED * (self.parameter.high - self.parameter.low)
         if apart or not (branching or a.type == b.type):
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
         return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.driver.elements)
 
-    def _leg(self, run: Run) -> Leg:
+    def _leg(self, run: Run, snap: int | None) -> r.Leg:
         """Pack the states of a run."""
         way, first = run.segment, run.segment.frames[0]
-        points = [self.point(frame) for frame in way.frames]
-        node = self.nodes[way.node]
-        if run.snap is not None and node.type == "singular":
-            phi = self.problem.expand(node.point[:-1])
-            more, none = self.seen_as(first, phi), (math.nan,) * 2
-            points.append(
-                PathPoint(node.s, tuple(phi.tolist()), more["energy"], (), *none, more["angle"])
-            )
-        judged = self.record.unless_cut(
-            lambda: self._judged(way, int(run.branches_off)), ("", None)
-        )
+        points, node = [self.point(frame) for frame in way.frames], self.nodes[way.node]
+        if snap is not None and node.type == "singular":
+            phi, none = self.problem.expand(node.point[:-1]), (math.nan,) * 2
+            more = self.seen_as(first, phi)
+            at = tuple(phi.tolist())
+            points.append(r.PathPoint(node.s, at, more["energy"], (), *none, more["angle"]))
+        judged = self.record.unless_cut(self._judged, run, otherwise=("", None))
         keeps = self.driver.scene.group.name if self.driver.scene else ""
-        stiff = math.nan
-        if not run.branches_off and len(way.frames) > 1:
-            stiff = self._stiffness(first)
+        starts = not run.branches_off and len(way.frames) > 1
+        stiff = self._stiffness(first) if starts else math.nan
         moved = self.hinges.moved_at(way.frames[-1].state).tolist() if self.hinges else ()
-        whole = way.why, run.snap, *judged, keeps, stiff, tuple(moved)
-        return Leg(int(run.toward), tuple(points), *whole)
+        whole = way.why, snap, *judged, keeps, stiff, tuple(moved)
+        return r.Leg(int(run.toward), tuple(points), *whole)
+
+    def _judged(self, run: Run) -> tuple[str, float | None]:
+        """Describe the states of a run, but for a bifurcation, without the symmetry, and from which load on.
+
+        It may snap at its end.
+        """
+        if self.full is None:
+            return "", None
+        frames, first, own = run.segment.frames, int(run.branches_off), self.across.line
+        last = max(len(frames) - 1 - (run.segment.why != "range"), first)
+
+        @cache
+        def verdict(k: int) -> str:
+            frame = frames[k]
+            if own is None:
+                return frame.judged.verdict
+            return classify(State(own.at(frame.s), frame.problem.expand(frame.state))).verdict
+
+        # asked at three places, then bisected: between two of them the verdict is taken to change once
+        good = first - 1
+        for k in sorted({first, (first + last) // 2, last}):
+            if (bad := verdict(k)) != "minimum":
+                lost = bisect_left(range(k), True, good + 1, key=lambda i: verdict(i) == bad)
+                return "unstable" if bad == "not stationary" else "undecided", frames[lost].s
+            good = k
+        return "stable", None
+
+    def _stiffness(self, frame: Equilibrium) -> float:
+        """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
+        along, driver = frame.tangent / self.root, self.driver
+        ahead, behind = (frame.problem.expand(frame.state + h * along[:-1]) for h in (STEP, -STEP))
+        moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
+        return math.inf if abs(moved) <= INPUT_TOL * driver.work.arm else float(along[-1]) / moved
 
     def _snap(
-        self,
-        fall: Fall,
-        k: int,
-        events: Sequence[PathEvent],
-        search: Search | None,
-        again: float | None,
-    ) -> Snap:
-        found, into = self.nodes[fall.way.node], fall.into
+        self, run: Run, k: int, events: Sequence[r.PathEvent], search: Any, again: float | None
+    ) -> r.Snap:
+        found, fall, alarms = self.nodes[run.segment.node], run.fall, self.record.alarms
+        assert fall is not None
         one = self.problem.expand(found.point[:-1]) + 0.0
-        two = into.problem.expand(into.at_the_snap(fall.state, fall.s, found.s)) + 0.0
-        event = min(
-            events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
-        )
-        alarms = self.record.alarms
+        landed = fall.into.at_the_snap(fall.state, fall.s, found.s)
+        two = fall.into.problem.expand(landed) + 0.0
+        far = [abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max()) for e in events]
+        event = events[far.index(min(far))]
         if self.hinges and (over := self.hinges.over(two)):
             why = f"{over} would bear more than they yield at: where it ends is not known"
             alarms.append(f"after the snap at load {found.s:.6g} {why}")
-        return Snap(
-            event.id,
-            found.s,
-            {"singular": "flat state", START: event.type}.get(found.type, found.type),
-            tuple(one.tolist()),
-            tuple(two.tolist()),
-            (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
-            self._released(found.s, one, two),
-            str(fall.what.kind),
-            fall.what.reason,
-            again,
-            search and self.record.unless_cut(lambda: self._confirmed(fall, k, search), None),
-        )
+        sure = search and self.record.unless_cut(self._confirmed, run, k, search, otherwise=None)
+        type = {"singular": "flat state", START: event.type}.get(found.type, found.type)
+        angle = float(self.driver.conjugate(one)), float(self.driver.conjugate(two))
+        states, lost = (tuple(one.tolist()), tuple(two.tolist())), self._released(found.s, one, two)
+        kind = str(fall.what.kind), fall.what.reason
+        return r.Snap(event.id, found.s, type, *states, angle, lost, *kind, again, sure)
 
     def _stable_end(self, of: Any, node: SpecialPoint) -> float | None:
         """Return the load at which stable states of more symmetry end at a node of a space of less."""
@@ -440,9 +405,9 @@ class FollowedLoad(Ways):
             return None
         at = of.problem.expand(node.point[:-1])
         into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
-        point = np.append(into.problem.reduce(at), node.s)
         if into is of:
             return None
+        point = into.seen_from(of, node)
         for half in find_one_sided_branches(into.line, point, into.tally):
             curve = EquilibriumCurve(into.line, half.frame.hold, into.tally)
             aside = curve.beside(half.frame, OFF_BRANCH)
@@ -452,7 +417,7 @@ class FollowedLoad(Ways):
         for k, other in enumerate(into.nodes):
             apart = np.abs(other.point - point).max()
             if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
-                stable = any(not a.index and k in (a.start, a.end) for a in into.arcs)
+                stable = any(not into.arcs[arc].index for arc in into.meeting(k))
                 return other.s if stable else None
         return None
 
@@ -467,36 +432,32 @@ class FollowedLoad(Ways):
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
-    def _confirmed(self, fall: Fall, k: int, search: Search) -> ConfirmedSnap | None:
+    def _confirmed(self, run: Run, k: int, search: Search) -> r.ConfirmedSnap | None:
         """Search on both sides of a snap for the states that the path has there; None where that cannot be."""
+        way, fall = run.segment, run.fall
+        assert fall is not None
         both = set(self.driver.elements) & set(fall.into.driver.elements)
-        wider = self if self is fall.into else self.keeping(tuple(sorted(both)))
-        driver, at, way = wider.driver, self.nodes[fall.way.node].s, fall.way
-        side = fall.toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
+        driver = (self if self is fall.into else self.keeping(tuple(sorted(both)))).driver
+        at = self.nodes[way.node].s
+        side = run.toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
         t, beyond = at - side, at + side
         before, after = self.passed(way, t), fall.into.ahead(fall.state, fall.s, beyond)
         if before is None:
             # beside states where closure loses rank Newton knows those of the path alone
-            behind = (f for f in way.frames[::-1] if (t - f.s) * fall.toward >= 0)
-            f = next(behind, way.frames[0])
-            t, before = f.s, np.asarray(f.problem.expand(f.state))
+            behind = (f for f in way.frames[::-1] if (t - f.s) * run.toward >= 0)
+            frame = next(behind, way.frames[0])
+            t, before = frame.s, np.asarray(frame.problem.expand(frame.state))
         loaded = driver.at(t), driver.at(beyond)
         if None in loaded:
             return None
         try:
             found = [[m.phi for m in search(origami)] for origami in loaded]
         except OutOfTime:
-            self.record.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+            words = f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches"
+            self.record.alarms.append(words)
             return None
-        known = [
+        there = [
             state is not None and any(np.abs(x - state).max() <= SETTLED for x in own)
             for own, state in zip(found, (before, after), strict=True)
         ]
-        return ConfirmedSnap((t, beyond), (len(found[0]), len(found[1])), (known[0], known[1]))
-
-    def _stiffness(self, frame: Equilibrium) -> float:
-        """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
-        along, driver = frame.tangent / self.root, self.driver
-        ahead, behind = (frame.problem.expand(frame.state + h * along[:-1]) for h in (STEP, -STEP))
-        moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
-        return math.inf if abs(moved) <= INPUT_TOL * driver.work.arm else float(along[-1]) / moved
+        return r.ConfirmedSnap((t, beyond), (len(found[0]), len(found[1])), (there[0], there[1]))

@@ -30,7 +30,7 @@ from origami_nlp.paths.records import (
     PathPoint,
     Snap,
 )
-from origami_nlp.paths.result import Curve, Mark, Panel, Path, bold, degrees_listed
+from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed
 from origami_nlp.pattern import Pattern, Scene
 
 WHY = {
@@ -112,15 +112,15 @@ class LoadPath(Path):
         return sum(snap.released for snap in self.snaps) + self.plastic_work
 
     @property
-    def curves(self) -> list[Curve]:
+    def curves(self) -> list[Track]:
         """The legs: stable states."""
         return [
-            Curve("leg", k, leg.points, ["minimum"] * len(leg.points), {})
+            Track("leg", k, leg.points, ["minimum"] * len(leg.points), {})
             for k, leg in enumerate(self.legs, start=1)
         ]
 
     @property
-    def marks(self) -> list[Mark]:
+    def marks(self) -> list[Station]:
         """The first state, and those before and after each snap."""
         unit, first = self.driver.unit, self.legs[0].points[0]
         out = [(f"leg 1 begins at {first.t:.6g} {unit}", first.t, first.fold_angles)]
@@ -129,7 +129,7 @@ class LoadPath(Path):
             out += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
         lines = [f"fold angles [deg]: {degrees_listed(phi, 2 * MOST_ANGLES)}" for _, _, phi in out]
         return [
-            Mark(title.rstrip(), self.point_at(t, phi), (line,))
+            Station(title.rstrip(), self.point_at(t, phi), (line,))
             for (title, t, phi), line in zip(out, lines, strict=True)
         ]
 
@@ -155,7 +155,7 @@ class LoadPath(Path):
         return PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
 
     @property
-    def panels(self) -> list[Panel]:
+    def panels(self) -> list[Plot]:
         """Load and energy over what the load works on, energy over the load."""
         load, energy = (
             (self.parameter.axis, lambda p: p.t),
@@ -163,7 +163,7 @@ class LoadPath(Path):
         )
         place = self.where, lambda p: self.shown(p.angle)
         pairs = (place, load), (place, energy), (load, energy)
-        return [Panel(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
+        return [Plot(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
 
     def table(self) -> Table:
         """Return one row an event, in order of the load."""

@@ -177,6 +177,12 @@ class PathBranch(ShortRepr):
         """Return what the point at position k is, see `KindRange.kind`."""
         return next(r.kind for r in self.kind_ranges if r.points[0] <= k <= r.points[1])
 
+    def alarms(self) -> list[str]:
+        """Say where states of index 0 are no minima."""
+        odd = (r for r in self.kind_ranges if not r.stable and r.kind != "saddle")
+        spans = ((f"{r.t[0]:.6g} to {r.t[1]:.6g}", f"{r.kind}: {r.certificate}") for r in odd)
+        return [f"branch {self.id}, {span}: {what}" for span, what in spans]
+
 
 @dataclass(frozen=True)
 class Residuals:

@@ -15,7 +15,7 @@ from origami_nlp.paths.records import Cost, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 
-class Curve(NamedTuple):
+class Track(NamedTuple):
     """States of a path in order: a branch, or a leg of a load, and what each of them is."""
 
     word: str
@@ -25,7 +25,7 @@ class Curve(NamedTuple):
     more: dict[str, object]
 
 
-class Mark(NamedTuple):
+class Station(NamedTuple):
     """A state of a path that is shown by itself: its title, the point, and lines about it."""
 
     title: str
@@ -33,7 +33,7 @@ class Mark(NamedTuple):
     lines: tuple[str, ...]
 
 
-class Panel(NamedTuple):
+class Plot(NamedTuple):
     """Axes over which the states of a path are drawn: labels, and the value of a state along each."""
 
     x: str
@@ -74,17 +74,17 @@ class Path(Report, Viewable):
     PICTURE, SCHEMA = "draw_path", "origami-nlp/path/1"
 
     @property
-    def curves(self) -> list[Curve]:
+    def curves(self) -> list[Track]:
         """What is listed point by point."""
         raise NotImplementedError
 
     @property
-    def marks(self) -> list[Mark]:
+    def marks(self) -> list[Station]:
         """The states that are shown by themselves."""
         raise NotImplementedError
 
     @property
-    def panels(self) -> list[Panel]:
+    def panels(self) -> list[Plot]:
         """The axes over which it is drawn."""
         raise NotImplementedError
 

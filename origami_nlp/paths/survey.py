@@ -25,7 +25,7 @@ from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import search_minima
 from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
-from origami_nlp.paths.followed import Across, Followed
+from origami_nlp.paths.followed import Across, FollowedDiagram
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import Cost, SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
@@ -174,7 +174,7 @@ def follow_family(
     return survey.atlas()
 
 
-class _Survey(Followed):
+class _Survey(FollowedDiagram):
     """Searches and what they start, until the atlas is made."""
 
     def __init__(
@@ -273,12 +273,7 @@ class _Survey(Followed):
     def atlas(self) -> Atlas:
         """Judge what was followed, and pack it."""
         over, family, (branches, events) = self.parameter, self.family, self.records()
-        self.alarms += [
-            f"branch {branch.id}, {over.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
-            for branch in branches
-            for r in branch.kind_ranges
-            if not r.stable and r.kind != "saddle"
-        ]
+        self.alarms += [line for branch in branches for line in branch.alarms()]
         took = time.perf_counter() - self._began, sum(c.seconds for c in self.checks)
         return Atlas(
             over, branches, events, tuple(dict.fromkeys(self.alarms)),

@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.continuation import LATE, Equilibrium, SpecialPoint
 from origami_nlp.kkt import Classification, State, classify, follow, singular_beside
 from origami_nlp.numerics import SETTLED, first_largest
-from origami_nlp.paths.followed import Followed
+from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.pattern_problem import MOST_DENSE
 from origami_nlp.pattern_states import classified
 from origami_nlp.search import TRUST, descend_by_newton
@@ -47,7 +47,7 @@ class StableSegment:
     why: str
 
 
-class Ways(Followed):
+class Ways(FollowedDiagram):
     """A diagram over a load, through which stable states lead."""
 
     def holding(self, x: np.ndarray, s: float) -> list[tuple[int, Equilibrium]]:
@@ -120,10 +120,10 @@ class Ways(Followed):
     def _onward(self, node: int, arc: int, toward: float) -> list[int]:
         """Return the arcs of stable states that lead on from a node, but for the one that comes there."""
         at = self.nodes[node].s
-        every = (k for k in self._meeting(node) if k != arc and not self.arcs[k].index)
+        every = (k for k in self.meeting(node) if k != arc and not self.arcs[k].index)
         return [k for k in every if (self._far(k, toward) - at) * toward > 0]
 
-    def _meeting(self, node: int) -> list[int]:
+    def meeting(self, node: int) -> list[int]:
         """Return the arcs that begin or end at a node."""
         return [k for k, arc in enumerate(self.arcs) if node in (arc.start, arc.end)]
 
@@ -195,12 +195,12 @@ class Ways(Followed):
         seen, todo = {node}, [node]
         while todo:
             here = todo.pop()
-            for arc in [self.arcs[k] for k in self._meeting(here) if self.arcs[k].index]:
+            for arc in [self.arcs[k] for k in self.meeting(here) if self.arcs[k].index]:
                 other = arc.end if here == arc.start else arc.start
                 if other in seen:
                     continue
                 found = self.nodes[other]
-                if found.left or any(not self.arcs[k].index for k in self._meeting(other)):
+                if found.left or any(not self.arcs[k].index for k in self.meeting(other)):
                     return found.s
                 beyond = ends(self, found)
                 if beyond is not None:

@@ -195,13 +195,11 @@ def go_yielding(
         if job is None:
             return None
         kept.jobs.append(job)
-        ways, falls = len(kept.ways), len(kept.falls)
+        ways = len(kept.ways)
         job.go(x, t, end, once=True)
         if len(kept.ways) == ways:
             return None
-        run = _cut(kept.ways[ways], job.hinges, kept.alarms)
-        kept.ways[ways:] = [run]
-        del kept.falls[falls + (run.snap is not None) :]
+        kept.ways[ways:] = [run := _cut(kept.ways[ways], job.hinges, kept.alarms)]
         x, t = run.segment.frames[-1].state, run.segment.frames[-1].s
         kept.work += job.hinges.work(x)
         hinges = job.hinges.at(x)

@@ -94,7 +94,12 @@ def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
     (fold,) = [c for c in found.curves if c.type == "fold"]
     assert fold.ends == ("range", "range")
     alpha = np.degrees([p.t[1] for p in fold.points])
-    assert alpha.max() == pytest.approx(65.0496, abs=2e-3) and alpha[-1] < 62
+    # where the cusp is, of a smooth function of the states; which points lie how near to it hangs on rounding
+    k, x = int(alpha.argmax()), np.array([p.fold_angles[0] for p in fold.points])
+    near = slice(k - 3, k + 4)
+    fit = np.polyfit(x[near] - x[k], alpha[near], 4)
+    top = min(np.roots(np.polyder(fit)), key=abs).real
+    assert np.polyval(fit, top) == pytest.approx(65.0496, abs=2e-3) and alpha[-1] < 62
     plane = Plane(found.scene, found.parameters)
     for point in fold.points[3:-3:6]:
         r, a = point.t
