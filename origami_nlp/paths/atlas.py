@@ -17,15 +17,11 @@ from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.records import Interval, PathPoint, SearchCheck, StateAt
-from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed
+from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
 
-COMPLETE = {"proved": "proved to be all"}
-"""How it is said that a check is complete."""
 MOST_NAMED = 4
 """Values at which the number of minima changes that the verdict names."""
-MOST_ANGLES = 24
-"""Fold angles that are listed of one state."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,7 +145,7 @@ class Atlas(Path):
         for e in self.events:
             energy = float(self.origami_at(e.t).energy(np.array(e.fold_angles)))
             point = PathPoint(e.t, e.fold_angles, energy, (), math.nan, math.nan)
-            said = f"fold angles [deg]: {degrees_listed(e.fold_angles, MOST_ANGLES)}"
+            said = f"fold angles [deg]: {degrees_listed(e.fold_angles)}"
             lines = tuple(filter(None, (e.contact, e.note, said)))
             where = self.parameter.shown(e.t, 9)
             out.append(Station(f"event {e.id}: {e.type} at {where}", point, lines))
@@ -198,9 +194,9 @@ class Atlas(Path):
         over, rows = self.parameter, []
         for i in self.intervals:
             kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
-            rows.append((f"{over.shown(i.t[0])} to {over.shown(i.t[1])}", str(i.minima), kinds))
-        heads = (over.name, "minima", "kinds")
-        return Table(heads, rows, self.summary(), "lrL", framed=False, narrow=True)
+            where = f"{over.shown(i.t[0])} to {over.shown(i.t[1])}"
+            rows.append({over.name: where, "minima": str(i.minima), "kinds": kinds})
+        return listed(self.summary(), rows)
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, what is not known, and the details: branches, checks and what they cost."""
@@ -208,7 +204,6 @@ class Atlas(Path):
         yield self.table()
         if self.events:
             yield self.events_table("Events")
-        yield from (f"event {e.id}: {e.note}" for e in self.events if e.note)
         at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
         missed = sum(c.missed for c in self.checks)
         more = f", which missed {missed} of the states on branches" if missed else ""
@@ -224,18 +219,18 @@ class Atlas(Path):
             yield f"states that wind {stated.winding} times round the axis of {stated.group.name}"
             yield from other.report_sections()
 
-    def _details(self) -> Iterator[str | Words]:
+    def _details(self) -> Iterator[Table | Words]:
         """Return fold angles at events, branches, checks, and what they cost."""
-        shown = self.parameter.shown
-        for e in self.events:
-            yield f"event {e.id} [deg]: {degrees_listed(e.fold_angles, MOST_ANGLES)}"
+        over = self.parameter
+        angles = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
+        yield listed("", [{"event": k, "fold angles [deg]": phi} for k, phi in angles])
+        rows = []
         for b in self.branches:
-            parts = "; ".join(f"{r.kind} {shown(r.t[0])} to {shown(r.t[1])}" for r in b.kind_ranges)
-            yield f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}"
-        for c in self.checks:
-            more = f", {c.missed} on branches that it missed" if c.missed else ""
-            more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
-            found = f"{c.states} minima by search, {c.followed} on branches{more}"
-            yield Words(f"check at {shown(c.t)}: {found}; {c.new_branches} new", "dim")
+            for r in b.kind_ranges:
+                span = f"{over.shown(r.t[0])} to {over.shown(r.t[1])}"
+                rows.append({"branch": str(b.id), over.name: span, "kind": r.kind})
+            rows[-1]["ends"] = ", ".join(end.why for end in b.ends)
+        yield listed("", rows)
+        yield listed("", [{over.name: over.shown(c.t), **c.row()} for c in self.checks])
         took = f"{self.cost.seconds:.2f} s, and {self.cost.checks:.2f} s for {len(self.checks)} searches"
         yield Words(f"{self.cost.steps} steps, {took}", "dim")

@@ -14,19 +14,15 @@ from origami_nlp.arguments import check_type
 from origami_nlp.display import INKS, KINDS, label_text
 from origami_nlp.paths.boundary import FLAT, BifurcationSet, smooth
 from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.result import Path, Plot
 
 COLOURS = {**{name: kind.colour for name, kind in KINDS.items()}, "saddle": "#56B4E9"}
 OTHER = "#CC79A7"
 """Of states whose verdict is neither."""
-MARKS = {
-    "fold": "s",
-    "nonsmooth-fold": "D",
-    "closes": "o",
-    "leaves": "o",
-    "branching": "X",
-    "singular": "x",
-}
+MARKS = dict(
+    zip("fold nonsmooth-fold closes leaves branching singular".split(), "sDooXx", strict=True)
+)
 OTHER_MARK = "P"
 """Of events that only some paths have."""
 WIDE = 60.0
@@ -65,10 +61,8 @@ def draw_path(path: Path) -> Figure:
     size = (4.2 * len(panels), 4.6) if load else (7.0, 1.0 + 2.1 * len(panels))
     with mpl.rc_context({"font.size": 9, "axes.titlesize": 9}):
         figure = Figure(figsize=size, dpi=110, layout="constrained")
-        grid: dict[str, Any] = (
-            {"ncols": len(panels)} if load else {"nrows": len(panels), "sharex": True}
-        )
-        every = figure.subplots(**grid, squeeze=False).ravel()
+        rows = (1, len(panels)) if load else (len(panels), 1)
+        every = figure.subplots(*rows, squeeze=False, sharex=not load).ravel()
         for panel, axes in zip(panels, every, strict=True):
             _panel(path, panel, axes)
         handles = _legend(path)
@@ -78,20 +72,20 @@ def draw_path(path: Path) -> Figure:
             handles += _legs(path, every)
         else:
             _counts(path, every[0])
+        many = min(6, len(handles))
         if handles:
-            many = min(6, len(handles))
             figure.legend(handles=handles, loc="outside lower center", ncols=many, frameon=False)
     return figure
 
 
-def kind_look(kind: str) -> dict[str, Any]:
-    """Return how states of a kind are drawn, for ``Axes.plot``: minima by solid lines, others by dashed ones."""
+def _kind_look(kind: str) -> dict[str, Any]:
+    """Return how states of a kind are drawn: minima by solid lines, others by dashed ones."""
     ls, lw = ("-", 1.6) if kind in KINDS else ((0, (4, 2)), 1.1)
     return {"color": COLOURS.get(kind, OTHER), "ls": ls, "lw": lw}
 
 
-def event_look(type: str) -> dict[str, Any]:
-    """Return how an event is marked, for ``Axes.plot``."""
+def _event_look(type: str) -> dict[str, Any]:
+    """Return how an event is marked."""
     look = {"marker": MARKS.get(type, OTHER_MARK), "mfc": "white" if type == "leaves" else "black"}
     return {**look, "ls": "none", "color": "black", "ms": 4.5, "zorder": 5}
 
@@ -99,58 +93,56 @@ def event_look(type: str) -> dict[str, Any]:
 def _legend(path: Path) -> list[Line2D]:
     kinds = dict.fromkeys(r.kind for b in path.branches for r in b.kind_ranges)
     order = sorted(kinds, key=lambda k: [*COLOURS, k].index(k))
-    handles = [Line2D([], [], **kind_look(kind), label=kind) for kind in order]
+    handles = [Line2D([], [], **_kind_look(kind), label=kind) for kind in order]
+    if any(p.full_space_eigenvalue < 0 for b in path.branches for p in b.points):
+        label = "dotted: stable only with its symmetry"
+        handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     types = dict.fromkeys(e.type for e in path.events)
-    return handles + [Line2D([], [], **event_look(type), label=type) for type in types]
+    return handles + [Line2D([], [], **_event_look(type), label=type) for type in types]
 
 
 def _panel(path: Path, panel: Plot, axes: Any) -> None:
-    stable, every = [], []
+    stable, every, (low, high) = [np.zeros(0)], [np.zeros(0)], _shown_range(path)
     for branch in path.branches:
-        at = panel.values(branch.points)
-        every.append(at[:, 1])
+        at = panel.values([p if low <= p.t <= high else None for p in branch.points])
+        every.append(at[np.isfinite(at[:, 1]), 1])
         for r in branch.kind_ranges:
             part = at[r.points[0] : r.points[1] + 1]
-            axes.plot(*part.T, **kind_look(r.kind))
+            axes.plot(*part.T, **_kind_look(r.kind))
             stable += [part[:, 1]] if r.stable else []
-        # stable but for the symmetry: dots
-        broken = np.array([p.full_space_eigenvalue < 0 for p in branch.points])
-        broken &= [branch.kind_at(k) in KINDS for k in range(len(broken))]
-        axes.plot(at[:, 0], np.where(broken, at[:, 1], np.nan), color="white", **DOTS)
-    values = np.concatenate([*every, np.zeros(0)])
-    values = values[np.isfinite(values)]
+            if r.stable:  # with the symmetry alone: dots
+                own = branch.points[r.points[0] : r.points[1] + 1]
+                broken = np.array([[p.full_space_eigenvalue < 0] for p in own])
+                axes.plot(*np.where(broken, part, np.nan).T, color="white", **DOTS)
+    values, most = np.concatenate(every), float(np.nanmax(np.concatenate(stable), initial=0.0))
     if panel.y == "energy [J]" and len(values) and 0 < values.min() * WIDE < values.max():
         axes.set_yscale("log")
     # the way back meets events where the way there did: their numbers stand beside each other
     named: dict[tuple[float, ...], list[str]] = {}
-    for event in path.events:
+    for event in (e for e in path.events if low <= e.t <= high):
         place = panel.values([path.point_of(event)])[0]
-        axes.plot(*place, **event_look(event.type))
+        axes.plot(*place, **_event_look(event.type))
         named.setdefault(tuple(float(f"{v:.6g}") for v in place), []).append(str(event.id))
-    for at, ids in named.items():
-        look: dict[str, Any] = {
-            "textcoords": "offset points",
-            "fontsize": 8,
-            "annotation_clip": True,
-        }
-        axes.annotate(", ".join(ids), at, (3, 4), **look)
+    look: Any = {"textcoords": "offset points", "fontsize": 8, "annotation_clip": True}
+    for where, ids in named.items():
+        axes.annotate(", ".join(ids), where, (3, 4), **look)
     axes.margins(y=0.1)  # for the numbers of events
-    if panel.y.startswith("largest moment") and stable:  # those of saddles can be huge
-        most = float(np.nanmax(np.concatenate(stable), initial=0.0))
-        if most > 0:
-            axes.set_ylim(-0.05 * most, 1.1 * most)
-    over = path.parameter
-    for name, label, scale, limits in (
-        (panel.x, axes.set_xlabel, axes.set_xscale, axes.set_xlim),
-        (panel.y, axes.set_ylabel, axes.set_yscale, axes.set_ylim),
-    ):
-        label(label_text(name))
-        if name == over.axis:
-            if over.log:
-                scale("log")
-            limits(*map(over.drawn, _shown_range(path)))
-    axes.label_outer() if not isinstance(path, LoadPath) else None
+    if panel.y.startswith("largest moment") and most > 0:  # those of saddles can be huge
+        axes.set_ylim(-0.05 * most, 1.1 * most)
+    for name, sides in ((panel.x, "x"), (panel.y, "y")):
+        axes.set(**{f"{sides}label": label_text(name)})
+        if name == path.parameter.axis:
+            _over(axes, sides, path.parameter, low, high)
+    if not isinstance(path, LoadPath):
+        axes.label_outer()
     axes.grid(True, lw=0.3, color="#dddddd")
+
+
+def _over(axes: Any, side: str, parameter: ParameterRange, low: float, high: float) -> None:
+    """Let an axis be that of a parameter."""
+    axes.set(**{f"{side}label": label_text(parameter.axis)})
+    axes.set(**{f"{side}scale": "log" if parameter.log else "linear"})
+    axes.set(**{f"{side}lim": (parameter.drawn(low), parameter.drawn(high))})
 
 
 def _shown_range(path: Path) -> tuple[float, float]:
@@ -168,15 +160,15 @@ def _shown_range(path: Path) -> tuple[float, float]:
 
 def _legs(path: LoadPath, every: Any) -> list[Line2D]:
     """Draw what the state does into all axes; return its legend."""
+    low, high = _shown_range(path)
     for panel, axes in zip(path.panels, every, strict=True):
         for leg in path.legs:
-            at = panel.values(leg.points)
+            at = panel.values([p if low <= p.t <= high else None for p in leg.points])
             axes.plot(*at.T, **BAND)
             if leg.moved:  # of creases that may yield no other states are followed
                 axes.plot(*at.T, color=PATH, lw=1.4, zorder=2)
         for snap in path.snaps:
-            ends = [path.point_at(snap.t, phi) for phi in (snap.before, snap.after)]
-            a, b = panel.values(ends)
+            a, b = panel.values([path.point_at(snap.t, phi) for phi in (snap.before, snap.after)])
             axes.annotate("", b, a, arrowprops=ARROW, zorder=4)
             axes.plot(*a, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
             axes.plot(*b, ".", ms=5, color=SNAP, zorder=4)  # arrows alone do not widen the axes
@@ -185,15 +177,10 @@ def _legs(path: LoadPath, every: Any) -> list[Line2D]:
         places = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:4]
         label = f"snap at {', '.join(places)} {path.driver.unit}".rstrip()
         handles.append(Line2D([], [], color=SNAP, label=label))
-    if any(p.full_space_eigenvalue < 0 for b in path.branches for p in b.points):
-        label = "dotted: stable only with its symmetry"
-        handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     if math.isfinite(path.start_stiffness):
-        start, (low, high) = path.legs[0].points[0], _shown_range(path)
-        ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
-        every[0].plot(
-            path.shown(start.angle + ends / path.start_stiffness), start.t + ends, **TANGENT
-        )
+        start, ends = path.legs[0].points[0], np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
+        where = path.shown(start.angle + ends / path.start_stiffness)
+        every[0].plot(where, start.t + ends, **TANGENT)
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
         handles.append(Line2D([], [], **TANGENT, label=label))
     return handles
@@ -257,13 +244,8 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
                     at = across.drawn(line.t), up.drawn(up.t_of(0.5 * (a + b)))
                     side = {across.low: "left", across.high: "right"}.get(line.t, "center")
                     axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
-        for p, label, scale, limits in (
-            (across, axes.set_xlabel, axes.set_xscale, axes.set_xlim),
-            (up, axes.set_ylabel, axes.set_yscale, axes.set_ylim),
-        ):
-            label(label_text(p.axis))
-            scale("log" if p.log else "linear")
-            limits(p.drawn(p.low), p.drawn(p.high))
+        for side, p in (("x", across), ("y", up)):
+            _over(axes, side, p, p.low, p.high)
         if boundaries.curves:
             figure.legend(loc="outside upper center", ncols=1, frameon=False, fontsize=8)
     return figure

@@ -5,7 +5,6 @@ Angles in radians, torques in N m, energies in J (the units of springs).
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -24,28 +23,18 @@ from origami_nlp.paths.records import (
     HOLDS,
     PITCHFORK,
     YIELDS,
-    ConfirmedSnap,
     Leg,
     PathEvent,
     PathPoint,
     Snap,
 )
-from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed
+from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
 
-WHY = {
-    "range": "stable; end of the range",
-    "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
-    COLLAPSE: "collapses: hinges yield, and nothing stable goes on",
-}
+WHY = {"range": "stable; end of the range", PITCHFORK: "pitchfork: stable states branch off"}
 """Why a leg ends, in words, where the name alone does not say it."""
 GOES_ON = (YIELDS, HOLDS)
 """Ends of legs at which another one begins."""
-SNAP_WORDS = {"breaks-symmetry": "its symmetry breaks", "branching": "pitchfork"}
-"""Where a state snaps, in words, where those of the event say less."""
-
-MOST_ANGLES = 12
-"""Fold angles that are printed of one state."""
 SHIFT = 0.01
 """Share of the range by which the load of a state differs that is loaded anew; after a snap it is far less."""
 MOST_NAMED = 3
@@ -127,7 +116,7 @@ class LoadPath(Path):
         for k, snap in enumerate(self.snaps, start=1):
             at = f"snap {k} at {snap.t:.9g} {unit}"
             out += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
-        lines = [f"fold angles [deg]: {degrees_listed(phi, 2 * MOST_ANGLES)}" for _, _, phi in out]
+        lines = [f"fold angles [deg]: {degrees_listed(phi)}" for _, _, phi in out]
         return [
             Station(title.rstrip(), self.point_at(t, phi), (line,))
             for (title, t, phi), line in zip(out, lines, strict=True)
@@ -166,42 +155,92 @@ class LoadPath(Path):
         return [Plot(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
 
     def table(self) -> Table:
-        """Return one row an event, in order of the load."""
+        """Return one row an event, in order of the load; with a star those on the path."""
         on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
-        over = self.parameter
-        title = f"all events, * on the path, {over.low:.6g} to {over.high:.6g} {over.unit}"
-        return self.events_table(title.rstrip(), frozenset(on))
+        return self.events_table("all events, * on the path", frozenset(on))
 
-    @property
-    def _beside_head(self) -> str:  # type: ignore[override]
-        return self.where
-
-    def _beside(self, event: PathEvent) -> str:
-        return self._place(float(self.driver.conjugate(np.array(event.fold_angles))))
+    def _beside(self, event: PathEvent) -> dict[str, str]:
+        return {self.where: self._place(float(self.driver.conjugate(np.array(event.fold_angles))))}
 
     def report_sections(self) -> Iterator[Section]:
         """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
-        place = re.sub(" of .*? \\[", " [", self.where)
-        heads = f"load{self.in_unit}", "what happens", place, "energy\nlost [J]"
-        rows = [*self._happenings()]
-        yield Table(heads, rows, self.verdict, "rLrr", framed=False, narrow=True)
+        yield listed(self.verdict, [*self._happenings()])
         if math.isfinite(self.start_stiffness):
             yield f"stiffness at the start: {self.start_stiffness:.5g} {self.stiffness_unit}"
         for number, snap in enumerate(self.snaps, start=1):
-            after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
-            many = len(snap.after) > MOST_ANGLES
-            after = f"fold angles of {len(snap.after)} creases: -o FILE.json" if many else after
-            yield f"after snap {number}, {snap.kind} [deg]: {after}"
-        yield from self._symmetry()
-        yield from self._idle()
-        yield from self._moved()
-        for number, snap in enumerate(self.snaps, start=1):
+            yield f"after snap {number}, {snap.kind} [deg]: {degrees_listed(snap.after)}"
             if snap.confirmed is not None and not all(snap.confirmed.found):
-                yield from bold([self._searches(number, snap.confirmed)])
+                yield from bold([f"snap {number}: {snap.confirmed.words()}"])
+        if self.plastic_work:
+            yield f"plastic work {self.plastic_work:.6g} J"
         yield from bold(self.alarms)
         if self.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
         yield Details(tuple(self._details()), "Events, certificates, searches")
+
+    def _happenings(self) -> Iterator[dict[str, Cell]]:
+        """Return a row for each start, contact, snap and end on the path, in its order."""
+        place, load = re.sub(" of .*? \\[", " [", self.where), f"load{self.in_unit}"
+        heads, arrived = (load, "what happens", place), math.nan
+        for leg in self.legs:
+            first, last = leg.points[0], leg.points[-1]
+            if not abs(first.t - arrived) <= SHIFT * (self.parameter.high - self.parameter.low):
+                said = f"state #{self.state}" if self.state else "the state that was given"
+                again = " again, loaded the other way" * math.isfinite(arrived)
+                yield dict(
+                    zip(
+                        heads,
+                        (f"{first.t:.6g}", said + again, self._place(first.angle)),
+                        strict=True,
+                    )
+                )
+            for p, event in self._on(leg):
+                if leg.why != PITCHFORK or p is not last:
+                    words = event.words(growing=last.t >= first.t)
+                    yield dict(
+                        zip(heads, (f"{event.t:.6g}", words, self._place(p.angle)), strict=True)
+                    )
+            arrived = last.t
+            if leg.why not in GOES_ON:
+                yield dict(zip(heads, self._end(leg), strict=True)) | self._more(leg)
+
+    def _end(self, leg: Leg) -> tuple[str, Cell, str]:
+        """Return load, words and place where a leg ends."""
+        last = leg.points[-1]
+        if leg.snap is not None:
+            snap = self.snaps[leg.snap - 1]
+            said = Words(f"snap {leg.snap}: {EVENT_WORDS.get(snap.type, snap.type)}", "bold")
+            return f"{snap.t:.6g}", said, self._place(*snap.angle)
+        at = [p.angle for p in leg.points]
+        idle = len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm
+        said = WHY.get(leg.why, leg.why) + "; the load does no work" * idle
+        return f"{last.t:.6g}", said, self._place(last.angle)
+
+    def _more(self, leg: Leg) -> dict[str, Cell]:
+        """Return what else is known of a leg: energy lost, symmetry, rest angles that have moved."""
+        lost = "" if leg.snap is None else f"{self.snaps[leg.snap - 1].released:.6g}"
+        kept = "" if leg.symmetry == "none" else leg.symmetry
+        since = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g}"
+        row: dict[str, Cell] = {"energy\nlost [J]": lost, "symmetry": kept}
+        shown = leg.full_space + since if kept else ""
+        row["without it"] = shown if leg.full_space in ("", "stable") else Words(shown, "bold")
+        moved = ((i, m) for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED)
+        row["rest angles\nmoved [deg]"] = ", ".join(
+            f"{i}: {math.degrees(m):+.4g}" for i, m in moved
+        )
+        return row
+
+    def _on(self, leg: Leg) -> Iterator[tuple[PathPoint, PathEvent]]:
+        """Return the events that a leg passes, in its order, without that at its end."""
+        left = {e.fold_angles: e for e in self.events}
+        if leg.snap:
+            event = self.snaps[leg.snap - 1].event
+            left = {phi: e for phi, e in left.items() if e.id != event}
+        for point in leg.points:
+            passed = left.pop(point.fold_angles, None)
+            # a leg that begins where a hinge yields does not pass that
+            if passed and (passed.type not in GOES_ON or point is not leg.points[0]):
+                yield point, passed
 
     @property
     def verdict(self) -> str:
@@ -266,109 +305,15 @@ class LoadPath(Path):
         form = ".2f" if self.is_angle else ".6g"
         return " to ".join(f"{self.shown(v):{form}}" for v in values)
 
-    def _happenings(self) -> Iterator[Sequence[Cell]]:
-        """Return a row for each start, contact, snap and end on the path, in its order."""
-        arrived = None
-        for number, leg in enumerate(self.legs, start=1):
-            first, last = leg.points[0], leg.points[-1]
-            if arrived is None or abs(first.t - arrived) > SHIFT * (
-                self.parameter.high - self.parameter.low
-            ):
-                said = f"state #{self.state}" if self.state else "the state that was given"
-                again = " again, loaded the other way" * (arrived is not None)
-                yield f"{first.t:.6g}", said + again, self._place(first.angle), ""
-            for point, event in self._on(leg):
-                if leg.why == PITCHFORK and point is last:
-                    continue
-                said = event.words(growing=last.t >= first.t)
-                yield f"{event.t:.6g}", said, self._place(point.angle), ""
-            ending: Cell = WHY.get(leg.why, leg.why)
-            place, lost = self._place(last.angle), ""
-            if leg.why == PITCHFORK:
-                onward = self.legs[number].symmetry
-                words = f"pitchfork: symmetry {leg.symmetry} breaks to {onward}"
-                ending = words if onward != leg.symmetry else "pitchfork: stable states branch off"
-            elif leg.snap is not None:
-                snap = self.snaps[leg.snap - 1]
-                words = SNAP_WORDS.get(snap.type) or EVENT_WORDS.get(snap.type, snap.type)
-                ending = Words(f"snap {leg.snap}: {words}", "bold")
-                place, lost = self._place(*snap.angle), f"{snap.released:.6g}"
-            if leg.why not in GOES_ON:
-                yield f"{last.t if leg.snap is None else snap.t:.6g}", ending, place, lost
-            arrived = last.t
-
-    def _on(self, leg: Leg) -> Iterator[tuple[PathPoint, PathEvent]]:
-        """Return the events that a leg passes, in its order, without that at its end."""
-        left = {e.fold_angles: e for e in self.events}
-        if leg.snap:
-            event = self.snaps[leg.snap - 1].event
-            left = {phi: e for phi, e in left.items() if e.id != event}
-        for point in leg.points:
-            passed = left.pop(point.fold_angles, None)
-            # a leg that begins where a hinge yields does not pass that
-            if passed and (passed.type not in GOES_ON or point is not leg.points[0]):
-                yield point, passed
-
-    def _symmetry(self) -> Iterator[str]:
-        """Say what symmetry states keep, and whether they are stable without it."""
-        if self.scene is None or self.scene.group.is_trivial:
-            return
-        group = self.scene.group.name
-        judged = [leg for leg in self.legs if leg.full_space]
-        lost = [leg for leg in judged if leg.full_space != "stable"]
-        if judged and not lost:
-            yield f"stable without the symmetry {group} too: judged at ends and middle of each part"
-        for leg in lost:
-            start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
-            yield f"load {leg.span}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
-        kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
-        words = f"states keep the symmetry {' and then '.join(kept)}"
-        yield f"{words}; --symmetry none follows those that break it as well"
-
-    def _moved(self) -> Iterator[str]:
-        """Say by how much rest angles have moved for good, where the path ends each way."""
-        for leg, after in itertools.zip_longest(self.legs, self.legs[1:]):
-            goes_on = after is not None and after.points[0].t == leg.points[-1].t
-            if leg.moved and not goes_on:
-                moved = {i: m for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED}
-                each = [f"{i}: {math.degrees(m):+.4g}" for i, m in moved.items()]
-                most, more = ", ".join(each[:MOST_ANGLES]), len(each) - MOST_ANGLES
-                most += f" and {more} more" if more > 0 else ""
-                words = f"have moved, of crease {most} [deg]" if each else "have not moved"
-                yield f"rest angles at load {leg.points[-1].t:.6g} {words}"
-        if self.plastic_work:
-            yield f"plastic work {self.plastic_work:.6g} J"
-
-    def _idle(self) -> Iterator[str]:
-        for leg in self.legs:
-            at = [p.angle for p in leg.points]
-            if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm:
-                yield (
-                    f"load {leg.span} does no work: {self.where} stays {self._place(at[0])}, which no free motion "
-                    "changes to first order"
-                )
-
     def _details(self) -> Iterator[Table | Cell]:
         """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""
-        if self.events:
-            yield self.table()
-        unit = f" {self.driver.unit}".rstrip()
+        yield self.table()
         for number, snap in enumerate(self.snaps, start=1):
-            yield f"snap {number}, event {snap.event}: lands on {snap.kind}: {snap.certificate}"
-            if snap.restabilises is not None:
-                yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
-            if snap.confirmed is not None:
-                yield f"   {self._searches(number, snap.confirmed)}"
+            again, sure = snap.restabilises, snap.confirmed
+            said = f"snap {number}, event {snap.event}: lands on {snap.kind}: {snap.certificate}"
+            said += "" if again is None else f"; unstable states are stable again at {again:.12g}"
+            yield said + ("" if sure is None else f"; {sure.words()}")
         yield Words(f"{self.cost.steps} steps", "dim")
-
-    def _searches(self, number: int, c: ConfirmedSnap) -> str:
-        """Say whether the states before and after a snap are among those that searches beside it find."""
-        before, after = ("is among them" if f else "is NOT among them" for f in c.found)
-        (few, many), (t, beyond), unit = c.minima, c.t, self.driver.unit
-        return (
-            f"search beside snap {number}: {few} minima at {t:.6g} {unit}, the state before it {before}; "
-            f"{many} known at {beyond:.6g} {unit}, the one after {after}"
-        )
 
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""

@@ -297,6 +297,12 @@ class SearchCheck:
     seconds: float
     complete: str = ""
 
+    def row(self) -> dict[str, str]:
+        """Return what it found, as columns of a table."""
+        counts = ("states", "followed", "new_branches", "missed")
+        own = {name.replace("_", " "): str(getattr(self, name)) for name in counts}
+        return {**own, "list is": self.complete}
+
 
 @dataclass(frozen=True)
 class Interval:
@@ -392,6 +398,12 @@ class ConfirmedSnap:
     t: tuple[float, float]
     minima: tuple[int, int]
     found: tuple[bool, bool]
+
+    def words(self) -> str:
+        """Say how many minima searches find on both sides, and whether the states of the path are among them."""
+        there = ["among them" if f else "NOT among them" for f in self.found]
+        each = zip(self.t, self.minima, there, strict=True)
+        return "; ".join(f"search at {t:.6g}: {n} minima, the path's is {f}" for t, n, f in each)
 
 
 @dataclass(frozen=True, repr=False)

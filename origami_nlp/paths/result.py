@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Content, Report, Table, Viewable, Words
+from origami_nlp.display import Cell, Content, Report, Table, Viewable, Words
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import Cost, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
@@ -41,9 +41,10 @@ class Plot(NamedTuple):
     value_x: Callable[[PathPoint], float]
     value_y: Callable[[PathPoint], float]
 
-    def values(self, points: Sequence[PathPoint]) -> np.ndarray:
-        """Return the places of points, [m, 2]."""
-        return np.array([(self.value_x(p), self.value_y(p)) for p in points]).reshape(-1, 2)
+    def values(self, points: Sequence[PathPoint | None]) -> np.ndarray:
+        """Return the places of points, [m, 2], nan of those that are left out."""
+        nowhere = (math.nan, math.nan)
+        return np.array([(self.value_x(p), self.value_y(p)) if p else nowhere for p in points])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,7 +124,7 @@ class Path(Report, Viewable):
             key=lambda p: abs(p.t - event.t) + float(np.abs(phi - p.fold_angles).max()),
         )
 
-    def events_table(self, title: str, on: frozenset[int] = frozenset()) -> Table:
+    def events_table(self, title: str = "", on: frozenset[int] = frozenset()) -> Table:
         """Return one row an event.
 
         Parameters
@@ -141,17 +142,13 @@ class Path(Report, Viewable):
         over, rows = self.parameter, []
         for e in self.events:
             t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
-            row = [f"{e.id}{'*' * (e.id in on)}", e.type, t, e.contact or "-", self._beside(e)]
-            rows.append([*row, "" if e.located else "not located"])
-        heads = ["event", "type", over.axis, "contact", self._beside_head, ""]
-        many = 6 - all(e.located for e in self.events)
-        rows = [row[:many] for row in rows]
-        return Table(heads[:many], rows, title, "rlrLrl"[:many], framed=False, narrow=True)
+            row = {"event": f"{e.id}{'*' * (e.id in on)}", "type": e.type, over.axis: t}
+            row |= {"contact": e.contact, **self._beside(e)}
+            rows.append({**row, "note": "" if e.located else e.note or "not located"})
+        return listed(title, rows)
 
-    _beside_head = "branches"
-
-    def _beside(self, event: PathEvent) -> str:
-        return ", ".join(map(str, event.branches))
+    def _beside(self, event: PathEvent) -> dict[str, str]:
+        return {"branches": ", ".join(map(str, event.branches))}
 
     def view_content(self) -> Content:
         """Return curves and marks as plain data, see `view`."""
@@ -180,10 +177,20 @@ class Path(Report, Viewable):
         return states_to_fold(self.origami_at(over.low), frames)
 
 
-def degrees_listed(fold_angles: Sequence[float], most: int) -> str:
+def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
+    """Return rows as a table, columns that are empty in all of them left out; words wrap, numbers stand right."""
+    texts = [{k: v if isinstance(v, str) else v.text for k, v in row.items()} for row in rows]
+    heads = list(dict.fromkeys(k for row in texts for k, text in row.items() if text))
+    number = [all(row.get(h, "")[:1] in "-+0123456789" for row in texts) for h in heads]
+    cells = [[row.get(h, "") for h in heads] for row in rows]
+    columns = "".join("r" if one else "L" for one in number)
+    return Table(heads, cells, title, columns, framed=False, narrow=True)
+
+
+def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:
     """Return fold angles in degrees, of many the first."""
-    said = ", ".join(f"{math.degrees(v) + 0.0:.2f}" for v in fold_angles[:most])
-    return said + ", ..." * (len(fold_angles) > most)
+    said = " ".join(f"{math.degrees(v) + 0.0:.2f}" for v in fold_angles[:most])
+    return said + " ..." * (len(fold_angles) > most)
 
 
 def bold(lines: Sequence[str]) -> Iterator[Words]:
