@@ -40,14 +40,6 @@ CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 SAMPLES, GRID = 17, 7
 """Scenes of a family, and along each side of a plane, that are posed before it is followed: whether it is smooth."""
-FAMILIES = {
-    "degree6": ((1.0, -2.0, 1.0, 1.0, -2.0, 1.0), (0.0, math.pi, 0.0, 0.0, math.pi, 0.0)),
-    "degree8": (
-        (1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0),
-        tuple(math.pi / 2 * v for v in (0, 1, 1, 0, 0, 1, 1, 0)),
-    ),
-}
-"""Sector angles of the paper's families: change with alpha_1, and value at alpha_1 = 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,15 +134,10 @@ class Family:
     def _problem_at(self, s: float) -> PatternProblem:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
 
-    def winding(self, s: float) -> float:
-        """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
-        if not any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1])):
-            return 0.0
-        p, scale = self.line.at(s).parameters, self.line.problem.scale
-        # k/2 (phi - phi0 - l/k)^2 = k/2 (phi - phi0)^2 - l phi + l phi0 + l^2 / (2 k)
-        # of laws it does not count
-        load = p.load if p.laws is None else p.laws.linear(p.load)
-        return scale * float(np.sum(load * (p.rest + 0.5 * load / p.stiffness)))
+    @property
+    def preloaded(self) -> bool:
+        """Whether energies of its scenes count what it took to wind springs, which states on the line do not."""
+        return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))
 
     @property
     def symmetric(self) -> bool:
@@ -460,7 +447,8 @@ def _over_scenes(
     for name in names:
         match = PLACE.fullmatch(name)
         most = len(scene.loads) if match and match[3] else scene.degree
-        if match is None or not 1 <= int(match[4]) <= most:
+        number = int(next(filter(None, match.groups()))) if match else 0
+        if not 1 <= number <= most:
             raise OptionError(
                 f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
                 f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1], law_shift[1] or "
@@ -468,19 +456,21 @@ def _over_scenes(
                 + (f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else "")
                 + meant_by(name)
             )
-        places.append((kind_of(name), int(match[4]) - 1))
+        places.append((kind_of(name), number - 1))
         check_law_place(scene.laws, *places[-1])
     return partial(_at_places, scene, places)
 
 
 def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
-    sectors = np.array(scene.vertex.sector_angles)
-    for slope, start in FAMILIES.values():
-        if len(slope) != len(sectors):
-            continue
-        change, origin = np.array(slope), np.array(start)
-        if np.abs(origin + sectors[0] * change - sectors).max() <= RESOLVED:
-            return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * change).tolist())))
+    """Set alpha_1 of the paper's families, sector angles that are linear in it."""
+    now = np.array(scene.vertex.sector_angles)
+    for made in (examples.degree6, examples.degree8):
+        zero, one = (np.array(made(t).vertex.sector_angles) for t in (0.5, 1.0))
+        slope = 2 * (one - zero)
+        if len(zero) == len(now) and np.abs(zero + (now[0] - 0.5) * slope - now).max() <= RESOLVED:
+            slope = np.round(slope)
+            origin = zero - 0.5 * slope
+            return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * slope).tolist())))
     raise OptionError(
         "parameter = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
     )

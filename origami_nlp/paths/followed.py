@@ -23,17 +23,8 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.kkt import State
 from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
+from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import (
-    BranchEnd,
-    KindRange,
-    Multiplier,
-    PathBranch,
-    PathEvent,
-    PathPoint,
-    Residuals,
-    StateAt,
-)
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
 
@@ -119,13 +110,13 @@ class FollowedDiagram(BifurcationDiagram):
         broken = [("breaks-symmetry", across)] if across.line else []
         super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
         self.parameter, self.across, self._ends, self.cut = parameter, across, ends, False
-        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, PathPoint]()
+        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return fields of the point of a state, at all fold angles, beside those of its problem."""
         return {"energy": frame.problem.energy(frame.state)}
 
-    def records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
+    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
         """Return branches and events with their numbers."""
         try:
             return self._records()
@@ -134,7 +125,7 @@ class FollowedDiagram(BifurcationDiagram):
             self.cut = True
             return self._records()
 
-    def _records(self) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
+    def _records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
         chains = self._chains()
         self._begun = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
@@ -147,24 +138,22 @@ class FollowedDiagram(BifurcationDiagram):
         shown.sort(key=lambda k: self.nodes[k].s)
         ids = {k: i for i, k in enumerate(shown, start=1)}
         events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        self._branches = tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1))
-        return self._branches, events
+        return tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1)), events
 
-    def point(self, frame: Equilibrium, dependent: Pieces | None = None) -> PathPoint:
-        """Return a state in the scene's units; dependent: see `_dependent`."""
+    def point(self, frame: Equilibrium, of: Equilibrium | None = None) -> r.PathPoint:
+        """Return a state in the scene's units; of: a state of its arc that says whether its multipliers are unique."""
         if frame in self._points:
             return self._points[frame]
         p, forces = frame.problem, []
         phi = p.expand(frame.state) + 0.0
         if frame.hold.contacts:
-            pieces = _dependent(frame) if dependent is None else dependent
-            spread = _spread(frame.seen, pieces) if pieces else {}
+            spread = _spread(frame.seen) if _spread((of or frame).seen) else {}
             for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
                 unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
                 low, high = spread.get(contact, (value, value))
-                forces.append(Multiplier(words, value * unit, (low * unit, high * unit)))
-        found = PathPoint(
+                forces.append(r.Multiplier(words, value * unit, (low * unit, high * unit)))
+        found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
             multipliers=tuple(forces),
@@ -174,19 +163,18 @@ class FollowedDiagram(BifurcationDiagram):
         )
         return self._points.setdefault(frame, found)
 
-    def listed_at(self, value: float) -> tuple[StateAt, ...]:
+    def listed_at(self, value: float) -> tuple[r.StateAt, ...]:
         """Return the states of all branches at one value of the parameter; `records` come first."""
-        out: list[tuple[np.ndarray, StateAt]] = []
+        out: list[tuple[np.ndarray, r.StateAt]] = []
         s, scale = self.parameter.s_of(value), self.line.problem.scale
         for number, frame in (*self.states_at(s), *((-1, f) for f in self.alone_at(s))):
             if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
                 continue  # two arcs that meet there
             what, branch, phi = frame.judged, self._begun.get(number, 0), frame.seen.fold_angles
-            stays = _stays(self._branches[branch - 1] if branch else None, value)
-            found = StateAt(
+            found = r.StateAt(
                 branch, tuple(phi.tolist()), self.seen_as(frame, phi)["energy"], what.verdict, what.kind,
                 what.reason, what.local_dimension, what.contacts, least_eigenvalue(frame),
-                frame.system.residual, frame.seen.residual, stays if what.verdict == "minimum" else None,
+                frame.system.residual, frame.seen.residual,
             )  # fmt: skip
             out.append((frame.state, found))
         # ties (mirror images of one another) in a fixed order
@@ -219,19 +207,19 @@ class FollowedDiagram(BifurcationDiagram):
         ends += [(k, arc.start) for k, arc in enumerate(self.arcs)]
         return [walk(k, node) for k, node in ends if k in left]
 
-    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> PathEvent:
+    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> r.PathEvent:
         node = self.nodes[at]
         problem, note = self.line.at(node.s), node.why
         if node.between is not None:
             low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
             note = f"between {low} and {high}: {note}"
-        return PathEvent(
+        return r.PathEvent(
             number,
             self._type(at),
             self.parameter.t_of(node.s),
             tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
             "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
-            Residuals(node.residual, node.value),
+            r.Residuals(node.residual, node.value),
             node.located,
             note,
             meets,
@@ -253,35 +241,32 @@ class FollowedDiagram(BifurcationDiagram):
         named = named or [after for contacts, after in held if len(contacts) == most]
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
-    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> PathBranch:
-        points, ranges = list[PathPoint](), list[KindRange]()
+    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> r.PathBranch:
+        points, ranges = list[r.PathPoint](), list[r.KindRange]()
         for k, forward in chain:
             arc = self.arcs[k]
             frames = arc.frames if forward else arc.frames[::-1]
             last = len(frames) - 1
             # positions in the whole branch
             begin = len(points) - bool(points)  # arcs share the point at which they meet
-            dependent = _dependent(arc.frames[last // 2])
-            points += [self.point(f, dependent) for f in frames[bool(points) :]]
+            points += [self.point(f, arc.frames[last // 2]) for f in frames[bool(points) :]]
             for part in self._parts[k] if forward else reversed(self._parts[k]):
                 a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
                 t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
-                place = begin + a, begin + b
-                ranges = _joined(
-                    ranges, KindRange(t, part.kind, arc.index, part.certificate, place)
-                )
+                place, what = (begin + a, begin + b), (part.kind, arc.index, part.certificate)
+                ranges = _joined(ranges, r.KindRange(t, *what, place))
         (a, forward), (b, onward) = chain[0], chain[-1]
         first = self.arcs[a].start if forward else self.arcs[a].end
         final = self.arcs[b].end if onward else self.arcs[b].start
         if first == final and len(chain) > 1:
-            ends = (BranchEnd("closed curve", None),) * 2
+            ends = (r.BranchEnd("closed curve", None),) * 2
         else:
             ends = _end(self.nodes[first], ids.get(first)), _end(self.nodes[final], ids.get(final))
-        return PathBranch(number, tuple(ranges), tuple(points), ends)
+        return r.PathBranch(number, tuple(ranges), tuple(points), ends)
 
 
-def _end(node: SpecialPoint, event: int | None) -> BranchEnd:
-    return BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
+def _end(node: SpecialPoint, event: int | None) -> r.BranchEnd:
+    return r.BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
 
 
 def least_eigenvalue(frame: Equilibrium) -> float:
@@ -325,10 +310,10 @@ def _judged(frame: Equilibrium) -> tuple[str, str]:
 
 
 def joined(
-    diagrams: Sequence[tuple[Sequence[PathBranch], Sequence[PathEvent]]],
-    one: Callable[[PathEvent, PathEvent], bool],
-    order: Callable[[PathEvent], tuple[float, ...]],
-) -> tuple[list[PathBranch], list[PathEvent]]:
+    diagrams: Sequence[tuple[Sequence[r.PathBranch], Sequence[r.PathEvent]]],
+    one: Callable[[r.PathEvent, r.PathEvent], bool],
+    order: Callable[[r.PathEvent], tuple[float, ...]],
+) -> tuple[list[r.PathBranch], list[r.PathEvent]]:
     """Return the branches and events of several diagrams of one system as those of one, numbered anew.
 
     one: whether two events are one, of which the first is kept.  order: of events that are.
@@ -338,7 +323,7 @@ def joined(
     shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
     found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
     found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
-    groups: list[list[tuple[int, PathEvent]]] = []
+    groups: list[list[tuple[int, r.PathEvent]]] = []
     for which, e in found:
         if not (same := next((g for g in groups if one(g[0][1], e)), [])):
             groups.append(same)
@@ -357,7 +342,7 @@ def joined(
     return branches, events
 
 
-def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
+def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
     """Add a range; one that goes on in the same kind and direction is made longer."""
     if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
         if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
@@ -366,40 +351,12 @@ def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
     return [*ranges, new]
 
 
-def _dependent(frame: Equilibrium) -> Pieces:
-    """Return the contacts that are closed at a state, piece by piece, where they do not determine their multipliers."""
-    if not frame.hold.contacts or frame.problem.sparse:
-        return ()
-    state = frame.seen
-    unique = all(state.on(piece).multiplier_set.unique for piece in state.pieces)
-    return () if unique else tuple(state.pieces)
-
-
-def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
-    """Return the smallest and largest multiplier of each contact over the set of them, scaled energy.
-
-    pieces: of another state of the same arc; they are looked for again where they are not closed here.
-    """
-    rows = tuple(dict.fromkeys(c for piece in pieces for c in piece))
-    try:
-        open_ = np.abs(state.local.openings(rows)[0]).max(initial=0.0) > CONTACT_TOL
-    except ArithmeticError:  # sides that run along each other have no gap here
-        open_ = True
+def _spread(state: State) -> dict[Contact, tuple[float, float]]:
+    """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
     out: dict[Contact, tuple[float, float]] = {}
-    for piece in tuple(state.pieces) if open_ else pieces:
+    for piece in () if state.problem.sparse else state.pieces:
         found = state.on(piece).multiplier_set
         if not found.unique:
             for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
                 out.setdefault(contact, (float(low), float(high)))
     return out
-
-
-def _stays(branch: PathBranch | None, value: float) -> tuple[float, float] | None:
-    """Return the range over which a minimum of a branch can be followed from a value without losing stability."""
-    if branch is None:
-        return value, value
-    runs = (
-        list(g) for good, g in itertools.groupby(branch.kind_ranges, lambda r: r.stable) if good
-    )
-    run = next((g for g in runs if any(r.low <= value <= r.high for r in g)), None)
-    return run and (min(r.low for r in run), max(r.high for r in run))

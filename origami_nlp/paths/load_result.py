@@ -16,24 +16,14 @@ import numpy as np
 from origami_nlp.display import Cell, Details, Section, Table, Words
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
+from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
-from origami_nlp.paths.records import (
-    COLLAPSE,
-    EVENT_WORDS,
-    HOLDS,
-    PITCHFORK,
-    YIELDS,
-    Leg,
-    PathEvent,
-    PathPoint,
-    Snap,
-)
 from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
 
-WHY = {"range": "stable; end of the range", PITCHFORK: "pitchfork: stable states branch off"}
+WHY = {"range": "stable; end of the range", r.PITCHFORK: "pitchfork: stable states branch off"}
 """Why a leg ends, in words, where the name alone does not say it."""
-GOES_ON = (YIELDS, HOLDS)
+GOES_ON = (r.YIELDS, r.HOLDS)
 """Ends of legs at which another one begins."""
 SHIFT = 0.01
 """Share of the range by which the load of a state differs that is loaded anew; after a snap it is far less."""
@@ -70,8 +60,8 @@ class LoadPath(Path):
 
     driver: Driver
     state: int
-    legs: tuple[Leg, ...]
-    snaps: tuple[Snap, ...]
+    legs: tuple[r.Leg, ...]
+    snaps: tuple[r.Snap, ...]
     plastic_work: float = 0.0
 
     ALSO = ("dissipated", "start_stiffness", "stiffness_unit")
@@ -122,7 +112,7 @@ class LoadPath(Path):
             for (title, t, phi), line in zip(out, lines, strict=True)
         ]
 
-    def point_at(self, t: float, fold_angles: Sequence[float]) -> PathPoint:
+    def point_at(self, t: float, fold_angles: Sequence[float]) -> r.PathPoint:
         """Return a state as a point.
 
         Parameters
@@ -134,14 +124,14 @@ class LoadPath(Path):
 
         Returns
         -------
-        PathPoint
+        r.PathPoint
             With its energy and what the load works on.
         """
         phi = np.array(fold_angles)
         energy, angle = (
             float(f(phi)) for f in (self.driver.unloaded.energy, self.driver.conjugate)
         )
-        return PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
+        return r.PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
 
     @property
     def panels(self) -> list[Plot]:
@@ -159,7 +149,7 @@ class LoadPath(Path):
         on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
         return self.events_table("all events, * on the path", frozenset(on))
 
-    def _beside(self, event: PathEvent) -> dict[str, str]:
+    def _beside(self, event: r.PathEvent) -> dict[str, str]:
         return {self.where: self._place(float(self.driver.conjugate(np.array(event.fold_angles))))}
 
     def report_sections(self) -> Iterator[Section]:
@@ -195,7 +185,7 @@ class LoadPath(Path):
                     )
                 )
             for p, event in self._on(leg):
-                if leg.why != PITCHFORK or p is not last:
+                if leg.why != r.PITCHFORK or p is not last:
                     words = event.words(growing=last.t >= first.t)
                     yield dict(
                         zip(heads, (f"{event.t:.6g}", words, self._place(p.angle)), strict=True)
@@ -204,19 +194,19 @@ class LoadPath(Path):
             if leg.why not in GOES_ON:
                 yield dict(zip(heads, self._end(leg), strict=True)) | self._more(leg)
 
-    def _end(self, leg: Leg) -> tuple[str, Cell, str]:
+    def _end(self, leg: r.Leg) -> tuple[str, Cell, str]:
         """Return load, words and place where a leg ends."""
         last = leg.points[-1]
         if leg.snap is not None:
             snap = self.snaps[leg.snap - 1]
-            said = Words(f"snap {leg.snap}: {EVENT_WORDS.get(snap.type, snap.type)}", "bold")
+            said = Words(f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}", "bold")
             return f"{snap.t:.6g}", said, self._place(*snap.angle)
         at = [p.angle for p in leg.points]
         idle = len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm
         said = WHY.get(leg.why, leg.why) + "; the load does no work" * idle
         return f"{last.t:.6g}", said, self._place(last.angle)
 
-    def _more(self, leg: Leg) -> dict[str, Cell]:
+    def _more(self, leg: r.Leg) -> dict[str, Cell]:
         """Return what else is known of a leg: energy lost, symmetry, rest angles that have moved."""
         lost = "" if leg.snap is None else f"{self.snaps[leg.snap - 1].released:.6g}"
         kept = "" if leg.symmetry == "none" else leg.symmetry
@@ -230,7 +220,7 @@ class LoadPath(Path):
         )
         return row
 
-    def _on(self, leg: Leg) -> Iterator[tuple[PathPoint, PathEvent]]:
+    def _on(self, leg: r.Leg) -> Iterator[tuple[r.PathPoint, r.PathEvent]]:
         """Return the events that a leg passes, in its order, without that at its end."""
         left = {e.fold_angles: e for e in self.events}
         if leg.snap:
@@ -249,7 +239,7 @@ class LoadPath(Path):
         state = f"state #{self.state}" if self.state else "a state"
         words = f"{self.label}: {state} under {self.driver.name}"
         for leg in self.legs:
-            if leg.why == COLLAPSE:
+            if leg.why == r.COLLAPSE:
                 return f"{words} collapses at {leg.points[-1].t:.6g}{unit}: hinges yield"
         if not self.snaps:
             last = [leg for leg in self.legs if leg.why not in GOES_ON]

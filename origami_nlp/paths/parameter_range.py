@@ -21,33 +21,24 @@ from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import LAW_NUMBER, parse_angle
 
-UNITS = {
-    "ratio": "",
-    "alpha": "rad",
-    "stiffness": "N m/rad",
-    "x": "",
-    "y": "",
-    "rest_angles": "rad",
-    "preload": "N m",
-    "torque": "N m",
-    "sector_angles": "rad",
-    "loads": "",
-    "law_scale": "",
-    "law_shift": "rad",
-}
+UNITS = {"stiffness": "N m/rad", "preload": "N m", "torque": "N m"}
+UNITS |= dict.fromkeys(("ratio", "x", "y", "loads", "law_scale"), "")
+UNITS |= dict.fromkeys(("alpha", "rest_angles", "sector_angles", "law_shift"), "rad")
 """Of what can be followed over."""
+LAW = "laws."
+"""Before the kind of a number of a hinge law."""
 LAW_UNITS = {"energy": "J", "stiffness": "N m/rad", "coefficients": "N m"}
 """Of numbers of laws that are no angles; coefficients [N m/rad, N m/rad^2, ...]."""
 PLACE = re.compile(
-    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque|law_scale|law_shift)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
-)
-_OF_A_PATTERN = re.compile(
-    r"(?:creases|mountains|valleys)\.(stiffness|rest_angles|law_scale|law_shift)|(?:vertices\.)?([xy])\[\d{1,6}\]"
+    r"(?:creases\.)?(?:stiffness|rest_angles|preload|torque|law_scale|law_shift)\[(\d{1,4})\]"
+    r"|(?:vertex\.)?sector_angles\[(\d{1,4})\]|loads\[(\d{1,4})\]"
 )
 _DEGREES = re.compile(r"(.*?)\s*deg")
 _IN_DEGREES = re.compile(
     r"(rest_angles|sector_angles|law_shift|^laws\..*\.(?:at|width|centre|rest))_deg(\[|$)"
 )
+NEARBY = 1.3
+"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
 
 
 @dataclass(frozen=True)
@@ -138,42 +129,29 @@ def parse_parameter_range(text: str) -> ParameterRange:
     if not equals or not colon:
         raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     name, values = _stated(name.strip(), low, high)
-    kinds = {kind_of(part) for part in name.split("+")}
-    if len(kinds) > 1:
-        raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
-    (kind,) = kinds
-    log, unit = kind in ("ratio", "stiffness", "law_scale"), unit_of(kind)
-    a, b = values
-    if not a < b:
-        raise OptionError(
-            f"parameter = {text!r}: the range must run from a smaller to a larger value"
-        )
-    if log and a <= 0:
-        raise OptionError(f"parameter = {text!r}: {name} must be above 0")
-    return ParameterRange(name, a, b, unit, log)
-
-
-NEARBY = 1.3
-"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
+    kind, *others = {kind_of(part) for part in name.split("+")}
+    log, (a, b) = kind in ("ratio", "stiffness", "law_scale"), values
+    for wrong, why in (
+        (others, "what takes the same value must be of one kind"),
+        (not a < b, "the range must run from a smaller to a larger value"),
+        (log and a <= 0, f"{name} must be above 0"),
+    ):
+        if wrong:
+            raise OptionError(f"parameter = {text!r}: {why}")
+    return ParameterRange(name, a, b, unit_of(kind), log)
 
 
 def unit_of(kind: str) -> str:
     """Return the unit of a kind of parameter (`kind_of`)."""
-    if kind.startswith(LAW):
-        return LAW_UNITS.get(kind.removeprefix(LAW), "rad")
-    return UNITS.get(kind, "rad")
-
-
-LAW = "laws."
-"""Before the kind of a number of a hinge law."""
+    units = LAW_UNITS if kind.startswith(LAW) else UNITS
+    return units.get(kind.removeprefix(LAW), "rad")
 
 
 def kind_of(name: str) -> str:
-    """Return what a parameter is: a key of `UNITS`, `LAW` and a number of a law, or the name itself where none."""
+    """Return what a parameter is, such as ``stiffness``, without its place; of a law's number `LAW` before it."""
     if number := LAW_NUMBER.fullmatch(name.strip()):
         return LAW + number["key"]
-    match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
-    return next(v for v in match.groups()[:3] if v) if match else name.strip()
+    return re.sub(r".*\.|\[.*", "", name.strip())
 
 
 def meant_by(name: str, options: Iterable[str] = ()) -> str:
@@ -189,27 +167,26 @@ def parse_nearby(text: str) -> ParameterRange:
     if ":" in value or not value:
         return parse_parameter_range(text)
     name, (t,) = _stated(name.strip(), value)
+    low, high = t - 0.2, t + 0.2
     if t and unit_of(kind_of(name)) != "rad":
         low, high = sorted((t / NEARBY, t * NEARBY))
-        return parse_parameter_range(f"{name}={low!r}:{high!r}")
-    return parse_parameter_range(f"{name}={t - 0.2!r}:{t + 0.2!r}")
+    return parse_parameter_range(f"{name}={low!r}:{high!r}")
 
 
 def _stated(name: str, *ends: str) -> tuple[str, list[float]]:
     """Return a name and values in radians: with ``_deg`` in the name, as in scene files, numbers are degrees."""
-    if not _IN_DEGREES.search(name):
-        return name, [_number(text, name) for text in ends]
-    plain = _IN_DEGREES.sub(r"\1\2", name)
-    return plain, [_number(text.removesuffix("deg") + "deg", name) for text in map(str.strip, ends)]
+    if _IN_DEGREES.search(name):
+        name = _IN_DEGREES.sub(r"\1\2", name)
+        ends = tuple(text.strip().removesuffix("deg") + "deg" for text in ends)
+    return name, [_number(text.strip(), name) for text in ends]
 
 
 def _number(text: str, name: str) -> float:
-    match = _DEGREES.fullmatch(text.strip())
-    if match:
+    if match := _DEGREES.fullmatch(text):
         return math.radians(parse_angle(match[1], name))
     try:
-        return parse_angle(text.strip(), name)
+        return parse_angle(text, name)
     except AngleError:
         if unit_of(kind_of(name.partition("+")[0])) == "rad":
             raise
-        raise OptionError(f"parameter: {name} = {text.strip()!r} must be a finite number") from None
+        raise OptionError(f"parameter: {name} = {text} must be a finite number") from None

@@ -363,8 +363,6 @@ class StateAt:
         Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
     kkt_residual, closure_residual
         Largest entry of the KKT system, torques relative to the largest, and of closure.
-    stays
-        From where to where it can be followed as a minimum; None for others.
     """
 
     branch: int
@@ -378,7 +376,6 @@ class StateAt:
     eigenvalue: float
     kkt_residual: float
     closure_residual: float
-    stays: tuple[float, float] | None
 
 
 @dataclass(frozen=True)

@@ -268,7 +268,9 @@ class _Survey(FollowedDiagram):
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
-        return {"energy": frame.problem.energy(frame.state) + self.family.winding(frame.s)}
+        if not self.family.preloaded:
+            return super().seen_as(frame, phi)
+        return {"energy": float(self.family.scene_of(self.parameter.t_of(frame.s)).energy(phi))}
 
     def atlas(self) -> Atlas:
         """Judge what was followed, and pack it."""
