@@ -16,8 +16,8 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
-from origami_nlp.paths.records import Interval, PathPoint, SearchCheck, StateAt
-from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
+from origami_nlp.paths.records import Interval, SearchCheck, StateAt
+from origami_nlp.paths.result import Path, Plot, Track, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
 
 MOST_NAMED = 4
@@ -130,26 +130,10 @@ class Atlas(Path):
     @property
     def curves(self) -> list[Track]:
         """The branches, those of other windings after them."""
-        more: dict[str, object] = {"scene": getattr(self.scene, "label", self.scene.name)}
-        more["winding"] = getattr(self.scene, "winding", None) or 1
-        own = [
-            Track("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))], more)
-            for b in self.branches
-        ]
-        return own + [curve for other in self.others for curve in other.curves]
-
-    @property
-    def marks(self) -> list[Station]:
-        """The events."""
-        out = []
-        for e in self.events:
-            energy = float(self.origami_at(e.t).energy(np.array(e.fold_angles)))
-            point = PathPoint(e.t, e.fold_angles, energy, (), math.nan, math.nan)
-            said = f"fold angles [deg]: {degrees_listed(e.fold_angles)}"
-            lines = tuple(filter(None, (e.contact, e.note, said)))
-            where = self.parameter.shown(e.t, 9)
-            out.append(Station(f"event {e.id}: {e.type} at {where}", point, lines))
-        return out
+        label, winding = (getattr(self.scene, name, None) for name in ("label", "winding"))
+        more = {"scene": label or self.scene.name, "winding": winding or 1}
+        own = [track._replace(more=more) for track in super().curves]
+        return own + [track for other in self.others for track in other.curves]
 
     @property
     def panels(self) -> list[Plot]:

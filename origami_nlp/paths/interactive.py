@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.display import Content, Keyframe, Line, Panel, Poser, Trajectory, join_states
 from origami_nlp.paths.records import PathPoint
-from origami_nlp.paths.result import Path, Track
+from origami_nlp.paths.result import Path, Track, degrees_listed
 
 STEPS = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
 
@@ -27,18 +27,20 @@ def view_path(path: Path) -> Content:
     Returns
     -------
     Content
-        Stations: events over a parameter; of a load the first state, and those before and after each snap.  Tracks:
-        each stretch of a curve on which the parameter runs one way.  Panels: those of the figure.
+        Stations: events, and the states after snaps.  Tracks: each stretch of a curve on which the parameter runs one
+        way.  Panels: those of the figure.
     """
     # along springs and loads no vertex moves
     still = getattr(getattr(path, "family", None), "still", True)
     first = path.origami_at(path.parameter.low)
     poser = lru_cache(maxsize=None)(lambda t: Poser(first if still else path.origami_at(t)))
-    marks = path.marks
-    stations = [
-        Keyframe(m.title, _folded(poser, m.point), _view(poser, m.point), lines=m.lines)
-        for m in marks
-    ]
+    marks = path.stations
+    stations = []
+    for m in marks:
+        angles = f"fold angles [deg]: {degrees_listed(m.point.fold_angles)}"
+        lines = tuple(filter(None, (m.note, angles)))
+        folded, view = _folded(poser, m.point), _view(poser, m.point)
+        stations.append(Keyframe(m.title, folded, view, lines=lines))
     tracks: list[Trajectory] = []
     along: list[Sequence[PathPoint]] = []
     for title, points in (run for curve in path.curves for run in _one_way(path, curve)):

@@ -93,24 +93,15 @@ class LoadPath(Path):
     @property
     def curves(self) -> list[Track]:
         """The legs: stable states."""
-        return [
-            Track("leg", k, leg.points, ["minimum"] * len(leg.points), {})
-            for k, leg in enumerate(self.legs, start=1)
-        ]
+        numbered = enumerate(self.legs, start=1)
+        return [Track("leg", k, leg.points, ["minimum"] * len(leg.points)) for k, leg in numbered]
 
     @property
-    def marks(self) -> list[Station]:
-        """The first state, and those before and after each snap."""
-        unit, first = self.driver.unit, self.legs[0].points[0]
-        out = [(f"leg 1 begins at {first.t:.6g} {unit}", first.t, first.fold_angles)]
-        for k, snap in enumerate(self.snaps, start=1):
-            at = f"snap {k} at {snap.t:.9g} {unit}"
-            out += [(f"before {at}", snap.t, snap.before), (f"after {at}", snap.t, snap.after)]
-        lines = [f"fold angles [deg]: {degrees_listed(phi)}" for _, _, phi in out]
-        return [
-            Station(title.rstrip(), self.point_at(t, phi), (line,))
-            for (title, t, phi), line in zip(out, lines, strict=True)
-        ]
+    def stations(self) -> list[Station]:
+        """The events, and where snaps lead."""
+        landed = [(f"after snap {k}", s) for k, s in enumerate(self.snaps, start=1)]
+        after = [Station(title, self.point_at(s.t, s.after), s.certificate) for title, s in landed]
+        return super().stations + after
 
     def point_at(self, t: float, fold_angles: Sequence[float]) -> r.PathPoint:
         """Return a state as a point.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,15 +23,15 @@ class Track(NamedTuple):
     id: int
     points: Sequence[PathPoint]
     kinds: Sequence[str]
-    more: dict[str, object]
+    more: Mapping[str, object] = MappingProxyType({})
 
 
 class Station(NamedTuple):
-    """A state of a path that is shown by itself: its title, the point, and lines about it."""
+    """A state of a path that is shown by itself: its title, the point, and a note."""
 
     title: str
     point: PathPoint
-    lines: tuple[str, ...]
+    note: str
 
 
 class Plot(NamedTuple):
@@ -76,13 +77,23 @@ class Path(Report, Viewable):
 
     @property
     def curves(self) -> list[Track]:
-        """What is listed point by point."""
-        raise NotImplementedError
+        """What is listed point by point: the branches."""
+        return [
+            Track("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))])
+            for b in self.branches
+        ]
 
     @property
-    def marks(self) -> list[Station]:
-        """The states that are shown by themselves."""
-        raise NotImplementedError
+    def stations(self) -> list[Station]:
+        """The states that are shown by themselves: the events."""
+        return [
+            Station(
+                f"event {e.id}: {e.words()} at {self.parameter.shown(e.t, 9)}",
+                self.point_of(e),
+                e.note,
+            )
+            for e in self.events
+        ]
 
     @property
     def panels(self) -> list[Plot]:
@@ -105,7 +116,7 @@ class Path(Report, Viewable):
         raise NotImplementedError
 
     def point_of(self, event: PathEvent) -> PathPoint:
-        """Return the nearest point of its branches, or of all curves, to an event.
+        """Return an event as a point, by the nearest one of its branches, or of all curves.
 
         Parameters
         ----------
@@ -115,14 +126,15 @@ class Path(Report, Viewable):
         Returns
         -------
         PathPoint
-            With the values of the event where they are known.
+            With the energy and the moments there.
         """
         own = [p for b in self.branches if b.id in event.branches for p in b.points]
         phi = np.array(event.fold_angles)
-        return min(
+        near = min(
             own or [p for curve in self.curves for p in curve.points],
             key=lambda p: abs(p.t - event.t) + float(np.abs(phi - p.fold_angles).max()),
         )
+        return replace(near, t=event.t, fold_angles=event.fold_angles)
 
     def events_table(self, title: str = "", on: frozenset[int] = frozenset()) -> Table:
         """Return one row an event.

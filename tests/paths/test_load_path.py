@@ -108,7 +108,7 @@ def test_states_on_the_path_close_and_balance_by_finite_differences():
 
 def test_legs_are_turned_with_a_slider_over_the_load():
     content = loop().view_content()
-    assert len(content.stations) == 1 + 2 * len(loop().snaps)
+    assert len(content.stations) == len(loop().events) + len(loop().snaps)
     for leg, track in zip(loop().legs, content.tracks, strict=True):
         assert track.parameter.tolist() == [p.t for p in leg.points]
         apex, *ends = track.states[-1].corners  # each facet keeps its angle as it turns
