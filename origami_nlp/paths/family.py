@@ -202,22 +202,20 @@ class Plane:
     @cached_property
     def _posed(self) -> tuple[PatternProblem, np.ndarray, np.ndarray]:
         """A problem, the numbers of the lower corner, and their change with s, [2, .]."""
-        shares = np.linspace(0.0, 1.0, GRID)
-        places = [self.values(self.corner + self.size * (a, b)) for a in shares for b in shares]
+        grid = np.linspace(0.0, 1.0, GRID)
+        shares = np.array([(a, b) for a in grid for b in grid])
+        places = map(self.values, self.corner + self.size * shares)
         scenes = [self.family(u).scene(t) for t, u in places]
         made = [(scene, pose(scene)) for scene in scenes]
         made[0][1].numbered_as(self._like)
         a, b = (parameter.name for parameter in self.parameters)
         alike = same_problem(made, a, [scene.label for scene in scenes])
-        posed = np.array([linear_numbers(m.parameters) for m in alike]).reshape(GRID, GRID, -1)
+        posed = np.array([linear_numbers(m.parameters) for m in alike])
         # what two edges of the plane say of its inside
-        i, j = (share * (edge - posed[0, 0]) for share, edge in zip(
-            (shares[:, None, None], shares[None, :, None]), (posed[-1, 0], posed[0, -1]), strict=True
-        ))  # fmt: skip
-        if np.abs(posed[0, 0] + i + j - posed).max() > RESOLVED:
+        edges = posed[[-GRID, GRID - 1]] - posed[0]
+        if np.abs(posed[0] + shares @ edges - posed).max() > RESOLVED:
             raise OptionError(f"the scenes over {a} and {b} do not change smoothly")
-        edges = np.array([posed[-1, 0], posed[0, -1]]) - posed[0, 0]
-        return alike[0], posed[0, 0], edges / self.size[:, None]
+        return alike[0], posed[0], edges / self.size[:, None]
 
     def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
         """Return the problems along a direction [2] from a point [2] of the plane of s."""

@@ -106,10 +106,9 @@ def load_path(
     [('closes', 0.042461)]
     """
     stated = as_origami(origami)
-    if isinstance(stated, Scene):
-        refuse("scene", _OF_A_PATTERN, starts=starts)
-    else:
-        refuse("pattern", _OF_A_SCENE, full=full)
+    one = isinstance(stated, Scene)
+    refused = ("scene", _OF_A_PATTERN) if one else ("pattern", _OF_A_SCENE)
+    refuse(*refused, starts=starts, full=full)
     driver = driver_of(stated, load)
     counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
     asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}

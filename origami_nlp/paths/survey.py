@@ -120,16 +120,15 @@ def follow(
     asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
     asked |= {"options": options, "checks": checks, "through_folds": through_folds}
     asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
-    what = as_origami(origami)
-    if isinstance(what, Scene):
-        refuse("scene", _OF_A_PATTERN, **given)
+    what: Any = as_origami(origami)
+    one = isinstance(what, Scene)
+    refuse("scene" if one else "pattern", _OF_A_PATTERN if one else _OF_A_SCENE, **given)
+    every = [origami if isinstance(origami, str) else what]
+    if one:
         every = with_generic_symmetry(what, (stated,)).of_each_winding
-    else:
-        refuse("pattern", _OF_A_SCENE, **given)
-        every = (origami if isinstance(origami, str) else what,)  # type: ignore[assignment]
     found = list[Atlas]()
-    for one in every:
-        found.append(follow_family(family_of(one, stated), **asked))
+    for each in every:
+        found.append(follow_family(family_of(each, stated), **asked))
         if found[-1].stopped:
             break
     late = any(atlas.interrupted for atlas in found)
@@ -223,17 +222,16 @@ class _Survey(FollowedDiagram):
         seconds = time.perf_counter() - begin
         self._began += seconds
         for t, result in zip(values, results, strict=True):
-            self._compare(t, result, seconds / len(values))
+            self.checks.append(self._compared(t, result, seconds / len(values)))
 
-    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
+    def _compared(self, t: float, result: MinimaResult, seconds: float) -> SearchCheck:
         """Follow what is new among the minima of a search that took so long, and note what does not fit."""
-        model: Any = result.model
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
-        new, met, followed = 0, [], self._minima(s)
+        new, missed, met, followed = 0, 0, list[np.ndarray](), self._minima(s)
         for minimum in result.minima:
             if self.late:  # each of many states takes long to begin with
                 break
-            x = model.reduce(np.array(minimum.fold_angles))
+            x = self.line.problem.reduce(np.array(minimum.fold_angles))
             # not explained by any branch: it begins one
             if _nearest(followed, x) > SETTLED:
                 # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
@@ -243,20 +241,19 @@ class _Survey(FollowedDiagram):
                 new += self.add(x, s, "minimum")
                 followed = self._minima(s)
             met.append(x)
-        missed = 0
         for frame in [] if self.late else followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
                 # a followed state that is a minimum and that the search has not found
-                what = frame.judged
-                missed += what.verdict == "minimum"
-                if what.verdict != "minimum":
-                    said = f"{what.verdict}: {what.reason}"
-                    self.alarms.append(f"{at}: the state of a branch is {said}")
-        counts = len(result.minima), len(followed), new, missed
+                if (what := frame.judged).verdict == "minimum":
+                    missed += 1
+                else:
+                    said = f"the state of a branch is {what.verdict}: {what.reason}"
+                    self.alarms.append(f"{at}: {said}")
         unseen = getattr(result.search, "expected_undiscovered", math.inf)
         known = "" if result.completeness is None else result.completeness.status
         complete = OUT_OF_TIME if result.search.left_out else known
-        self.checks.append(SearchCheck(t, *counts, unseen, result.search.starts, seconds, complete))
+        counts = len(result.minima), len(followed), new, missed, unseen, result.search.starts
+        return SearchCheck(t, *counts, seconds, complete)
 
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
