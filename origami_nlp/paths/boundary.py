@@ -6,6 +6,7 @@ import itertools
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -291,10 +292,11 @@ class _Map:
                 continue
             point, normal = np.full(2, u), np.eye(2)[axis]
             point[axis] = node.s
-            known, systems = 0, [(None, None)] if flat else _systems(web, number, node)
+            known = 0
+            systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
-            for system in systems:
-                tracer = EventTracer(plane, *system, self.tally)
+            for hold, contact in systems:
+                tracer = EventTracer(plane, hold, contact, self.tally)
                 first = tracer.at(point, normal, node.point[:-1])
                 if first is None or abs(first.point[axis] - node.s) > NEAR_SINGULAR_TOL:
                     continue

@@ -352,7 +352,7 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     made = examples.BY_NAME.get(example)
     options = inspect.signature(made).parameters if made else {}
     if all(name in options for name in names):
-        of = partial(examples.pattern, stated)
+        of: Any = partial(examples.pattern, stated)
         return Family(parameter, lambda t: of(**dict.fromkeys(names, t)), example=stated)
     base: Any
     if isinstance(stated, Scene):
@@ -416,7 +416,8 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
 
 
 def _replaced(scene: Scene, name: str, values: Sequence[Any]) -> Scene:
-    return replace(scene, **{name: tuple(values)})
+    changed: Any = {name: tuple(values)}
+    return replace(scene, **changed)
 
 
 def _stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], list[float]]:
@@ -490,7 +491,7 @@ def _at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
         if what == "sector_angles":
             vertex = Vertex(_with_sector(scene, vertex, entry, t), vertex.flat)
         elif what == "loads":
-            force = tuple(t * f for f in scene.loads[entry].force or (0.0,) * 3)
+            force: Any = tuple(t * f for f in scene.loads[entry].force or (0.0,) * 3)
             lists["loads"][entry] = replace(scene.loads[entry], force=force)
         else:
             for i in _images(scene, entry, False):
@@ -501,7 +502,8 @@ def _at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
                     lists["preload"][i] = preload[i] + t
                 else:
                     lists[what][i] = t
-    return replace(scene, vertex=vertex, **{name: tuple(v) for name, v in lists.items()})
+    changed: Any = {name: tuple(v) for name, v in lists.items()}
+    return replace(scene, vertex=vertex, **changed)
 
 
 def _with_sector(scene: Scene, vertex: Vertex, entry: int, t: float) -> tuple[float, ...]:

@@ -55,8 +55,8 @@ def view_path(path: Path) -> Content:
     for p in path.panels:
         places = p.values([m.point for m in marks]).tolist()
         at = tuple((k, x, y) for k, (x, y) in enumerate(places) if math.isfinite(y))
-        lines = tuple(Line(p.values(points), track.title, "curve") for points, track in shown)
-        panels.append(Panel(f"{p.y} over {p.x}", (p.x, p.y), none, none, None, lines, at))
+        drawn = tuple(Line(p.values(points), track.title, "curve") for points, track in shown)
+        panels.append(Panel(f"{p.y} over {p.x}", (p.x, p.y), none, none, None, drawn, at))
     note, pieces = "" if tracks else "Nothing was followed.", tuple(path.report_sections())
     content = Content(
         first.title, poser(path.parameter.low).body, tuple(stations), panels=tuple(panels),

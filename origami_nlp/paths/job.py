@@ -83,13 +83,13 @@ class PathRecord:
     work: float = 0.0
     cut: bool = False
 
-    def unless_cut(self, make: Callable[..., T], *given: Any, otherwise: T) -> T:
+    def unless_cut(self, make: Callable[..., T], *given: Any, otherwise: Any) -> T:
         """Return what is made, or something else once the user has ended judging."""
         try:
-            return otherwise if self.cut else make(*given)
+            done: T = otherwise if self.cut else make(*given)
         except KeyboardInterrupt:
-            self.cut = True
-            return otherwise
+            self.cut, done = True, otherwise
+        return done
 
 
 class FollowedLoad(Ways):
@@ -107,7 +107,7 @@ class FollowedLoad(Ways):
     ) -> None:
         self.driver, self.hinges = driver, hinges
         self._given, self.origin = (over, full, steps, until), of or self
-        self.record = of.record if of else PathRecord([] if hinges else [self])
+        self.record: PathRecord = of.record if of else PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         across = Across(driver.keeping(IDENTITY).line() if symmetric else None, driver.origami)
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
@@ -189,7 +189,7 @@ class FollowedLoad(Ways):
             ways.append(run.ending(LATE))  # until it is known how it ends
             lost = self._lost(way)
             landed = lost and lost[0].release(lost[1], toward)
-            if lost is None or isinstance(landed, str):
+            if lost is None or landed is None or isinstance(landed, str):
                 ways[-1], last = run, way.frames[-1]
                 if way.why == "snap":
                     words = f"no certified minimum was reached from the end at {last.s:.9g}"

@@ -190,8 +190,8 @@ class LoadPath(Path):
         last = leg.points[-1]
         if leg.snap is not None:
             snap = self.snaps[leg.snap - 1]
-            said = Words(f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}", "bold")
-            return f"{snap.t:.6g}", said, self._place(*snap.angle)
+            words = f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}"
+            return f"{snap.t:.6g}", Words(words, "bold"), self._place(*snap.angle)
         at = [p.angle for p in leg.points]
         idle = len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm
         said = WHY.get(leg.why, leg.why) + "; the load does no work" * idle

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 from origami_nlp.display import angle_columns
 from origami_nlp.io import ShortRepr, Unbounded
@@ -33,11 +32,6 @@ STOPPED = "interrupted: the path goes on from where it ends here"
 """What an alarm says where the user (Ctrl-C) ended a path."""
 COLLAPSE = "collapses"
 """Why a leg ends where hinges yield and nothing stable goes on."""
-
-
-def _in(unit: str) -> Any:
-    """Return a field of a record with its unit, as names of columns have it."""
-    return field(metadata={"unit": unit})
 
 
 @dataclass(frozen=True)
@@ -83,16 +77,16 @@ class PathPoint(ShortRepr):
 
     t: float
     fold_angles: tuple[float, ...]
-    energy: float = _in("J")
+    energy: float
     multipliers: tuple[Multiplier, ...]
-    eigenvalue: float = _in("N_m_per_rad")
+    eigenvalue: float
     full_space_eigenvalue: float
     angle: float = math.nan
 
     def row(self) -> dict[str, object]:
         """Return the point as columns of a data frame, those with a unit and the fold angles."""
-        own = {f.name: f.metadata["unit"] for f in fields(self) if f.metadata.get("unit")}
-        named: dict[str, object] = {f"{k}_{unit}": getattr(self, k) for k, unit in own.items()}
+        named: dict[str, object] = {"energy_J": self.energy}
+        named["eigenvalue_N_m_per_rad"] = self.eigenvalue
         return named | angle_columns(self.fold_angles)
 
 

@@ -123,7 +123,7 @@ def follow(
     what: Any = as_origami(origami)
     one = isinstance(what, Scene)
     refuse("scene" if one else "pattern", _OF_A_PATTERN if one else _OF_A_SCENE, **given)
-    every = [origami if isinstance(origami, str) else what]
+    every: Any = (origami if isinstance(origami, str) else what,)
     if one:
         every = with_generic_symmetry(what, (stated,)).of_each_winding
     found = list[Atlas]()
@@ -192,7 +192,11 @@ class _Survey(FollowedDiagram):
         across = Across(line, family.scene(family.parameter.low))
         # some of the time is for judging what was followed
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
-        options = {"steps": steps or family.steps, "through_folds": through_folds, "until": turn}
+        options: Any = {
+            "steps": steps or family.steps,
+            "through_folds": through_folds,
+            "until": turn,
+        }
         super().__init__(family.line, family.parameter, across, progress=self._followed, **options)
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []

@@ -148,7 +148,8 @@ class Ways(FollowedDiagram):
 
         By the kernel; on sheets too large for it, and where nothing touches, by steps in the null space of closure.
         """
-        phi, why, posed = node.point[:-1], "", self.line.problem
+        phi, why = node.point[:-1], ""
+        posed: Any = self.line.problem
         span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
         slides, forks = node.type == "slides", node.type in BRANCHES
         # lower states are beside where a facet ends, unless others hold
