@@ -95,8 +95,7 @@ class Family:
         made = [(stated, pose(stated)) for stated in map(self.sampled, values)]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
-        names = [f"{self.parameter.name} = {t:.6g}" for t in values]
-        return same_problem(made, self.parameter.name, names, moving=self.course is not None)
+        return same_problem(made, self.parameter.name, moving=self.course is not None)
 
     @property
     def _size(self) -> float:
@@ -205,11 +204,11 @@ class Plane:
         grid = np.linspace(0.0, 1.0, GRID)
         shares = np.array([(a, b) for a in grid for b in grid])
         places = map(self.values, self.corner + self.size * shares)
-        scenes = [self.family(u).scene(t) for t, u in places]
+        scenes = [self.family(u).scene_of(t) for t, u in places]
         made = [(scene, pose(scene)) for scene in scenes]
         made[0][1].numbered_as(self._like)
         a, b = (parameter.name for parameter in self.parameters)
-        alike = same_problem(made, a, [scene.label for scene in scenes])
+        alike = same_problem(made, a)
         posed = np.array([linear_numbers(m.parameters) for m in alike])
         # what two edges of the plane say of its inside
         edges = posed[[-GRID, GRID - 1]] - posed[0]
@@ -282,26 +281,25 @@ def line_along(
 
 
 def same_problem(
-    made: list[tuple[Any, PatternProblem]], name: str, names: list[str], *, moving: bool = False
+    made: list[tuple[Any, PatternProblem]], name: str, *, moving: bool = False
 ) -> list[PatternProblem]:
-    """Return problems with the scale and the numbers of contacts of the first.
+    """Return problems with the scale and the numbers of contacts of the first; name: of the parameter.
 
     Raises
     ------
     OptionError
-        If some have other facets, another symmetry or contact, or, unless they move, hinge laws; name: of the
-        parameter, names: of the scenes.
+        If some have other facets, another symmetry or contact, or, unless they move, hinge laws.
     """
     _, whole = made[0]
-    for (_, problem), where in zip(made, names, strict=True):
+    for _, problem in made:
         one, other = _structure(whole), _structure(problem)
         if one[:-1] != other[:-1]:
             raise OptionError(
-                f"{where}: facets, creases, symmetry or contact are not those at the other end of {name}: state the "
-                "symmetry, or follow a shorter range"
+                f"over {name} facets, creases, symmetry or contact do not stay: state the symmetry, or follow a "
+                "shorter range"
             )
         if not moving and one[-1] != other[-1]:
-            raise OptionError(f"{where}: hinge laws are others than elsewhere over {name}")
+            raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
     return [_posed_as(whole, stated, problem) for stated, problem in made]
 
 

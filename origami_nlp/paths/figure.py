@@ -68,7 +68,9 @@ def draw_path(path: Path) -> Figure:
         handles = _legend(path)
         if isinstance(path, LoadPath):
             begun = f", from state #{path.state}" if path.state else ""
-            figure.suptitle(label_text(f"{path.label}: {path.driver.name}{begun}"), fontsize=10)
+            figure.suptitle(
+                label_text(f"{path.driver.origami.title}: {path.driver.name}{begun}"), fontsize=10
+            )
             handles += _legs(path, every)
         else:
             _counts(path, every[0])
@@ -179,8 +181,8 @@ def _legs(path: LoadPath, every: Any) -> list[Line2D]:
         handles.append(Line2D([], [], color=SNAP, label=label))
     if math.isfinite(path.start_stiffness):
         start, ends = path.legs[0].points[0], np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
-        where = path.shown(start.angle + ends / path.start_stiffness)
-        every[0].plot(where, start.t + ends, **TANGENT)
+        where = start.angle + ends / path.start_stiffness
+        every[0].plot([path.place.drawn(v) for v in where], start.t + ends, **TANGENT)
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
         handles.append(Line2D([], [], **TANGENT, label=label))
     return handles

@@ -6,9 +6,8 @@ Angles in radians, torques in N m, energies in J (the units of springs).
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
+from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
 
@@ -65,11 +65,6 @@ class LoadPath(Path):
     plastic_work: float = 0.0
 
     ALSO = ("dissipated", "start_stiffness", "stiffness_unit")
-
-    @property
-    def label(self) -> str:
-        """What is loaded."""
-        return self.driver.origami.title
 
     @property
     def scene(self) -> Scene | None:
@@ -131,7 +126,7 @@ class LoadPath(Path):
             (self.parameter.axis, lambda p: p.t),
             ("energy without the load [J]", lambda p: p.energy),
         )
-        place = self.where, lambda p: self.shown(p.angle)
+        place = self.place.axis, lambda p: self.place.drawn(p.angle)
         pairs = (place, load), (place, energy), (load, energy)
         return [Plot(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
 
@@ -141,7 +136,9 @@ class LoadPath(Path):
         return self.events_table("all events, * on the path", frozenset(on))
 
     def _beside(self, event: r.PathEvent) -> dict[str, str]:
-        return {self.where: self._place(float(self.driver.conjugate(np.array(event.fold_angles))))}
+        return {
+            self.place.axis: self._place(float(self.driver.conjugate(np.array(event.fold_angles))))
+        }
 
     def report_sections(self) -> Iterator[Section]:
         """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
@@ -161,7 +158,8 @@ class LoadPath(Path):
 
     def _happenings(self) -> Iterator[dict[str, Cell]]:
         """Return a row for each start, contact, snap and end on the path, in its order."""
-        place, load = re.sub(" of .*? \\[", " [", self.where), f"load{self.in_unit}"
+        place = replace(self.place, name=self.place.name.partition(" of ")[0]).axis
+        load = replace(self.parameter, name="load").axis
         heads, arrived = (load, "what happens", place), math.nan
         for leg in self.legs:
             first, last = leg.points[0], leg.points[-1]
@@ -228,7 +226,7 @@ class LoadPath(Path):
         """What the state does under the load, in a sentence."""
         unit = f" {self.driver.unit}".rstrip()
         state = f"state #{self.state}" if self.state else "a state"
-        words = f"{self.label}: {state} under {self.driver.name}"
+        words = f"{self.driver.origami.title}: {state} under {self.driver.name}"
         for leg in self.legs:
             if leg.why == r.COLLAPSE:
                 return f"{words} collapses at {leg.points[-1].t:.6g}{unit}: hinges yield"
@@ -250,41 +248,17 @@ class LoadPath(Path):
     @property
     def stiffness_unit(self) -> str:
         """The unit of `start_stiffness`, of the load over what it works on."""
-        return f"{self.driver.unit or 1}/{'rad' if self.is_angle else 'm'}"
+        return f"{self.driver.unit or 1}/{self.place.unit}"
 
     @property
-    def in_unit(self) -> str:
-        """The unit of the load, for a head."""
-        return f" [{self.driver.unit}]" if self.driver.unit else ""
-
-    @property
-    def is_angle(self) -> bool:
-        """Whether the load works on an angle, which is shown in degrees."""
-        return self.driver.coordinate.endswith("[rad]")
-
-    @property
-    def where(self) -> str:
+    def place(self) -> ParameterRange:
         """What the load works on, as it is shown."""
-        return self.driver.coordinate.replace("[rad]", "[deg]")
-
-    def shown(self, value: Any) -> Any:
-        """Return what the load works on, as it is shown.
-
-        Parameters
-        ----------
-        value
-            In radians, where it is an angle, or m.
-
-        Returns
-        -------
-        float or numpy.ndarray
-            In degrees, where it is an angle.
-        """
-        return np.degrees(value) + 0.0 if self.is_angle else value
+        name, _, unit = self.driver.coordinate[:-1].rpartition(" [")
+        return ParameterRange(name, -math.inf, math.inf, unit, False)
 
     def _place(self, *values: float) -> str:
-        form = ".2f" if self.is_angle else ".6g"
-        return " to ".join(f"{self.shown(v):{form}}" for v in values)
+        form = ".2f" if self.place.unit == "rad" else ".6g"
+        return " to ".join(f"{self.place.drawn(v) + 0.0:{form}}" for v in values)
 
     def _details(self) -> Iterator[Table | Cell]:
         """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""

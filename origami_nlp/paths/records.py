@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from origami_nlp.display import angle_columns
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, Kind
-from origami_nlp.problem import STOP
 
 EVENT_WORDS = {
     "fold": "limit point",
@@ -242,16 +241,11 @@ class PathEvent(ShortRepr):
         Returns
         -------
         str
-            With the contact, or the crease that reaches or leaves its stop.
+            With the contact, or the creases.
         """
-        other = {"closes": "leaves", "leaves": "closes"}
-        kind = self.type if growing else other.get(self.type, self.type)
-        said = EVENT_WORDS.get(kind, kind)
-        angle, stop, who = self.contact.partition(f" {STOP} at ")
-        if stop and kind in other:
-            does = {"closes": ("reaches", "reach"), "leaves": ("leaves", "leave")}[kind]["," in who]
-            return f"{who} {does} {'their stops' if ',' in who else 'its stop'}: {angle}"
-        return f"{said}: {self.contact}" if self.contact else said
+        other = {} if growing else {"closes": "leaves", "leaves": "closes"}
+        kind = other.get(self.type, self.type)
+        return EVENT_WORDS.get(kind, kind) + (f": {self.contact}" if self.contact else "")
 
 
 @dataclass(frozen=True)
