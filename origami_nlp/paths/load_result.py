@@ -257,8 +257,8 @@ class LoadPath(Path):
         return ParameterRange(name, -math.inf, math.inf, unit, False)
 
     def _place(self, *values: float) -> str:
-        form = ".2f" if self.place.unit == "rad" else ".6g"
-        return " to ".join(f"{self.place.drawn(v) + 0.0:{form}}" for v in values)
+        form = "z.2f" if self.place.unit == "rad" else ".6g"
+        return " to ".join(f"{self.place.drawn(v):{form}}" for v in values)
 
     def _details(self) -> Iterator[Table | Cell]:
         """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""

@@ -201,7 +201,7 @@ def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
 
 def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:
     """Return fold angles in degrees, of many the first."""
-    said = " ".join(f"{math.degrees(v) + 0.0:.2f}" for v in fold_angles[:most])
+    said = " ".join(f"{math.degrees(v):z.2f}" for v in fold_angles[:most])
     return said + " ..." * (len(fold_angles) > most)
 
 
