@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 
@@ -86,28 +85,6 @@ def test_every_event_is_located_in_its_own_function(atlas):
     for e in atlas.events:
         assert e.type in TYPES and e.located
         assert e.residuals.kkt < 1e-11 and abs(e.residuals.event) < 1e-11
-
-
-def test_plain_data_have_the_stated_keys(atlas):
-    data = json.loads(json.dumps(atlas.to_dict(), allow_nan=False))
-    assert data["parameter"] == {
-        "name": "ratio",
-        "low": 0.1,
-        "high": 100.0,
-        "unit": "",
-        "log": True,
-    }
-    branch = data["branches"][0]
-    assert {"id", "kind_ranges", "points", "ends"} <= set(branch)
-    keys = {"t", "fold_angles", "energy", "multipliers", "eigenvalue", "full_space_eigenvalue"}
-    assert keys <= set(branch["points"][0])
-    assert all({"why", "event"} <= set(e) for e in branch["ends"])
-    event = {"id", "type", "t", "fold_angles", "contact", "residuals", "branches"}
-    assert all(event <= set(e) and {"kkt", "event"} <= set(e["residuals"]) for e in data["events"])
-    check = {"t", "states", "new_branches", "expected_undiscovered"}
-    assert len(data["checks"]) == 3 and all(check <= set(c) for c in data["checks"])
-    moments = [m for b in data["branches"] for p in b["points"] for m in p["multipliers"]]
-    assert moments and all({"contact", "value", "range"} <= set(m) for m in moments)
 
 
 def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
@@ -332,3 +309,21 @@ def test_a_check_says_whether_it_is_complete():
 def test_an_end_of_a_range_that_is_no_number_is_not_called_an_angle(text):
     with pytest.raises(OptionError, match="must be a finite number"):
         parse_parameter_range(text)
+
+
+def angles(frame, count):
+    return frame[[f"phi_{k}_rad" for k in range(1, count + 1)]].to_numpy()
+
+
+def test_an_atlas_has_a_row_a_point():
+    atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
+    frame = o.to_frame(atlas)
+    points = [(b, p) for b in atlas.branches for p in b.points]
+    assert len(frame) == len(points) > 4
+    assert set(frame["parameter"]) == {"ratio"} and set(frame["unit"]) == {atlas.parameter.unit}
+    for phi, row in zip(angles(frame, 6), frame.to_dict("records"), strict=True):
+        energy = o.examples.degree6("pi/4", ratio=row["t"]).energy(phi)  # from the angles alone
+        assert np.isclose(row["energy_J"], energy, rtol=1e-12, atol=0)
+        (branch,) = (b for b in atlas.branches if b.id == row["branch"])
+        (kind,) = {r.kind for r in branch.kind_ranges if r.low < row["t"] < r.high} or {row["kind"]}
+        assert row["kind"] == kind

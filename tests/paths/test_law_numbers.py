@@ -26,7 +26,7 @@ from origami_nlp.pattern import (
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.independent import scan_four
-from tests.paths.test_hinges import ALL, SECTORS, scene
+from tests.paths.test_hinges import ALL, SECTORS, random_scene
 
 EVERY = [
     (linear(1.0, 0.3), "stiffness", 0.5, 2.0),
@@ -50,7 +50,7 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
     """Of each number of each type, in a sum, scaled and shifted; and the laws are those stated with the number."""
     t, x = 0.37 * low + 0.63 * high, np.array([0.3, 0.7, -0.4, 0.2])
     whole = sum_of([linear(0.7, 0.1), law.times(1.5)], "both")
-    plain = scene((whole, None, whole.times(2.0), None))
+    plain = random_scene((whole, None, whole.times(2.0), None))
     family = family_of(plain, parse_parameter_range(f"laws.both.sum[2].{key}={low!r}:{high!r}"))
     line, h = family.line, 1e-6
     p = line.at(t)
@@ -73,7 +73,7 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
 
 def folds_against_scans(law, number, low, high, energy, seed=2):
     """Numbers of minima on either side of each fold, and at both ends, are those of scans of the closed forms."""
-    stated = scene((None, law, None, law), seed=seed)
+    stated = random_scene((None, law, None, law), seed=seed)
     atlas = o.follow(stated, f"laws.{law.name}.{number}={low!r}:{high!r}", checks=3)
     k, rest = np.array(stated.stiffness), np.array(stated.rest_angles)
 
@@ -139,7 +139,7 @@ def test_wells_of_a_pattern_are_moved():
 def test_what_is_no_number_of_a_law_is_refused():
     law = sum_of([linear(1.0), one_sided(2.0, 1.0), detent(1.0, 3)], "snap")
     some = table(np.linspace(-math.pi, math.pi, 7), np.linspace(-1, 1, 7), "measured")
-    plain = scene((law, some, None, None))
+    plain = random_scene((law, some, None, None))
     for what, why in {
         "laws.other.energy=1:2": "measured, snap",
         "laws.snap.energy=1:2": r"sum\[1\] to sum\[3\]",
@@ -153,7 +153,7 @@ def test_what_is_no_number_of_a_law_is_refused():
     }.items():
         with pytest.raises((OptionError, o.OrigamiError), match=why):
             o.follow(plain, what)
-    twice = scene((double_well(1.0, 1.0), double_well(2.0, 1.0), None, None))
+    twice = random_scene((double_well(1.0, 1.0), double_well(2.0, 1.0), None, None))
     with pytest.raises(OptionError, match="2 different laws are called 'double well'"):
         o.follow(twice, "laws.double well.at=0.5:1")
     with pytest.raises(OptionError, match="followed over alone"):

@@ -5,15 +5,16 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
 
-from origami_nlp import Scene, Vertex, draw, examples, format_scene, load_path
+from benchmarks.families import fold_limits, full_contact
+from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.paths import OwnForces
 from tests.command_line import run
 from tests.computed_once import thinned
-from tests.independent.rotations import fold
+from tests.independent.rotations import fold, rotation_vector
+from tests.paths.test_sheet_loads import work_of
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
 QUICK = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
@@ -62,22 +63,11 @@ def test_the_snap_does_not_depend_on_the_steps(longest):
     assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
 
 
-def work_of(leg):
-    """Integral of the load over what it works on, by splines over the length of the curve."""
-    t, way = (np.array([getattr(p, name) for p in leg.points]) for name in ("t", "angle"))
-    length = np.hypot(np.diff(t) / max(np.ptp(t), 1e-9), np.diff(way) / max(np.ptp(way), 1e-9))
-    keep = np.concatenate([[True], length > 1e-9])
-    u = np.cumsum(np.concatenate([[0.0], length]))[keep]
-    fine = np.linspace(0.0, u[-1], 20001)
-    load, moved = (PchipInterpolator(u, v[keep])(fine) for v in (t, way))
-    return np.trapezoid(load, moved)
-
-
 def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
     for leg in loop().legs:
         gained = leg.points[-1].energy - leg.points[0].energy
-        assert work_of(leg) == pytest.approx(gained, rel=1e-3)
-    lost = sum(work_of(leg) for leg in loop().legs)
+        assert work_of(leg.points) == pytest.approx(gained, rel=1e-3)
+    lost = sum(work_of(leg.points) for leg in loop().legs)
     lost += sum(s.t * (s.angle[1] - s.angle[0]) for s in loop().snaps)
     assert lost == pytest.approx(loop().dissipated, rel=1e-3)
     for snap in loop().snaps:  # by the energy of springs alone
@@ -138,7 +128,7 @@ def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
     leg = max(path.legs, key=lambda leg: len(leg.points))
     gained = leg.points[-1].energy - leg.points[0].energy
     force = np.linalg.norm(PUSHED.loads[0].force)
-    assert force * work_of(leg) == pytest.approx(gained, rel=1e-3)
+    assert force * work_of(leg.points) == pytest.approx(gained, rel=1e-3)
     way = OwnForces(PUSHED).conjugate(np.array(leg.points[0].fold_angles))
     assert way == pytest.approx(leg.points[0].angle, abs=1e-15)
 
@@ -175,3 +165,61 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
 def test_bad_arguments_are_refused_by_name(arguments, word):
     with pytest.raises(OptionError, match=word):
         load_path(SCENE, **arguments, max_starts=16)
+
+
+# ---------------------------------------------------------------- where snaps land
+
+STEP = 5e-3
+"""Of the motion [rad], in the metric of the springs."""
+
+
+def moved(scene, torque, phi):
+    """The state at which overdamped motion comes to rest: each crease k dphi/dtime = its torque, creases within pi."""
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    root, sectors = np.sqrt(k / k.mean()), scene.vertex.sector_angles
+    for _ in range(40_000):
+        pull = (torque - k * (phi - rest)) / root / k.mean()
+        shut, held = np.abs(phi) >= np.pi - 1e-12, np.zeros(len(phi), bool)
+        for _ in phi:  # creases that are pushed against their limits stay there
+            rows = np.vstack([fold(sectors, phi)[0][0].T / root, np.eye(len(phi))[held]])
+            rate = pull - np.linalg.pinv(rows) @ (rows @ pull)
+            into = shut & ~held & (rate * phi > 1e-13)
+            if not into.any():
+                break
+            held |= into
+        if np.linalg.norm(rate) < 1e-7:
+            return phi
+        ahead = STEP * rate / max(np.linalg.norm(rate), 0.1)
+        phi = np.clip(phi + ahead / root, -np.pi, np.pi)
+        for _ in range(4):  # back onto closure
+            creases, product = fold(sectors, phi)
+            rows = (creases[0].T / root)[:, ~held]
+            phi[~held] -= np.linalg.pinv(rows) @ rotation_vector(product)[0] / root[~held]
+            phi = np.clip(phi, -np.pi, np.pi)
+    raise AssertionError("it does not come to rest")
+
+
+MANY = [pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 6, 9, 13, 14, 24, 25)]
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+@pytest.mark.parametrize("number", [12, *MANY])
+def test_a_snap_lands_where_slow_motion_comes_to_rest(number):
+    scene = fold_limits(number)
+    snaps = [s for s in load_path(scene, 1, confirm=False).snaps if s.type == "fold"]
+    assert snaps
+    for snap in snaps:
+        torque = np.zeros(scene.degree)
+        torque[0] = snap.t * (1 + 1e-4)
+        end = moved(scene, torque, np.array(snap.before))
+        assert np.abs(end - snap.before).max() > 0.05
+        assert end == pytest.approx(np.array(snap.after), abs=2e-3)
+
+
+def test_a_search_confirms_the_state_of_the_path_itself():
+    """Beside the flat state, where closure loses rank."""
+    path = load_path(full_contact(0), 1)
+    (snap,) = path.snaps
+    assert snap.type == "flat state" and snap.confirmed.found == (True, True)
+    there = find_minima(path.driver.at(snap.confirmed.t[0]), prove=False, escape=False).minima
+    assert min(np.abs(m.fold_angles).max() for m in there) < 0.1 < np.abs(snap.after).max()

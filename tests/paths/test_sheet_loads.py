@@ -1,5 +1,6 @@
 """Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
 
+import json
 import math
 
 import numpy as np
@@ -13,6 +14,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton
+from tests.command_line import run
 from tests.patterns import miura, miura_angles, wheel
 
 GAMMA, REST = math.radians(70), 1.2
@@ -20,6 +22,17 @@ GAMMA, REST = math.radians(70), 1.2
 
 SNAPPING = (0.2, 1.0), (2.0, 2.6), 2.9
 """Springs of zigzags and rows with which a sheet snaps, and where it stands."""
+
+
+def work_of(points):
+    """Integral of the load over what it works on, by splines over the length of the curve."""
+    t, way = (np.array([getattr(p, name) for p in points]) for name in ("t", "angle"))
+    length = np.hypot(np.diff(t) / max(np.ptp(t), 1e-9), np.diff(way) / max(np.ptp(way), 1e-9))
+    keep = np.concatenate([[True], length > 1e-9])
+    u = np.cumsum(np.concatenate([[0.0], length]))[keep]
+    fine = np.linspace(0.0, u[-1], 20_001)
+    load, moved = (PchipInterpolator(u, v[keep])(fine) for v in (t, way))
+    return np.trapezoid(load, moved)
 
 
 def settled(pattern, phi):
@@ -165,11 +178,9 @@ def test_springs_take_up_the_work_of_the_load():
     ):
         path = o.load_path(pattern, work, to=2.0, state=start)
         (leg,) = path.legs
-        t, w, e = (np.array([getattr(p, n) for p in leg.points]) for n in ("t", "angle", "energy"))
-        fine = np.linspace(t[0], t[-1], 20_001)
-        done = np.trapezoid(fine, PchipInterpolator(t, w)(fine))
-        assert leg.why == "range" and len(t) > 4
-        assert e[-1] - e[0] == pytest.approx(done, rel=2e-3)
+        assert leg.why == "range" and len(leg.points) > 4
+        gained = leg.points[-1].energy - leg.points[0].energy
+        assert gained == pytest.approx(work_of(leg.points), rel=2e-3)
 
 
 def test_the_load_falls_back_to_zero_and_no_further():
@@ -314,3 +325,27 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
+
+
+# ---------------------------------------------------------------- sheets without vertices
+
+
+def strip(many: int) -> dict:
+    """A strip with so many creases across, mountains and valleys in turn."""
+    n = many + 2
+    return {
+        "vertices_coords": [[i, j] for j in (0, 1) for i in range(n)],
+        "edges_vertices": [[i, i + n] for i in range(n)]
+        + [[i + j, i + j + 1] for j in (0, n) for i in range(n - 1)],
+        "edges_assignment": ["B", *("MV" * many)[:many], "B", *"B" * (2 * n - 2)],
+    }
+
+
+@pytest.mark.parametrize("many", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_strip_is_loaded_and_its_states_are_found(tmp_path, many):
+    path = tmp_path / "strip.fold"
+    path.write_text(json.dumps(strip(many)))
+    done = run("load", path, "--crease", "1")
+    assert done.code == 0, done.err
+    done = run("inspect", path)
+    assert done.code == 0 and f"{many} degree" in done.out

@@ -10,14 +10,7 @@ from origami_nlp import Scene, Vertex
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.pattern import double_well, linear
 from tests.independent import scan_four
-
-SECTORS = (70.0, 80.0, 120.0, 90.0)
-
-
-def drawn(seed, **more):
-    rng = np.random.default_rng(seed)
-    k, rest = np.exp(rng.normal(size=4)), rng.uniform(-2, 2, 4)
-    return Scene(Vertex.from_degrees(SECTORS), tuple(k), tuple(rest), "none", **more)
+from tests.paths.test_hinges import SECTORS, random_scene
 
 
 def simulated(k, rest, most, start, loads):
@@ -52,7 +45,7 @@ def simulated(k, rest, most, start, loads):
 
 @pytest.mark.parametrize("seed", [3, *(pytest.param(k, marks=pytest.mark.slow) for k in (14, 22))])
 def test_a_path_is_that_of_stick_slip(seed):
-    scene, rng = drawn(seed), np.random.default_rng(1000 + seed)
+    scene, rng = random_scene(seed=seed), np.random.default_rng(1000 + seed)
     k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
     start = np.array(o.find_minima(scene, prove=False, escape=False).minima[0].fold_angles)
     borne = np.abs(k * (start - rest))
@@ -80,7 +73,7 @@ def test_a_path_is_that_of_stick_slip(seed):
 
 def test_work_of_the_load_is_stored_or_taken():
     """The area under load against angle is the energy stored and the plastic work, loading and unloading."""
-    scene = drawn(1)
+    scene = random_scene(seed=1)
     most = (
         1.1
         * np.abs(
@@ -114,7 +107,7 @@ def test_a_pattern_yields_as_its_vertex():
 
 
 def test_torques_far_beyond_the_path_change_nothing():
-    scene = drawn(4)
+    scene = random_scene(seed=4)
     plain, path = (
         o.load_path(scene, 1, to=2.0, confirm=False, **y) for y in ({}, {"yield_torque": 50.0})
     )
@@ -123,7 +116,7 @@ def test_torques_far_beyond_the_path_change_nothing():
 
 
 def test_what_is_refused():
-    scene = drawn(4)
+    scene = random_scene(seed=4)
     with pytest.raises(OptionError, match=r"bears .* at load 0 already"):
         o.load_path(scene, 1, to=1.0, yield_torque=0.01)
     with pytest.raises(OptionError, match="yield_torque: crease = 7"):
@@ -151,7 +144,7 @@ def test_a_law_that_is_not_known_so_far_ends_the_path():
 
 def test_a_path_that_begins_far_away_snaps_at_the_flat_state():
     """There the energy falls along the other curve that crosses: by samples of all closed states."""
-    scene = drawn(13)
+    scene = random_scene(seed=13)
     path = o.load_path(scene, 1, to=12.0, confirm=False)
     assert np.linalg.norm(path.legs[0].points[0].fold_angles) > 1.0
     snap = path.snaps[0]
