@@ -16,6 +16,7 @@ from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_li
 from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
+from origami_nlp.paths.family import at_places
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
 from origami_nlp.pattern_states import find_states
@@ -180,13 +181,10 @@ class Driver:
         scene, work = self.scene, self.work
         if scene is None:
             return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
-        name = f"{scene.label + ', ' if scene.label else ''}{self.name} = {t:.10g}"
-        if isinstance(work, OwnForces):
-            loads: Any = [a.to_dict() for a in scene.loads]
-            loads = [{**a, "force": [t * f for f in a["force"]]} for a in loads]
-            return replace(scene, loads=loads, name=name)
-        preload = np.array(scene.preload or 0.0) + t * work.gradient(np.empty(0))
-        return replace(scene, preload=tuple(preload.tolist()), name=name)
+        loads = [("loads", k) for k in range(len(scene.loads))]
+        places = [("torque", crease - 1) for crease in self.creases] or loads
+        label = f"{scene.label}, " if scene.label else ""
+        return replace(at_places(scene, places, t), name=f"{label}{self.name} = {t:.10g}")
 
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""

@@ -439,7 +439,7 @@ def _over_scenes(
     if parameter.name == "alpha":
         return _over_alpha(scene)
     if parameter.name == "loads" and scene.loads:
-        return partial(_at_places, scene, [("loads", k) for k in range(len(scene.loads))])
+        return partial(at_places, scene, [("loads", k) for k in range(len(scene.loads))])
     places = []
     for name in names:
         match = PLACE.fullmatch(name)
@@ -455,7 +455,7 @@ def _over_scenes(
             )
         places.append((kind_of(name), number - 1))
         check_law_place(scene.laws, *places[-1])
-    return partial(_at_places, scene, places)
+    return partial(at_places, scene, places)
 
 
 def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
@@ -479,7 +479,7 @@ def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
     return sorted({place % scene.degree for place in moved})
 
 
-def _at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
+def at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
     """Return a scene with t at some places."""
     preload = scene.preload or (0.0,) * scene.degree
     lists = {name: list(getattr(scene, name)) for name in ("stiffness", "rest_angles")}

@@ -19,7 +19,6 @@ from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
-from origami_nlp.pattern import Pattern, Scene
 
 WHY = {"range": "stable; end of the range", r.PITCHFORK: "pitchfork: stable states branch off"}
 """Why a leg ends, in words, where the name alone does not say it."""
@@ -65,16 +64,6 @@ class LoadPath(Path):
     plastic_work: float = 0.0
 
     ALSO = ("dissipated", "start_stiffness", "stiffness_unit")
-
-    @property
-    def scene(self) -> Scene | None:
-        """The scene, as stated; None of a pattern."""
-        return self.driver.scene
-
-    @property
-    def pattern(self) -> Pattern | None:
-        """The pattern, as stated; None of a scene."""
-        return None if self.scene else self.driver.origami
 
     def origami_at(self, t: float) -> Any:
         """Return what is loaded, without the load."""
@@ -152,7 +141,7 @@ class LoadPath(Path):
         if self.plastic_work:
             yield f"plastic work {self.plastic_work:.6g} J"
         yield from bold(self.alarms)
-        if self.scene is None:
+        if self.driver.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
         yield Details(tuple(self._details()), "Events, certificates, searches")
 

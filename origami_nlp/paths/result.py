@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.display import Cell, Content, Report, Table, Viewable, Words
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import Cost, PathBranch, PathEvent, PathPoint
+from origami_nlp.paths.records import COUNTED, Cost, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 
@@ -172,7 +172,9 @@ class Path(Report, Viewable):
         for curve in self.curves:
             for p, kind in zip(curve.points, curve.kinds, strict=True):
                 row = {**curve.more, curve.word: curve.id, "parameter": over.name, "t": p.t}
-                row |= {"unit": over.unit, "kind": kind}
+                broken = p.full_space_eigenvalue < 0
+                stable = kind in ("minimum", *COUNTED) and not broken
+                row |= {"unit": over.unit, "kind": kind, "stable": stable}
                 row |= {} if math.isnan(p.angle) else {"angle": p.angle}
                 yield row | p.row()
 

@@ -40,7 +40,7 @@ def test_facets_that_meet_between_two_steps_are_not_passed():
     path = loaded(39, -5.1)
     event = next(e for e in path.events if "facet 8 on facet 1" in e.contact and e.located)
     assert event.t == pytest.approx(-4.952537364, abs=1e-8)
-    rigid = Turned(path.pattern)
+    rigid = Turned(path.driver.origami)
     for p in path.legs[0].points:
         assert not rigid.crossing(np.array(p.fold_angles))
     web = BifurcationDiagram(path.driver.line(), -5.1, 0.0)

@@ -10,13 +10,10 @@ from origami_nlp import (
     Atlas,
     Scene,
     Vertex,
-    find_barriers,
-    find_contacts,
     find_minima,
     follow,
     load_path,
 )
-from tests.computed_once import thinned
 
 STAR = Scene(
     Vertex(("pi/4",) * 8), (1, 2) * 4, (math.radians(131.0604),) * 8, contact="fold-limits"
@@ -45,39 +42,6 @@ def test_an_atlas_holds_the_states_of_every_winding(tmp_path):
 
 def test_a_load_path_keeps_the_winding_of_its_first_state():
     path = load_path(STAR, 1, to=0.05, state=1, confirm=False, full=False)
-    assert path.scene.winding == 3
+    assert path.driver.scene.winding == 3
     x = np.array([p.fold_angles for leg in path.legs for p in leg.points])
     assert len(x) > 1 and np.abs(np.degrees(x) - 131.06).max() < 10
-
-
-@pytest.mark.slow  # a survey of several seconds
-def test_contacts_and_barriers_are_those_of_the_winding():
-    result = find_minima(STAR, prove=False, escape=False)
-    (pinned,) = [k for k, m in enumerate(result.minima, 1) if m.contacts]
-    assert result.minima[pinned - 1].winding == 3
-    report = find_contacts(result)
-    assert [s.number for s in report.states] == [pinned]
-    assert report.states[0].margin.status not in ("unbounded", "zero")
-    two = Scene(
-        Vertex((0.4, math.pi / 4 - 0.4, math.pi / 4 - 0.4, 0.4) * 4),
-        (1, 2, 0.5, 2) * 4,
-        (2.0, 1.5, 0.7, 1.5) * 4,
-        "D4",
-        "fold-limits",
-    )
-    assert {m.winding for m in find_minima(two, prove=False, escape=False).minima} == {1, 3}
-    for scene in (two, replace(two, winding=3)):
-        found = find_barriers(scene)
-        assert {m.winding for m in found.result.minima} == {scene.winding or 1}
-        assert len(found.passes) == math.comb(len(found.result.minima), 2) > 0
-
-
-@pytest.mark.parametrize("winding", thinned([3, 1], 2))
-def test_pictures_place_the_states_of_their_winding(winding):
-    from origami_nlp import draw_minima
-
-    result = find_minima(
-        STAR if winding == 1 else replace(STAR, winding=3), prove=False, escape=False
-    )
-    figure = draw_minima(result, size=21)
-    assert len(figure.axes) > 2
