@@ -148,10 +148,6 @@ class FollowedLoad(Ways):
         energy += float(self.hinges.stored(phi)) if self.hinges else 0.0
         return {"energy": energy, "angle": float(self.driver.conjugate(phi))}
 
-    def between(self, *ends: float) -> None:
-        """Follow in the range of load that these and 0 span."""
-        self.low, self.high = min(0.0, *ends), max(0.0, *ends)
-
     def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
         """Follow what comes of the minimum x at s, at first what leads in one direction of the load."""
         if not self.holding(x, s) and self.given(x, s) is None:
@@ -306,9 +302,7 @@ class FollowedLoad(Ways):
         if self.hinges:
             used = {snap.event for snap in snaps}
             events = [e for e in events if e.id in used or e.fold_angles in on_path]
-            ids = {e.id: k for k, e in enumerate(events, start=1)}
-            events = [replace(e, id=ids[e.id], branches=()) for e in events]
-            branches, snaps = [], [replace(snap, event=ids[snap.event]) for snap in snaps]
+            branches, events = [], [replace(e, branches=()) for e in events]
         kept.alarms += [line for branch in branches for line in branch.alarms()]
         kept.alarms += [r.STOPPED] * kept.cut
         alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.tally for job in kept.jobs]

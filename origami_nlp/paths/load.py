@@ -10,13 +10,12 @@ from origami_nlp.arguments import (
     check_type,
     check_until,
     check_whole,
-    refuse,
     shown,
 )
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
-from origami_nlp.paths.driver import IDENTITY, driver_of, search_minima
+from origami_nlp.paths.driver import IDENTITY, driver_of, refuse_other, search_minima
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
@@ -24,10 +23,6 @@ from origami_nlp.paths.records import STOPPED
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
 from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
 from origami_nlp.pattern_problem import Work
-
-_OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
-_OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
-"""What only the one or the other takes, and why."""
 
 
 def load_path(
@@ -106,9 +101,7 @@ def load_path(
     [('closes', 0.042461)]
     """
     stated = as_origami(origami)
-    one = isinstance(stated, Scene)
-    refused = ("scene", _OF_A_PATTERN) if one else ("pattern", _OF_A_SCENE)
-    refuse(*refused, starts=starts, full=full)
+    refuse_other(stated, starts=starts, full=full)
     driver = driver_of(stated, load)
     counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
     asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
@@ -151,9 +144,9 @@ def load_path(
                 continue
             arrived = job.go(x, 0.0, end, once=to == "snap")
             if unload and arrived is not None:
-                job.between(0.0, end)
+                job.low, job.high = min(0.0, end), max(0.0, end)
                 arrived[0].go(*arrived[1:], 0.0, once=False)
-                job.between(*ends)
+                job.low, job.high = over.low, over.high
     except OutOfTime:  # of a descent
         kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     except KeyboardInterrupt:

@@ -16,14 +16,13 @@ from origami_nlp.arguments import (
     check_type,
     check_until,
     check_whole,
-    refuse,
 )
 from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium
-from origami_nlp.errors import OUT_OF_TIME, Interrupted, unless_stopped
+from origami_nlp.errors import OUT_OF_TIME, unless_stopped
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
-from origami_nlp.paths.driver import search_minima
+from origami_nlp.paths.driver import refuse_other, search_minima
 from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
 from origami_nlp.paths.followed import Across, FollowedDiagram
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
@@ -32,12 +31,6 @@ from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
 
 MOST_CHECKS = 100
-_OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
-_OF_A_SCENE = {
-    "full": "states of a pattern keep no symmetry",
-    "prove": "lists along a parameter are not proved for patterns",
-}
-"""What only the one or the other takes, and why."""
 JUDGING = 0.1
 """Share of a time limit that is kept for judging what was followed."""
 
@@ -121,11 +114,10 @@ def follow(
     asked |= {"options": options, "checks": checks, "through_folds": through_folds}
     asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
     what: Any = as_origami(origami)
-    one = isinstance(what, Scene)
-    refuse("scene" if one else "pattern", _OF_A_PATTERN if one else _OF_A_SCENE, **given)
-    every: Any = (origami if isinstance(origami, str) else what,)
-    if one:
-        every = with_generic_symmetry(what, (stated,)).of_each_winding
+    refuse_other(what, **given)
+    every = [origami if isinstance(origami, str) else what]
+    if isinstance(what, Scene):
+        every = [*with_generic_symmetry(what, (stated,)).of_each_winding]
     found = list[Atlas]()
     for each in every:
         found.append(follow_family(family_of(each, stated), **asked))
@@ -158,18 +150,12 @@ def follow_family(
     check_prove("prove", prove)
     check_type("options", STEPS if options is None else options, ContinuationOptions)
     survey = _Survey(family, through_folds, full, options, until, progress or (lambda _: None))
-    search["prove"] = prove
-    survey.add_flat()
-    parameter = family.parameter
-    middle = parameter.t_of(0.5 * sum(parameter.ends))
-    ends = [parameter.low, parameter.high, middle]
-    survey.check([middle] if checks == 1 else ends[:checks], search)
-    while len(survey.checks) < checks and not survey.late:
-        taken = [parameter.s_of(c.t) for c in survey.checks]
-        # the middle of the widest interval between events and checks
-        cuts = np.unique([*parameter.ends, *(n.s for n in survey.nodes), *taken])
-        k = int(np.diff(cuts).argmax())
-        survey.check([parameter.t_of(float(0.5 * (cuts[k] + cuts[k + 1])))], search)
+    try:
+        survey.run(checks, {**search, "prove": prove})
+    except KeyboardInterrupt:
+        if not survey.arcs:
+            raise KeyboardInterrupt from None  # nothing is followed yet
+        survey.stop()
     return survey.atlas()
 
 
@@ -206,26 +192,28 @@ class _Survey(FollowedDiagram):
         at = f"{self.parameter.name} = {self.parameter.t_of(s):.4g}"
         self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
 
-    def check(self, values: list[float], search: dict[str, Any]) -> None:
+    def run(self, checks: int, search: dict[str, Any]) -> None:
+        """Search at some values at once, then in the widest gaps; follow what is new."""
+        self.add_flat()
+        over, middle = self.parameter, 0.5 * sum(self.parameter.ends)
+        todo = [middle] if checks == 1 else [*over.ends, middle][:checks]
+        while todo and not self.late:
+            self._check([over.t_of(float(s)) for s in todo], search)
+            # the middle of the widest interval between events and checks
+            taken = [over.s_of(c.t) for c in self.checks]
+            cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
+            k = int(np.diff(cuts).argmax())
+            todo = [0.5 * (cuts[k] + cuts[k + 1])] * (len(taken) < checks)
+
+    def _check(self, values: list[float], search: dict[str, Any]) -> None:
         """Search at some values at once; follow what is new at one after the other, and compare."""
-        if self.late:
-            return
         begin, until = time.perf_counter(), self.steps.until
         self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
-        share = (until - time.monotonic()) / len(values)
-        try:
-            results = [
-                search_minima(self.family.scene(t), time.monotonic() + share, **search)
-                for t in values
-            ]
-        except Interrupted:
-            if not self.checks:
-                raise KeyboardInterrupt from None  # nothing is followed yet
-            self.stop()
-            return
+        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene, values)
+        found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
         seconds = time.perf_counter() - begin
         self._began += seconds
-        for t, result in zip(values, results, strict=True):
+        for t, result in zip(values, found, strict=True):
             self.checks.append(self._compared(t, result, seconds / len(values)))
 
     def _compared(self, t: float, result: MinimaResult, seconds: float) -> SearchCheck:
