@@ -12,14 +12,14 @@ import numpy as np
 
 from origami_nlp.arguments import check_until, check_whole
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
-from origami_nlp.display import Report, Section, Table, Words, angle_columns
+from origami_nlp.display import Report, Section, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, ROUNDED, SAMPLED, STATIONARY
 from origami_nlp.paths.event_curve import MEETS, EventPoint, EventTracer
 from origami_nlp.paths.family import Plane, with_generic_symmetry
 from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
 from origami_nlp.paths.records import Interval
-from origami_nlp.paths.result import bold
+from origami_nlp.paths.result import bold, listed
 from origami_nlp.paths.survey import follow_family
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact
@@ -159,21 +159,20 @@ class BifurcationSet(Report):
         a, b = self.parameters
         rows = []
         for c in self.curves:
-            ends = (
-                f"({a.shown(p.t[0], 5)}, {b.shown(p.t[1], 5)})" for p in (c.points[0], c.points[-1])
+            first, last = (
+                f"({a.shown(t, 5)}, {b.shown(u, 5)})" for t, u in (c.points[0].t, c.points[-1].t)
             )
-            more = str(len(c.points)), ", ".join(c.ends)
-            rows.append((str(c.id), c.type, c.contact or "-", *ends, *more))
-        heads = ("curve", "type", "contact", "from", "to", "points", "ends")
-        title = f"{len(self.curves)} curves of events over {a.name} and {b.name}"
-        yield Table(heads, rows, title, "rlLllrL")
+            row = {"curve": str(c.id), "type": c.type, "contact": c.contact, "from": first}
+            rows.append(
+                {**row, "to": last, "points": str(len(c.points)), "ends": ", ".join(c.ends)}
+            )
+        yield listed(f"{len(self.curves)} curves of events over {a.name} and {b.name}", rows)
         for line in self.lines:
             along, other = (a, b) if line.parameter == a.name else (b, a)
-            counts = ", ".join(
-                f"{i.minima} ({along.shown(i.t[0], 5)} to {along.shown(i.t[1], 5)})"
-                for i in line.intervals
-            )
-            yield f"{other.name} = {other.shown(line.t, 5)}: minima {counts or 'not counted'}"
+            spans = [" to ".join(along.shown(t, 5) for t in i.t) for i in line.intervals]
+            counts = [f"{i.minima} ({s})" for i, s in zip(line.intervals, spans, strict=True)]
+            said = ", ".join(counts) or "not counted"
+            yield f"{other.name} = {other.shown(line.t, 5)}: minima {said}"
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
         if self.interrupted:
             ended = "interrupted" if self.stopped else OUT_OF_TIME

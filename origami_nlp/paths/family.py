@@ -89,10 +89,9 @@ class Family:
     @cached_property
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
-        values = [
-            self.parameter.t_of(float(s)) for s in np.linspace(*self.parameter.ends, self.samples)
-        ]
-        made = [(stated, pose(stated)) for stated in map(self.sampled, values)]
+        values = np.linspace(*self.parameter.ends, self.samples).tolist()
+        stated = [self.sampled(self.parameter.t_of(s)) for s in values]
+        made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
         return same_problem(made, self.parameter.name, moving=self.course is not None)

@@ -7,7 +7,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,14 +23,14 @@ from origami_nlp.continuation import (
     is_equilibrium,
 )
 from origami_nlp.errors import OUT_OF_TIME, OutOfTime
-from origami_nlp.kkt import Classification, State, classify
+from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
 from origami_nlp.paths.followed import Across, joined
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.ways import BRANCHES, OFF_BRANCH, StableSegment, Ways
+from origami_nlp.paths.ways import BRANCHES, OFF_BRANCH, Fall, Run, Ways
 from origami_nlp.pattern_problem import PopSigns
 
 T = TypeVar("T")
@@ -40,33 +40,6 @@ SIDE = 0.01
 """Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
-
-
-class Fall(NamedTuple):
-    """Where a snap leads: to a state, known at the load s, in one space."""
-
-    into: FollowedLoad
-    state: np.ndarray
-    s: float
-    what: Classification
-
-
-class Run(NamedTuple):
-    """Stable states that the load passes in one space, one way, and the snap that ends them.
-
-    branches_off: whether the first of them is a bifurcation.
-    """
-
-    job: FollowedLoad
-    segment: StableSegment
-    toward: float
-    fall: Fall | None
-    branches_off: bool = False
-
-    def ending(self, why: str, frames: int | None = None) -> Run:
-        """Return the first of its states, which end for another reason."""
-        first = self.segment.frames[:frames]
-        return self._replace(segment=replace(self.segment, frames=first, why=why), fall=None)
 
 
 @dataclass
@@ -173,20 +146,19 @@ class FollowedLoad(Ways):
             way = self.walk(x, s, toward, end)
             if self.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
-                    ways.append(Run(self, replace(way, why=LATE), toward, None, bool(before)))
+                    ways.append(way._replace(why=LATE, branches_off=bool(before)))
                 if not self.stopped:
                     alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
                 alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
-            way = replace(way, frames=(*before, *way.frames))
-            run, before = Run(self, way, toward, None, bool(before)), ()
-            ways.append(run.ending(LATE))  # until it is known how it ends
-            lost = self._lost(way)
+            way = way._replace(frames=(*before, *way.frames), branches_off=bool(before))
+            ways.append(way._replace(why=LATE))  # until it is known how it ends
+            before, lost = (), self._lost(way)
             landed = lost and lost[0].release(lost[1], toward)
             if lost is None or landed is None or isinstance(landed, str):
-                ways[-1], last = run, way.frames[-1]
+                ways[-1], last = way, way.frames[-1]
                 if way.why == "snap":
                     words = f"no certified minimum was reached from the end at {last.s:.9g}"
                     alarms.append(f"{words}: {landed}")
@@ -199,13 +171,13 @@ class FollowedLoad(Ways):
                 led = into.walk(x, s, -toward, far, kept=False)
                 if led is not None and into.meets(led, self.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    ways[-1] = run.ending(r.PITCHFORK)
+                    ways[-1] = way._replace(why=r.PITCHFORK)
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
                 if self._continuous(way, into, x, s):
-                    ways[-1] = run
+                    ways[-1] = way
                     alarms.append(f"what branches off at load {node.s:.9g} was not followed")
                     return None
-            ways[-1] = run.ending("snap")._replace(fall=Fall(into, x, s, what))
+            ways[-1] = way._replace(why="snap", fall=Fall(into, x, s, what))
             if not self.low <= s <= self.high:
                 return None
             into.begin(x, s, toward, follow=not once)
@@ -216,7 +188,7 @@ class FollowedLoad(Ways):
         alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
-    def _lost(self, way: StableSegment) -> tuple[FollowedLoad, SpecialPoint] | None:
+    def _lost(self, way: Run) -> tuple[FollowedLoad, SpecialPoint] | None:
         """Return where a way ends because its states lose stability, and in which space that is seen; None elsewhere.
 
         At the flat state branches cross: from there the energy falls along another one.
@@ -246,12 +218,12 @@ class FollowedLoad(Ways):
         into = self.keeping(kept_by(elements, image))
         return into.problem.reduce(image), into
 
-    def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
+    def meets(self, led: Run, node: SpecialPoint, of: FollowedLoad) -> bool:
         """Whether stable states lead back to a node of another space, or this, where they branch off."""
         apart = self.root * (self.nodes[led.node].point - self.seen_from(of, node))
         return bool(np.abs(apart).max() <= NEAR_SINGULAR_TOL)
 
-    def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
+    def _continuous(self, way: Run, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
         """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
 
         A snap loses energy at s0 already; along states that branch off it is lost by and by, less than the same two
@@ -275,7 +247,7 @@ class FollowedLoad(Ways):
         kept, falls = self.record, [run for run in self.record.ways if run.fall]
         again: list[float | None] = [None] * len(falls)
         for k, run in enumerate(falls if not self.hinges else ()):
-            ends = run.segment.node, self._stable_end
+            ends = run.node, self._stable_end
             again[k] = kept.unless_cut(run.job.restabilises, *ends, otherwise=None)
         diagrams = []
         for job in kept.jobs:
@@ -325,8 +297,8 @@ class FollowedLoad(Ways):
 
     def _leg(self, run: Run, snap: int | None) -> r.Leg:
         """Pack the states of a run."""
-        way, first = run.segment, run.segment.frames[0]
-        points, node = [self.point(frame) for frame in way.frames], self.nodes[way.node]
+        first = run.frames[0]
+        points, node = [self.point(frame) for frame in run.frames], self.nodes[run.node]
         if snap is not None and node.type == "singular":
             phi, none = self.problem.expand(node.point[:-1]), (math.nan,) * 2
             more = self.seen_as(first, phi)
@@ -334,10 +306,10 @@ class FollowedLoad(Ways):
             points.append(r.PathPoint(node.s, at, more["energy"], (), *none, more["angle"]))
         judged = self.record.unless_cut(self._judged, run, otherwise=("", None))
         keeps = self.driver.scene.group.name if self.driver.scene else ""
-        starts = not run.branches_off and len(way.frames) > 1
+        starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
-        moved = self.hinges.moved_at(way.frames[-1].state).tolist() if self.hinges else ()
-        whole = way.why, snap, *judged, keeps, stiff, tuple(moved)
+        moved = self.hinges.moved_at(run.frames[-1].state).tolist() if self.hinges else ()
+        whole = run.why, snap, *judged, keeps, stiff, tuple(moved)
         return r.Leg(int(run.toward), tuple(points), *whole)
 
     def _judged(self, run: Run) -> tuple[str, float | None]:
@@ -347,8 +319,8 @@ class FollowedLoad(Ways):
         """
         if self.full is None:
             return "", None
-        frames, first, own = run.segment.frames, int(run.branches_off), self.across.line
-        last = max(len(frames) - 1 - (run.segment.why != "range"), first)
+        frames, first, own = run.frames, int(run.branches_off), self.across.line
+        last = max(len(frames) - 1 - (run.why != "range"), first)
 
         @cache
         def verdict(k: int) -> str:
@@ -376,7 +348,7 @@ class FollowedLoad(Ways):
     def _snap(
         self, run: Run, k: int, events: Sequence[r.PathEvent], search: Any, again: float | None
     ) -> r.Snap:
-        found, fall, alarms = self.nodes[run.segment.node], run.fall, self.record.alarms
+        found, fall, alarms = self.nodes[run.node], run.fall, self.record.alarms
         assert fall is not None
         one = self.problem.expand(found.point[:-1]) + 0.0
         landed = fall.into.at_the_snap(fall.state, fall.s, found.s)
@@ -428,18 +400,18 @@ class FollowedLoad(Ways):
 
     def _confirmed(self, run: Run, k: int, search: Search) -> r.ConfirmedSnap | None:
         """Search on both sides of a snap for the states that the path has there; None where that cannot be."""
-        way, fall = run.segment, run.fall
+        fall = run.fall
         assert fall is not None
         both = set(self.driver.elements) & set(fall.into.driver.elements)
         driver = (self if self is fall.into else self.keeping(tuple(sorted(both)))).driver
-        at = self.nodes[way.node].s
+        at = self.nodes[run.node].s
         side = run.toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
         t, beyond = at - side, at + side
-        before, after = self.passed(way, t), fall.into.ahead(fall.state, fall.s, beyond)
+        before, after = self.passed(run, t), fall.into.ahead(fall.state, fall.s, beyond)
         if before is None:
             # beside states where closure loses rank Newton knows those of the path alone
-            behind = (f for f in way.frames[::-1] if (t - f.s) * run.toward >= 0)
-            frame = next(behind, way.frames[0])
+            behind = (f for f in run.frames[::-1] if (t - f.s) * run.toward >= 0)
+            frame = next(behind, run.frames[0])
             t, before = frame.s, np.asarray(frame.problem.expand(frame.state))
         loaded = driver.at(t), driver.at(beyond)
         if None in loaded:

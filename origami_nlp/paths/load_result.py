@@ -148,41 +148,30 @@ class LoadPath(Path):
     def _happenings(self) -> Iterator[dict[str, Cell]]:
         """Return a row for each start, contact, snap and end on the path, in its order."""
         place = replace(self.place, name=self.place.name.partition(" of ")[0]).axis
-        load = replace(self.parameter, name="load").axis
-        heads, arrived = (load, "what happens", place), math.nan
+        load, arrived = replace(self.parameter, name="load").axis, math.nan
+
+        def row(t: float, said: Cell, *angles: float) -> dict[str, Cell]:
+            return {load: f"{t:.6g}", "what happens": said, place: self._place(*angles)}
+
         for leg in self.legs:
             first, last = leg.points[0], leg.points[-1]
             if not abs(first.t - arrived) <= SHIFT * (self.parameter.high - self.parameter.low):
                 said = f"state #{self.state}" if self.state else "the state that was given"
                 again = " again, loaded the other way" * math.isfinite(arrived)
-                yield dict(
-                    zip(
-                        heads,
-                        (f"{first.t:.6g}", said + again, self._place(first.angle)),
-                        strict=True,
-                    )
-                )
+                yield row(first.t, said + again, first.angle)
             for p, event in self._on(leg):
                 if leg.why != r.PITCHFORK or p is not last:
-                    words = event.words(growing=last.t >= first.t)
-                    yield dict(
-                        zip(heads, (f"{event.t:.6g}", words, self._place(p.angle)), strict=True)
-                    )
+                    yield row(event.t, event.words(growing=last.t >= first.t), p.angle)
             arrived = last.t
-            if leg.why not in GOES_ON:
-                yield dict(zip(heads, self._end(leg), strict=True)) | self._more(leg)
-
-    def _end(self, leg: r.Leg) -> tuple[str, Cell, str]:
-        """Return load, words and place where a leg ends."""
-        last = leg.points[-1]
-        if leg.snap is not None:
-            snap = self.snaps[leg.snap - 1]
-            words = f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}"
-            return f"{snap.t:.6g}", Words(words, "bold"), self._place(*snap.angle)
-        at = [p.angle for p in leg.points]
-        idle = len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm
-        said = WHY.get(leg.why, leg.why) + "; the load does no work" * idle
-        return f"{last.t:.6g}", said, self._place(last.angle)
+            if leg.snap is not None:
+                snap = self.snaps[leg.snap - 1]
+                words = f"snap {leg.snap}: {r.EVENT_WORDS.get(snap.type, snap.type)}"
+                yield row(snap.t, Words(words, "bold"), *snap.angle) | self._more(leg)
+            elif leg.why not in GOES_ON:
+                at = [p.angle for p in leg.points]
+                idle = len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.work.arm
+                said = WHY.get(leg.why, leg.why) + "; the load does no work" * idle
+                yield row(last.t, said, last.angle) | self._more(leg)
 
     def _more(self, leg: r.Leg) -> dict[str, Cell]:
         """Return what else is known of a leg: energy lost, symmetry, rest angles that have moved."""

@@ -86,13 +86,10 @@ class Path(Report, Viewable):
     @property
     def stations(self) -> list[Station]:
         """The states that are shown by themselves: the events."""
+        shown = self.parameter.shown
+        titles = [f"event {e.id}: {e.words()} at {shown(e.t, 9)}" for e in self.events]
         return [
-            Station(
-                f"event {e.id}: {e.words()} at {self.parameter.shown(e.t, 9)}",
-                self.point_of(e),
-                e.note,
-            )
-            for e in self.events
+            Station(t, self.point_of(e), e.note) for t, e in zip(titles, self.events, strict=True)
         ]
 
     @property
@@ -156,7 +153,7 @@ class Path(Report, Viewable):
             t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
             row = {"event": f"{e.id}{'*' * (e.id in on)}", "type": e.type, over.axis: t}
             row |= {"contact": e.contact, **self._beside(e)}
-            rows.append({**row, "note": "" if e.located else e.note or "not located"})
+            rows.append({**row, "note": e.note or "not located" * (not e.located)})
         return listed(title, rows)
 
     def _beside(self, event: PathEvent) -> dict[str, str]:
@@ -184,10 +181,10 @@ class Path(Report, Viewable):
         for curve in self.curves:
             for p, kind in zip(curve.points, curve.kinds, strict=True):
                 at = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
-                known = {curve.word: curve.id, "parameter": p.t, "energy": p.energy, "kind": kind}
-                frames.append(
-                    state_frame(self.origami_at(p.t), p.fold_angles, f"{at}: {kind}", **known)
-                )
+                known: dict[str, Any] = {curve.word: curve.id, "parameter": p.t}
+                known |= {"energy": p.energy, "kind": kind}
+                whole = self.origami_at(p.t), p.fold_angles, f"{at}: {kind}"
+                frames.append(state_frame(*whole, **known))
         return states_to_fold(self.origami_at(over.low), frames)
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,17 +33,30 @@ WALL = ("refused", "singular", "touches", "closes")
 """Where nothing is known of what lies beyond."""
 
 
-@dataclass(frozen=True, eq=False)
-class StableSegment:
-    """Stable states that a load passes, one way.
+class Fall(NamedTuple):
+    """Where a snap leads: to a state, known at the load s, in one diagram."""
+
+    into: Any
+    state: np.ndarray
+    s: float
+    what: Classification
+
+
+class Run(NamedTuple):
+    """Stable states that a load passes in one diagram, one way.
 
     frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, ``breaks-symmetry``, a type of
-    event beyond which nothing is followed, or what stopped it.
+    event beyond which nothing is followed, or what stopped it.  fall: the snap that ends them.  branches_off: whether
+    the first of them is a bifurcation.
     """
 
+    job: Any
     frames: tuple[Equilibrium, ...]
     node: int
     why: str
+    toward: float
+    fall: Fall | None = None
+    branches_off: bool = False
 
 
 class Ways(FollowedDiagram):
@@ -65,7 +77,7 @@ class Ways(FollowedDiagram):
 
     def walk(
         self, x: np.ndarray, s: float, toward: float, end: float, kept: bool = True
-    ) -> StableSegment | None:
+    ) -> Run | None:
         """Go from the stable state x at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
         None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the
@@ -87,7 +99,7 @@ class Ways(FollowedDiagram):
             near = min(ends, key=lambda k: abs(self.nodes[k].s - s))
             arcs = ahead() if self.resume(near, toward) else []
             if not arcs:
-                return StableSegment((frame,), near, self._why(near, end))
+                return Run(self, (frame,), near, self._why(near, end), toward)
         k = arcs[0]
         here = self.arcs[k].at(s, self.tally)
         frames = [] if here is None else [here]
@@ -102,12 +114,12 @@ class Ways(FollowedDiagram):
             if not onward and why != "range" and self.resume(node, toward):
                 onward = self._onward(node, k, toward)
             if why == "range" or not onward or self._leaves_flat(node):
-                return StableSegment(tuple(frames), node, why)
+                return Run(self, tuple(frames), node, why, toward)
             k = onward[0]
             beyond = self.arcs[k].frames
             # the event alone says that the eigenvalue changes sign, not which
             if kept and why == "breaks-symmetry" and self.across(beyond[len(beyond) // 2]) < 0:
-                return StableSegment(tuple(frames), node, why)
+                return Run(self, tuple(frames), node, why, toward)
 
     def _leaves_flat(self, node: int) -> bool:
         """Return whether a node is the flat state, and the load pulls from there along another branch than the one that
@@ -216,7 +228,7 @@ class Ways(FollowedDiagram):
         way = self.walk(x, s, t - s, t, kept=False)
         return None if way is None else self.passed(way, t)
 
-    def passed(self, way: StableSegment, t: float) -> np.ndarray | None:
+    def passed(self, way: Run, t: float) -> np.ndarray | None:
         """Return all fold angles of the state of a way at load t; None where Newton finds none on its arcs."""
         on = {id(frame) for frame in way.frames}
         arcs = [a for a in self.arcs if not a.index and any(id(f) in on for f in a.frames)]

@@ -19,8 +19,9 @@ from origami_nlp.continuation import Equilibrium, ParameterLine
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.driver import Driver
-from origami_nlp.paths.job import FollowedLoad, Run
+from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.records import COLLAPSE, HOLDS, YIELDS, PathEvent
+from origami_nlp.paths.ways import Run
 from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
 
 MOST_STAGES = 100
@@ -200,12 +201,12 @@ def go_yielding(
         if len(kept.ways) == ways:
             return None
         kept.ways[ways:] = [run := _cut(kept.ways[ways], job.hinges, kept.alarms)]
-        x, t = run.segment.frames[-1].state, run.segment.frames[-1].s
+        x, t = run.frames[-1].state, run.frames[-1].s
         kept.work += job.hinges.work(x)
         hinges = job.hinges.at(x)
-        if run.segment.why == "range":
+        if run.why == "range":
             return x, hinges
-        if run.segment.why not in (YIELDS, HOLDS):
+        if run.why not in (YIELDS, HOLDS):
             return None
     kept.alarms.append(f"more than {MOST_STAGES} times a hinge yields or turns back")
     return None
@@ -234,7 +235,7 @@ def _begin(
             return job
         yielding = onward
     if path.record.ways:
-        path.record.ways[-1] = path.record.ways[-1].ending(COLLAPSE)
+        path.record.ways[-1] = path.record.ways[-1]._replace(why=COLLAPSE, fall=None)
     path.record.alarms.append(
         f"at load {t:.6g} {creases_named(full)} yield{'' if np.count_nonzero(full) > 1 else 's'} and no stable "
         "state goes on: the state collapses; how far hinges yield then is decided by its speed, and is not followed"
@@ -244,7 +245,7 @@ def _begin(
 
 def _cut(run: Run, hinges: YieldingHinges, alarms: list[str]) -> Run:
     """Cut a run where a hinge turns back at a contact, which no function of the states between shows."""
-    frames = run.segment.frames
+    frames = run.frames
     on = np.flatnonzero(hinges.yielding)
     side = np.sign(hinges.torque(frames[0].state))[on]
     for k, frame in enumerate(frames):
@@ -254,8 +255,9 @@ def _cut(run: Run, hinges: YieldingHinges, alarms: list[str]) -> Run:
                 f"the law of crease {crease}, whose rest angle has moved, is not known at load {frame.s:.6g}: give "
                 "extrapolate = 'linear' in the law, or stops"
             )
-            return run.ending("stopped: law not known", max(k, 1))
+            why = "stopped: law not known"
+            return run._replace(why=why, frames=frames[: max(k, 1)], fall=None)
         rates = side * frame.tangent[:-1][on] * np.sign(frame.ahead * run.toward)
         if k > 1 and (rates < -SETTLED).any() and frame.ahead:
-            return run.ending(HOLDS, k)
+            return run._replace(why=HOLDS, frames=frames[:k], fall=None)
     return run
