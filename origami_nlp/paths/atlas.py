@@ -30,6 +30,16 @@ class Atlas(Path):
 
     Attributes
     ----------
+    parameter
+        The parameter, or the load, and its range.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    cost
+        What it took.
+    interrupted
+        Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
     scene
         The scene, or the pattern, that the others differ from.
     checks
@@ -124,7 +134,18 @@ class Atlas(Path):
         return tuple(every) if self.others else here
 
     def origami_at(self, t: float) -> Any:
-        """Return what is folded at a value of the parameter."""
+        """Return what is folded at a value of the parameter.
+
+        Parameters
+        ----------
+        t
+            The value.
+
+        Returns
+        -------
+        Scene or Pattern
+            Whose states those at t are.
+        """
         return self.family.sampled(t)
 
     @property

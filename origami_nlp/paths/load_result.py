@@ -36,6 +36,16 @@ class LoadPath(Path):
 
     Attributes
     ----------
+    parameter
+        The parameter, or the load, and its range.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    cost
+        What it took.
+    interrupted
+        Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
     driver
         What the load is: its `name`, its `unit`, and the `coordinate` that it works on.
     state
@@ -66,7 +76,18 @@ class LoadPath(Path):
     ALSO = ("dissipated", "start_stiffness", "stiffness_unit")
 
     def origami_at(self, t: float) -> Any:
-        """Return what is loaded, without the load."""
+        """Return what is loaded, without the load.
+
+        Parameters
+        ----------
+        t
+            The value.
+
+        Returns
+        -------
+        Scene or Pattern
+            Whose states those at t are.
+        """
         return self.driver.unloaded
 
     @property
