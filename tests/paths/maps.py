@@ -55,6 +55,9 @@ LINES = {
 }
 """Curves by what their type ends in."""
 SHORT = {"interior": "i", "contact-pinned": "p", "contact-touching": "t", "degenerate": "d"}
+NUMBERS = {"ha": "center", "va": "center", "fontsize": 7, "zorder": 5}
+NUMBERS |= {"path_effects": [withStroke(linewidth=2.2, foreground="white")]}
+"""How numbers are written into regions."""
 NAMED = 0.02
 """Share of the plane from which on a region has its numbers written into it."""
 Map = tuple[BifurcationSet, Sequence[Region]]
@@ -86,46 +89,24 @@ def draw_map(
     def place(alpha: float) -> float:
         return 90 - math.degrees(alpha) if mirrored else math.degrees(alpha)
 
-    up, across = found.parameters
+    both, across = found.parameters, found.parameters[1]
     cells = region_cells(found)
-    sides = [
-        np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), len(cells) + 1)
-        for parameter in (up, across)
-    ]
-    regions_at = {
-        tuple(
-            int(np.searchsorted(side, parameter.s_of(t))) - 1
-            for side, parameter, t in zip(sides, (up, across), region.t, strict=True)
-        ): region
-        for region in regions
-    }
+    sides = [np.linspace(*parameter.ends, len(cells) + 1) for parameter in both]
     # cells that curves pass belong to what is nearest, so that no seam is left under a line
     nearest = distance_transform_edt(cells == 0, return_distances=False, return_indices=True)
-    cells = cells[tuple(nearest)]
+    whole = cells[tuple(nearest)]
     right = [place(v) for v in sides[1]]
     for k, edge in ((0, across.low), (-1, across.high)):
         right[k] = place(math.radians(SNAPS.get(round(math.degrees(edge), 6), math.degrees(edge))))
-    for at, region in regions_at.items():
-        if not region.agrees:
-            continue
-        axes.pcolormesh(
-            right,
-            np.exp(sides[0]),
-            np.ma.masked_where(cells != cells[at], np.zeros(cells.shape)),
-            cmap=ListedColormap([COLOURS[min(region.minima, 6)]]),
-            rasterized=True,
-        )
+    for region in (region for region in regions if region.agrees):
+        s = [parameter.s_of(t) for parameter, t in zip(both, region.t, strict=True)]
+        at = tuple(int(np.searchsorted(side, v)) - 1 for side, v in zip(sides, s, strict=True))
+        shown = np.ma.masked_where(whole != whole[at], np.zeros(whole.shape))
+        colour = ListedColormap([COLOURS[min(region.minima, 6)]])
+        axes.pcolormesh(right, np.exp(sides[0]), shown, cmap=colour, rasterized=True)
         if region.share >= NAMED:
-            axes.text(
-                place(region.t[1]),
-                region.t[0],
-                f"{region.minima}\n{words(region.kinds)}",
-                ha="center",
-                va="center",
-                fontsize=7,
-                zorder=5,
-                path_effects=[withStroke(linewidth=2.2, foreground="white")],
-            )
+            said = f"{region.minima}\n{words(region.kinds)}"
+            axes.text(place(region.t[1]), region.t[0], said, **NUMBERS)
     for curve in found.curves:
         y, x = smooth(curve, found.parameters).T
         axes.plot([place(v) for v in x], np.exp(y), **LINES[look_of(curve)][0])
@@ -139,37 +120,24 @@ def look_of(curve: EventCurve) -> str:
 def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
     """Draw a family: one column a space."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
-    for axes, (title, parts) in zip(
-        figure.subplots(1, len(columns), sharey=True, squeeze=False)[0],
-        columns.items(),
-        strict=True,
-    ):
-        axes.set_facecolor("white")
+    every = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
+    for axes, (title, parts) in zip(every, columns.items(), strict=True):
         axes.add_patch(Rectangle((0, 0), 1, 1, transform=axes.transAxes, **UNSURE, zorder=0))
         for found, regions in parts:
             draw_map(axes, found, regions)
             if (family, SPACES[title]) in MIRRORED:
                 draw_map(axes, found, regions, mirrored=True)
-                (left, right), (low, high) = UNDECIDED
-                axes.fill_between([left, right], low, high, **UNSURE, zorder=3)
-        axes.set_yscale("log")
-        axes.set_ylim(parts[0][0].parameters[0].low, parts[0][0].parameters[0].high)
+                axes.fill_between(UNDECIDED[0], *UNDECIDED[1], **UNSURE, zorder=3)
+        up, first = parts[0][0].parameters
+        last = 85 if family == "degree8" else math.degrees(parts[-1][0].parameters[1].high)
+        axes.set(yscale="log", ylim=(up.low, up.high), xlim=(math.degrees(first.low), last))
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("sector angle $\\alpha_1$ [deg]")
-        axes.set_xlim(
-            math.degrees(parts[0][0].parameters[1].low),
-            85 if family == "degree8" else math.degrees(parts[-1][0].parameters[1].high),
-        )
         if len(parts) > 1:
             axes.axvline(60, color="black", ls=":", lw=1)
     figure.axes[0].set_ylabel("stiffness ratio $r_k$")
-    figure.legend(
-        handles=legend([part for parts in columns.values() for part in parts]),
-        loc="outside lower center",
-        ncols=5,
-        frameon=False,
-        fontsize=8,
-    )
+    look = {"loc": "outside lower center", "ncols": 5, "frameon": False, "fontsize": 8}
+    figure.legend(handles=legend([part for parts in columns.values() for part in parts]), **look)
     return figure
 
 
@@ -197,16 +165,9 @@ def main() -> None:
     for family in sys.argv[1:] or FAMILIES:
         columns = {title: maps(family, full) for title, full in SPACES.items()}
         for title, parts in columns.items():
-            for _, regions in parts:
-                for r in regions:
-                    print(
-                        family,
-                        title,
-                        [round(v, 4) for v in r.t],
-                        f"{r.share:.3f}",
-                        r.kinds,
-                        r.agrees,
-                    )
+            for r in (r for _, regions in parts for r in regions):
+                where = [round(v, 4) for v in r.t]
+                print(family, title, where, f"{r.share:.3f}", r.kinds, r.agrees)
         draw(family, columns).savefig(FIGURES / f"states_{family}.png", dpi=160)
 
 

@@ -215,11 +215,8 @@ def test_derivatives_against_differences(make):
     assert np.abs(slope - work.gradient(phi)).max() < 1e-8
     exact = work.hessian(phi)
     assert np.abs(np.array(bend) - (0.0 if exact is None else exact)).max() < 1e-8
-    for unit in (
-        1e-3,
-        1.0,
-        1e3,
-    ):  # N m/rad: the lowest that springs and load can be together, closed or not
+    # N m/rad: the lowest that springs and load can be together, closed or not
+    for unit in (1e-3, 1.0, 1e3):
         stiff = pattern.with_springs(list(unit * pattern.stiffness), list(pattern.rest))
         t = -3.0 * unit
         least = stiff.rest + t * make(stiff).gradient(stiff.rest) / stiff.stiffness
@@ -271,9 +268,8 @@ def test_a_load_that_does_no_work_is_told():
     across = np.cross(axes, [1.0, 2.0, 3.0])
     words = "does no work"
     path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
-    assert (
-        words in str(path) and np.abs(path.legs[0].points[-1].fold_angles - start.phi).max() < 1e-8
-    )
+    end = path.legs[0].points[-1].fold_angles
+    assert words in str(path) and np.abs(end - start.phi).max() < 1e-8
     path = o.load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
     assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
 

@@ -74,13 +74,8 @@ def test_a_path_is_that_of_stick_slip(seed):
 def test_work_of_the_load_is_stored_or_taken():
     """The area under load against angle is the energy stored and the plastic work, loading and unloading."""
     scene = random_scene(seed=1)
-    most = (
-        1.1
-        * np.abs(
-            scene.stiffness
-            * (np.array(o.find_minima(scene).minima[0].fold_angles) - scene.rest_angles)
-        ).max()
-    )
+    start = np.array(o.find_minima(scene).minima[0].fold_angles)
+    most = 1.1 * np.abs(scene.stiffness * (start - scene.rest_angles)).max()
     path = o.load_path(scene, 1, to=-0.8, yield_torque=float(most), unload=True)
     points = [p for leg in path.legs for p in leg.points]
     t, angle = np.array([p.t for p in points]), np.array([p.angle for p in points])
