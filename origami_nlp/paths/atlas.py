@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Details, Section, Table, Words
+from origami_nlp.display import Section, Table, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.paths.records import Interval, SearchCheck, StateAt
-from origami_nlp.paths.result import Path, Plot, Track, bold, degrees_listed, listed
+from origami_nlp.paths.result import Path, Plot, Track, bold, degrees_listed, details, listed
 from origami_nlp.pattern import Pattern, Scene
 
 MOST_NAMED = 4
@@ -218,7 +218,7 @@ class Atlas(Path):
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
             yield from bold([f"{self._ended}: {what}"])
-        yield Details(tuple(self._details()), "Branches, fold angles, checks")
+        yield details(self._details(), "Branches, fold angles, checks")
         for other in self.others:
             stated: Any = other.scene
             yield f"states that wind {stated.winding} times round the axis of {stated.group.name}"

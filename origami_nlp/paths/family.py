@@ -132,7 +132,7 @@ class Family:
     def _problem_at(self, s: float) -> PatternProblem:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
 
-    @property
+    @cached_property
     def preloaded(self) -> bool:
         """Whether energies of its scenes count what it took to wind springs, which states on the line do not."""
         return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))

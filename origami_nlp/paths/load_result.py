@@ -12,13 +12,22 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Cell, Details, Section, Table, Words
+from origami_nlp.display import Cell, Section, Table, Words
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.result import Path, Plot, Station, Track, bold, degrees_listed, listed
+from origami_nlp.paths.result import (
+    Path,
+    Plot,
+    Station,
+    Track,
+    bold,
+    degrees_listed,
+    details,
+    listed,
+)
 
 WHY = {"range": "stable; end of the range", r.PITCHFORK: "pitchfork: stable states branch off"}
 """Why a leg ends, in words, where the name alone does not say it."""
@@ -164,7 +173,7 @@ class LoadPath(Path):
         yield from bold(self.alarms)
         if self.driver.scene is None:
             yield "crossing of facets is checked at the states of the path and of descents, not between them"
-        yield Details(tuple(self._details()), "Events, certificates, searches")
+        yield details(self._details(), "Events, certificates, searches")
 
     def _happenings(self) -> Iterator[dict[str, Cell]]:
         """Return a row for each start, contact, snap and end on the path, in its order."""

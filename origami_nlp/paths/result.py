@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Cell, Content, Report, Table, Viewable, Words
+from origami_nlp.display import Cell, Content, Details, Report, Table, Viewable, Words
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.paths.records import COUNTED, Cost, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
@@ -191,11 +191,16 @@ class Path(Report, Viewable):
 def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
     """Return rows as a table, columns that are empty in all of them left out; words wrap, numbers stand right."""
     texts = [{k: v if isinstance(v, str) else v.text for k, v in row.items()} for row in rows]
-    heads = list(dict.fromkeys(k for row in texts for k, text in row.items() if text))
+    heads = list(dict.fromkeys(k for row in texts for k, text in row.items() if text)) or ["none"]
     number = [all(row.get(h, "")[:1] in "-+0123456789" for row in texts) for h in heads]
     cells = [[row.get(h, "") for h in heads] for row in rows]
     columns = "".join("r" if one else "L" for one in number)
     return Table(heads, cells, title, columns, framed=False, narrow=True)
+
+
+def details(pieces: Iterable[Table | Cell], title: str) -> Details:
+    """Return tables that have rows, and lines, for those who check a result."""
+    return Details([p for p in pieces if not isinstance(p, Table) or p.rows], title)
 
 
 def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:

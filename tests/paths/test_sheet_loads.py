@@ -321,6 +321,7 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     assert isinstance(back, o.LoadPath)
     assert back.to_dict() == path.to_dict() and back.legs == path.legs
     assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
+    assert not path.events and "leg 1" in path.view()._repr_html_()  # pages of what is empty
 
 
 # ---------------------------------------------------------------- sheets without vertices
