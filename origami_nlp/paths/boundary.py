@@ -159,13 +159,11 @@ class BifurcationSet(Report):
         a, b = self.parameters
         rows = []
         for c in self.curves:
-            first, last = (
-                f"({a.shown(t, 5)}, {b.shown(u, 5)})" for t, u in (c.points[0].t, c.points[-1].t)
-            )
-            row = {"curve": str(c.id), "type": c.type, "contact": c.contact, "from": first}
-            rows.append(
-                {**row, "to": last, "points": str(len(c.points)), "ends": ", ".join(c.ends)}
-            )
+            ends = (c.points[0].t, c.points[-1].t)
+            first, last = (f"({a.shown(t, 5)}, {b.shown(u, 5)})" for t, u in ends)
+            row = {"curve": str(c.id), "type": c.type, "contact": c.contact}
+            row |= {"from": first, "to": last, "points": str(len(c.points))}
+            rows.append({**row, "ends": ", ".join(c.ends)})
         yield listed(f"{len(self.curves)} curves of events over {a.name} and {b.name}", rows)
         for line in self.lines:
             along, other = (a, b) if line.parameter == a.name else (b, a)
@@ -379,10 +377,8 @@ def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: in
         return False  # rays that lie on each other close with either of their openings
     # a change of sign: the curve passes the value between two of its points
     at = [plane.parameters[axis].s_of(p.t[axis]) - first.point[axis] for p in curve.points]
-    angles, room = (
-        first.frame.problem.expand(first.frame.state),
-        plane.size[axis] * NEAR_SINGULAR_TOL,
-    )
+    angles = first.frame.problem.expand(first.frame.state)
+    room = plane.size[axis] * NEAR_SINGULAR_TOL
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
         if min(da, db) > room or max(da, db) < -room:
             continue

@@ -227,12 +227,8 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
-            y, x = (
-                [p.drawn(p.t_of(s)) for s in column]
-                for p, column in zip(
-                    (up, across), smooth(curve, boundaries.parameters).T, strict=True
-                )
-            )
+            drawn = zip((up, across), smooth(curve, boundaries.parameters).T, strict=True)
+            y, x = ([p.drawn(p.t_of(s)) for s in column] for p, column in drawn)
             name = curve.contact and f"{curve.type}: {curve.contact.split(' (')[0]}"
             name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
             turns = "fold" in curve.type or curve.type == FLAT

@@ -45,10 +45,8 @@ def view_path(path: Path) -> Content:
     along: list[Sequence[PathPoint]] = []
     for title, points in (run for curve in path.curves for run in _one_way(path, curve)):
         states = [_folded(poser, p) for p in points]
-        view, t = (
-            _view(poser, points[len(points) // 2]),
-            [path.parameter.drawn(p.t) for p in points],
-        )
+        view = _view(poser, points[len(points) // 2])
+        t = [path.parameter.drawn(p.t) for p in points]
         tracks.append(join_states(title, states, view, t, path.parameter.axis))
         along.append(points)
     none, panels, shown = np.empty(0), [], list(zip(along, tracks, strict=True))

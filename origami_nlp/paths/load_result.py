@@ -133,21 +133,18 @@ class LoadPath(Path):
             With its energy and what the load works on.
         """
         phi = np.array(fold_angles)
-        energy, angle = (
-            float(f(phi)) for f in (self.driver.unloaded.energy, self.driver.conjugate)
-        )
+        energy, angle = float(self.driver.unloaded.energy(phi)), float(self.driver.conjugate(phi))
         return r.PathPoint(t, tuple(fold_angles), energy, (), math.nan, math.nan, angle)
 
     @property
     def panels(self) -> list[Plot]:
         """Load and energy over what the load works on, energy over the load."""
-        load, energy = (
-            (self.parameter.axis, lambda p: p.t),
-            ("energy without the load [J]", lambda p: p.energy),
-        )
-        place = self.place.axis, lambda p: self.place.drawn(p.angle)
-        pairs = (place, load), (place, energy), (load, energy)
-        return [Plot(x, y, of_x, of_y) for (x, of_x), (y, of_y) in pairs]
+        load, energy, place = self.parameter.axis, "energy without the load [J]", self.place
+        return [
+            Plot(place.axis, load, lambda p: place.drawn(p.angle), lambda p: p.t),
+            Plot(place.axis, energy, lambda p: place.drawn(p.angle), lambda p: p.energy),
+            Plot(load, energy, lambda p: p.t, lambda p: p.energy),
+        ]
 
     def table(self) -> Table:
         """Return one row an event, in order of the load; with a star those on the path."""

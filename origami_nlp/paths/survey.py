@@ -178,12 +178,9 @@ class _Survey(FollowedDiagram):
         across = Across(line, family.scene(family.parameter.low))
         # some of the time is for judging what was followed
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
-        options: Any = {
-            "steps": steps or family.steps,
-            "through_folds": through_folds,
-            "until": turn,
-        }
-        super().__init__(family.line, family.parameter, across, progress=self._followed, **options)
+        options: Any = {"through_folds": through_folds, "until": turn, "progress": self._followed}
+        options["steps"] = steps or family.steps
+        super().__init__(family.line, family.parameter, across, **options)
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
 
