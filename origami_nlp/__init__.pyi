@@ -1,11 +1,5 @@
 from . import inverse_design as inverse_design, paper as paper, sweep as sweep
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
-from .bifurcation import (
-    Atlas as Atlas,
-    BifurcationSet as BifurcationSet,
-    find_bifurcation_set as find_bifurcation_set,
-    follow as follow,
-)
 from .contact import (
     ContactReport as ContactReport,
     find_contacts as find_contacts,
@@ -18,7 +12,6 @@ from .folding import check_admissible as check_admissible
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
-from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
     JudgedState as JudgedState,
     MinimaResult as MinimaResult,
@@ -31,6 +24,14 @@ from .paper import (
     find_critical_points as find_critical_points,
     find_landscape as find_landscape,
     find_space as find_space,
+)
+from .paths import (
+    Atlas as Atlas,
+    BifurcationSet as BifurcationSet,
+    LoadPath as LoadPath,
+    find_bifurcation_set as find_bifurcation_set,
+    follow as follow,
+    load_path as load_path,
 )
 from .pattern import (
     HingeData as HingeData,

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 _READ = (
     ("minima/4", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "paper", "CriticalPoints"),
-    ("load/2", "legs", "loading", "LoadPath"),
+    ("path/1", "legs", "paths", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),
-    ("follow/3", "branches", "bifurcation", "Atlas"),
-    ("follow/3", "curves", "bifurcation", "BifurcationSet"),
+    ("path/1", "branches", "paths", "Atlas"),
+    ("path/1", "curves", "paths", "BifurcationSet"),
     ("pattern/2", "motion", "pattern_states", "Motion"),
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),

@@ -19,8 +19,8 @@ from origami_nlp.numerics import CLOSURE_TOL
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
-    from origami_nlp.loading import LoadPath
     from origami_nlp.minima import MinimaResult
+    from origami_nlp.paths import LoadPath
     from origami_nlp.pattern import Stated
     from origami_nlp.proof import ProofOptions
     from origami_nlp.search import SearchOptions
@@ -264,8 +264,8 @@ def write_mesh(result: MinimaResult | LoadPath, path: str | PathLike[str]) -> No
     >>> path.stat().st_size > 0
     True
     """
-    from origami_nlp.loading import LoadPath
     from origami_nlp.minima import MinimaResult, write_parts
+    from origami_nlp.paths import LoadPath
 
     if not isinstance(result, LoadPath):
         check_type("result", result, MinimaResult)

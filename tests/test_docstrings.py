@@ -54,10 +54,10 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 
 DEAR = (
-    "origami_nlp bifurcation.result chart.boundary display.result starts.options "
-    "barriers.find barriers.result bifurcation.boundary bifurcation.find contact.report contact.segments "
+    "origami_nlp paths.atlas chart.boundary display.result search.options "
+    "barriers.find barriers.result paths.boundary paths.survey contact.report contact.segments "
     "continuation.tracer inverse_design.finding inverse_design.result "
-    "loading.find loading.result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
+    "paths.load paths.load_result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
     "paper.cone.phase_curves paper.critical paper.landscape paper.morse paper.space "
     "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
 ).split()

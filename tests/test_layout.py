@@ -26,8 +26,8 @@ ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
     "pattern_problem search continuation display hinges chart proof "
-    "minima pattern_states contact barriers paper bifurcation inverse_design "
-    "loading sweep validity results verbs cli __main__"
+    "minima pattern_states contact barriers paper paths inverse_design "
+    "sweep validity results verbs cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks")

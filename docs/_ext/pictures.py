@@ -162,7 +162,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "gallery": lambda _: by_command("tests.gallery"),
     **{
         f"states_{family}": lambda name: by_command(
-            "tests.bifurcation.maps", name.removeprefix("states_")
+            "tests.paths.maps", name.removeprefix("states_")
         )
         for family in ("degree6", "degree8")
     },

@@ -15,7 +15,7 @@ import origami_nlp
 from origami_nlp.cli import app as command_line
 
 ROOMS = (
-    "drawings pattern problem kkt search minima loading bifurcation inverse_design proof contact "
+    "drawings pattern problem kkt search minima paths inverse_design proof contact "
     "barriers continuation chart pattern_problem pattern_states validity sweep folding paper "
     "paper.cone"
 ).split()

@@ -43,7 +43,7 @@ def load(
     none loads the one crease alone.  With --yield creases yield: their rest angles move, and stay moved as the load
     falls; the path ends where it first snaps.
     """
-    from origami_nlp.loading import load_path
+    from origami_nlp.paths import load_path
     from origami_nlp.pattern import Scene
 
     end = to if to == "snap" else _numbers("--to", to, 1)[0]
@@ -126,7 +126,7 @@ def follow(
     seed: int = o.SEED,
 ) -> Any:
     """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
-    from origami_nlp.bifurcation import follow as follow_states
+    from origami_nlp.paths import follow as follow_states
 
     # options of an example by name are among what it can be followed over
     named = origami.is_example and not origami.given
@@ -148,7 +148,7 @@ def boundary(
     seed: int = o.SEED,
 ) -> Any:
     """Draw where states of a vertex appear, change and vanish over two parameters, as exact curves."""
-    from origami_nlp.bifurcation import find_bifurcation_set
+    from origami_nlp.paths import find_bifurcation_set
 
     options: dict[str, Any] = {"lines": lines, "effort": effort, "seed": seed}
     return clock.within(find_bifurcation_set, origami.read(), event, parameter, **options)

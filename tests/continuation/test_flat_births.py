@@ -10,8 +10,8 @@ import pytest
 
 import origami_nlp as o
 from benchmarks import random_vertex
-from origami_nlp.bifurcation import family_of, find_bifurcation_set, parse_parameter_range
 from origami_nlp.continuation import BifurcationDiagram, flat_roots
+from origami_nlp.paths import family_of, find_bifurcation_set, parse_parameter_range
 
 
 def drawn(seed, degree):

@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
 from origami_nlp.continuation.system import BorderedSystem, Hold
-from origami_nlp.loading import Driver
+from origami_nlp.paths import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
 from origami_nlp.search import descend_by_newton
 

@@ -6,8 +6,8 @@ from dataclasses import fields
 import pytest
 
 import origami_nlp as o
-from origami_nlp.bifurcation import Atlas, BifurcationSet
 from origami_nlp.inverse_design import Design
+from origami_nlp.paths import Atlas, BifurcationSet
 from tests.command_line import run
 from tests.documentation.pages import ROOT
 

@@ -191,7 +191,7 @@ MEASURED = {
 
 @pytest.mark.parametrize("unit", ["", "_deg"])
 def test_a_sector_angle_means_the_same_in_a_sweep_and_where_states_are_followed(unit):
-    from origami_nlp.bifurcation import family_of, parse_parameter_range
+    from origami_nlp.paths import family_of, parse_parameter_range
 
     sectors = (99.4, 83.5, 74.1, 103.0)
     scene = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.bifurcation import family_of, parse_parameter_range, with_generic_symmetry
+from origami_nlp.paths import family_of, parse_parameter_range, with_generic_symmetry
 from origami_nlp.pattern import with_symmetry_of
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 from tests.sweep.test_sweep import Inline

@@ -1,5 +1,0 @@
-"""States over a parameter: branches, events, and counts, checked by searches."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,40 @@
+from .atlas import Atlas as Atlas
+from .boundary import (
+    BifurcationSet as BifurcationSet,
+    CurvePoint as CurvePoint,
+    EventCurve as EventCurve,
+    find_bifurcation_set as find_bifurcation_set,
+    smooth as smooth,
+)
+from .driver import Driver as Driver, OwnForces as OwnForces
+from .family import (
+    Family as Family,
+    Plane as Plane,
+    family_of as family_of,
+    with_generic_symmetry as with_generic_symmetry,
+)
+from .figure import draw_boundaries as draw_boundaries, draw_path as draw_path
+from .interactive import view_path as view_path
+from .load import load_path as load_path
+from .load_result import LoadPath as LoadPath
+from .parameter_range import (
+    ParameterRange as ParameterRange,
+    parse_parameter_range as parse_parameter_range,
+)
+from .records import (
+    EVENT_WORDS as EVENT_WORDS,
+    BranchEnd as BranchEnd,
+    ConfirmedSnap as ConfirmedSnap,
+    KindRange as KindRange,
+    Leg as Leg,
+    Multiplier as Multiplier,
+    PathBranch as PathBranch,
+    PathEvent as PathEvent,
+    PathPoint as PathPoint,
+    Residuals as Residuals,
+    SearchCheck as SearchCheck,
+    Snap as Snap,
+    StateAt as StateAt,
+)
+from .result import Path as Path
+from .survey import follow as follow, follow_family as follow_family

@@ -1,0 +1,443 @@
+"""The map of events over two parameters: curves between which the number and kind of states do not change."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_until, check_whole
+from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
+from origami_nlp.display import Report, Section, Words, angle_columns
+from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, ROUNDED, SAMPLED, STATIONARY
+from origami_nlp.paths.event_curve import MEETS, EventPoint, EventTracer
+from origami_nlp.paths.family import Plane, with_generic_symmetry
+from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
+from origami_nlp.paths.records import Interval
+from origami_nlp.paths.result import bold, listed
+from origami_nlp.paths.survey import follow_family
+from origami_nlp.pattern import Scene, as_scene
+from origami_nlp.problem import Contact
+
+FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
+"""Events that are followed over two parameters, besides those at the flat state."""
+FLAT = "flat"
+"""Type of a curve along which states come out of the flat one."""
+MOST_LINES, MOST_CURVES = 100, 200
+CORNER = 0.4
+"""Turns between points [rad] beyond which a curve has a cusp or a corner there: its own steps turn by less."""
+BETWEEN = 12
+"""Places between two points."""
+AROUND = 0.03
+"""Of a point where two events meet: share of the ranges, and fold angles [rad]."""
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """An event at one pair of parameters.
+
+    Attributes
+    ----------
+    t
+        Both parameters in their units.
+    fold_angles
+        All N [rad].
+    kkt, event
+        Residuals of the KKT system and of the event's own function.
+    """
+
+    t: tuple[float, float]
+    fold_angles: tuple[float, ...]
+    kkt: float
+    event: float
+
+
+@dataclass(frozen=True)
+class EventCurve:
+    """A curve of events.
+
+    Attributes
+    ----------
+    id
+        From 1.
+    type
+        Of the event from which it was followed.
+    contact
+        That closes or leaves, in words; "" for folds.
+    points
+        In order.
+    ends
+        Why it ends, first and last: ``range``, ``closed curve``, or what it meets.
+    """
+
+    id: int
+    type: str
+    contact: str
+    points: tuple[CurvePoint, ...]
+    ends: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class CountedLine:
+    """What was followed over one parameter at one value of the other.
+
+    Attributes
+    ----------
+    parameter
+        Name of the parameter that was followed over: the first, or across it the second.
+    t
+        Value of the other one.
+    intervals
+        Number and kinds of minima over it.
+    events
+        Values of it at which events were located, and the number of the curve of each; 0 for one that is not
+        followed over two parameters.
+    """
+
+    parameter: str
+    t: float
+    intervals: tuple[Interval, ...]
+    events: tuple[tuple[float, int], ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BifurcationSet(Report):
+    """Curves of events over two parameters, and the counts between them.
+
+    Attributes
+    ----------
+    scene
+        The scene that the others differ from.
+    parameters
+        Both parameters with their ranges.
+    curves
+        In order of their numbers.
+    lines
+        What was followed over one parameter: each event there lies on a curve.
+    seconds
+        Of wall time.
+    interrupted
+        Whether the time was over before all was followed: curves are those until then, and minima are not counted on
+        lines that were not followed whole.
+    stopped
+        Whether the user (Ctrl-C) ended it, in place of the time.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> few = {"lines": 1, "across": 0, "effort": "quick"}
+    >>> found = o.find_bifurcation_set(o.examples.degree6("pi/4"), "ratio=1:1.1", "alpha=44deg:45deg", **few)
+    >>> len(found.curves), [interval.minima for interval in found.lines[0].intervals]
+    (0, [2])
+    """
+
+    scene: Scene
+    parameters: tuple[ParameterRange, ParameterRange]
+    curves: tuple[EventCurve, ...]
+    lines: tuple[CountedLine, ...]
+    seconds: float
+    interrupted: bool = False
+    stopped: bool = field(default=False, metadata={"plain": False})
+
+    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/path/1"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for curve, p in ((c, p) for c in self.curves for p in c.points):
+            row: dict[str, object] = {"curve": curve.id, "type": curve.type}
+            row["contact"] = curve.contact
+            for k, (over, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
+                row |= {f"parameter_{k}": over.name, f"t_{k}": t, f"unit_{k}": over.unit}
+            yield row | angle_columns(p.fold_angles)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the curves, and the counts along each line."""
+        a, b = self.parameters
+        rows = []
+        for c in self.curves:
+            ends = (c.points[0].t, c.points[-1].t)
+            first, last = (f"({a.shown(t, 5)}, {b.shown(u, 5)})" for t, u in ends)
+            row = {"curve": str(c.id), "type": c.type, "contact": c.contact}
+            row |= {"from": first, "to": last, "points": str(len(c.points))}
+            rows.append({**row, "ends": ", ".join(c.ends)})
+        yield listed(f"{len(self.curves)} curves of events over {a.name} and {b.name}", rows)
+        for line in self.lines:
+            along, other = (a, b) if line.parameter == a.name else (b, a)
+            spans = [" to ".join(along.shown(t, 5) for t in i.t) for i in line.intervals]
+            counts = [f"{i.minima} ({s})" for i, s in zip(line.intervals, spans, strict=True)]
+            said = ", ".join(counts) or "not counted"
+            yield f"{other.name} = {other.shown(line.t, 5)}: minima {said}"
+        yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
+        if self.interrupted:
+            ended = "interrupted" if self.stopped else OUT_OF_TIME
+            left = "on lines that were not followed whole minima are not counted"
+            yield from bold([f"{ended}: curves are those until then; {left}"])
+
+
+def find_bifurcation_set(
+    scene: Scene,
+    event: str | ParameterRange,
+    parameter: str | ParameterRange,
+    *,
+    lines: int = 3,
+    across: int = 1,
+    seed: int = 0,
+    effort: str = "normal",
+    seconds: float | None = None,
+) -> BifurcationSet:
+    """Follow the events over one parameter through a second one.
+
+    Parameters
+    ----------
+    scene
+        One vertex; or a pattern that equals one.
+    event
+        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
+        ``"ratio=1.79"``, for a range around it.
+    parameter
+        The second parameter and its range.
+    lines
+        Values of the second at which the first is followed: both ends, then between them.
+    across
+        Values of the first, evenly inside its range, at which the second is followed: for curves along which the second
+        stays as it is, which no line meets.
+    seed, effort
+        Of the searches.
+    seconds
+        Wall time; what was followed by then is returned, see `BifurcationSet.interrupted`.  None: no limit.
+
+    Returns
+    -------
+    BifurcationSet
+        Curves and counts.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameters, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> scene, few = o.examples.degree6("pi/3"), {"lines": 1, "across": 0, "effort": "quick"}
+    >>> o.find_bifurcation_set(scene, "ratio=0.3:0.4", "alpha=59deg:60deg", **few)
+    BifurcationSet(1 curves of events over ratio and alpha)
+    """
+    scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
+    check_whole("lines", lines, 1, MOST_LINES)
+    check_whole("across", across, 0, MOST_LINES)
+    begin, until = time.perf_counter(), check_until(seconds)
+    a = parse_nearby(event) if isinstance(event, str) else event
+    b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    if a.name == b.name:
+        raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
+    scene = with_generic_symmetry(scene, (a, b))
+    found, stopped = _Map(Plane(scene, (a, b)), until), False
+    try:
+        found.follow_lines(lines, across, seed=seed, effort=effort)
+        found.follow_ends()
+    except KeyboardInterrupt:
+        if not found.lines:
+            raise
+        stopped = True
+    late = stopped or time.monotonic() > until or not all(line.intervals for line in found.lines)
+    what = tuple(found.curves), tuple(found.lines), time.perf_counter() - begin, late, stopped
+    return unless_stopped(BifurcationSet(scene, (a, b), *what), stopped)
+
+
+class _Map:
+    """Curves and counted lines in a plane, as far as they are known."""
+
+    def __init__(self, plane: Plane, until: float) -> None:
+        self.plane, self.until, self.tally = plane, until, Tally()
+        self.curves: list[EventCurve] = []
+        self.lines: list[CountedLine] = []
+
+    def follow_lines(self, lines: int, across: int, **search: object) -> None:
+        """Follow each parameter at some values of the other one, and the events that are met."""
+        plane, ends = self.plane, (self.plane.corner, self.plane.corner + self.plane.size)
+        up, right = zip(*ends, strict=True)
+        where = np.linspace(*right, lines) if lines > 1 else [np.mean(right)]
+        inside = np.linspace(*up, across + 2)[1:-1]
+        for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+            if time.monotonic() > self.until:
+                return
+            t = plane.parameters[1 - axis].t_of(u)
+            family = plane.family(t, axis)
+            atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
+            assert atlas.web is not None  # of one that was just followed
+            if atlas.stopped:
+                raise KeyboardInterrupt
+            met = self._follow_events(atlas.web, axis, u)
+            counts = () if atlas.interrupted else atlas.intervals
+            self.lines.append(CountedLine(plane.parameters[axis].name, t, counts, met))
+
+    def _follow_events(
+        self, web: BifurcationDiagram, axis: int, u: float
+    ) -> tuple[tuple[float, int], ...]:
+        """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
+        met, plane, curves = list[tuple[float, int]](), self.plane, self.curves
+        for number, node in enumerate(web.nodes):
+            flat = node.type == "singular" and not node.point[:-1].any()
+            if not (flat or node.type in FOLLOWED) or not node.located:
+                continue
+            point, normal = np.full(2, u), np.eye(2)[axis]
+            point[axis] = node.s
+            known = 0
+            systems: Any = [(None, None)] if flat else _systems(web, number, node)
+            # several systems can have the node as a solution: the first in which Newton comes back to it is followed
+            for hold, contact in systems:
+                tracer = EventTracer(plane, hold, contact, self.tally)
+                first = tracer.at(point, normal, node.point[:-1])
+                if first is None or abs(first.point[axis] - node.s) > NEAR_SINGULAR_TOL:
+                    continue
+                # one curve meets a line more than once, and every other line as well
+                known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
+                if not known:
+                    points, ends = tracer.follow(first, self.until)
+                    known = len(curves) + 1
+                    good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
+                    found, kind = tuple(map(self._point, good)), FLAT if flat else node.type
+                    curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
+                break
+            met.append((plane.parameters[axis].t_of(node.s), known))
+        return tuple(sorted(met))
+
+    def follow_ends(self) -> None:
+        """Follow the events that begin where a curve meets another one: on short lines from its last state."""
+        looked: list[CurvePoint] = []
+        for curve in self.curves:  # grows
+            for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
+                if why != MEETS or any(self._same(point, p) for p in looked):
+                    continue
+                looked.append(point)
+                for axis in (0, 1):
+                    if time.monotonic() > self.until or len(self.curves) >= MOST_CURVES:
+                        return
+                    self._follow_events(*self._short_line(point, axis))
+
+    def _same(self, a: CurvePoint, b: CurvePoint) -> bool:
+        over = zip(self.plane.parameters, a.t, b.t, strict=True)
+        apart = [abs(p.s_of(s) - p.s_of(t)) for p, s, t in over]
+        angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
+        return bool((apart <= AROUND / 10 * self.plane.size).all() and angles <= AROUND)
+
+    def _short_line(self, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, int, float]:
+        """Return what is followed from an event over one parameter nearby, and the value of the other."""
+        plane, parameter = self.plane, self.plane.parameters[axis]
+        s, room, ends = parameter.s_of(point.t[axis]), AROUND * plane.size[axis], parameter.ends
+        low, high = (parameter.t_of(float(np.clip(v, *ends))) for v in (s - room, s + room))
+        near = replace(parameter, low=low, high=high)
+        family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
+        web = BifurcationDiagram(family.line, *near.ends)
+        web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
+        return web, axis, plane.parameters[1 - axis].s_of(point.t[1 - axis])
+
+    def _point(self, p: EventPoint) -> CurvePoint:
+        angles = p.frame.problem.expand(p.frame.state)
+        return CurvePoint(self.plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)
+
+
+def _systems(
+    web: BifurcationDiagram, number: int, node: SpecialPoint
+) -> Iterator[tuple[Hold, Contact | None]]:
+    """Yield what is held at an event on the side that holds less, and a contact that closes there.
+
+    Several contacts may close together, and not all of them to first order.
+    """
+    arcs = [arc for arc in web.arcs if number in (arc.start, arc.end)]
+    holds = [arc.frames[len(arc.frames) // 2].hold for arc in arcs]
+    # one system serves both sides: without the contact, where its opening vanishes
+    least = min(holds, key=lambda hold: len(hold.contacts))
+    if node.contact is None:
+        yield least, None
+        return
+    rest = replace(least, contacts=tuple(c for c in least.contacts if c != node.contact))
+    more = (c for hold in holds for c in hold.contacts if c not in rest.contacts)
+    for contact in dict.fromkeys((node.contact, *more)):
+        yield rest, contact
+
+
+def _contact(tracer: EventTracer, at: EventPoint) -> str:
+    """Return the contact of an event in words; "" where it has none."""
+    contact = tracer.contact
+    return "" if contact is None else at.frame.problem.words(contact, at.frame.state).text
+
+
+def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
+    """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
+    plane = tracer.plane
+    if _contact(tracer, first).split(" (")[0] != curve.contact.split(" (")[0]:
+        return False  # rays that lie on each other close with either of their openings
+    # a change of sign: the curve passes the value between two of its points
+    at = [plane.parameters[axis].s_of(p.t[axis]) - first.point[axis] for p in curve.points]
+    angles = first.frame.problem.expand(first.frame.state)
+    room = plane.size[axis] * NEAR_SINGULAR_TOL
+    for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
+        if min(da, db) > room or max(da, db) < -room:
+            continue
+        share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
+        there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
+        s, t = (plane.parameters[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
+        near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
+        if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
+            return True
+    return False
+
+
+def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange]) -> np.ndarray:
+    """Return a curve of events with places between its points, where cubics join them.
+
+    Parameters
+    ----------
+    curve
+        Of `find_bifurcation_set`.
+    parameters
+        Both parameters with their ranges.
+
+    Returns
+    -------
+    numpy.ndarray
+        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; its points are among them.
+
+    Examples
+    --------
+    >>> from origami_nlp.paths import CurvePoint, EventCurve, parse_parameter_range, smooth
+    >>> arc = [(0.0, 1.0), (0.3, 0.95), (0.6, 0.8), (0.8, 0.6)]
+    >>> points = tuple(CurvePoint(t, (), 0.0, 0.0) for t in arc)
+    >>> curve = EventCurve(1, "fold", "", points, ("range", "range"))
+    >>> smooth(curve, (parse_parameter_range("torque[1]=0:1"), parse_parameter_range("torque[2]=0:1"))).shape
+    (37, 2)
+    """
+    from scipy.interpolate import CubicSpline
+
+    s = np.array([[o.s_of(t) for o, t in zip(parameters, p.t, strict=True)] for p in curve.points])
+    size = np.array([np.ptp(o.ends) for o in parameters])
+    apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
+    s = s[np.append(True, apart > ROUNDED)]
+    if len(s) < 3:
+        return s
+    chords = np.diff(s / size, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    along = chords / lengths[:, None]
+    # in shares of the ranges, so that units do not decide what is a corner
+    turns = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1.0, 1.0))
+    cuts = [0, *(np.flatnonzero(turns > CORNER) + 1), len(s) - 1]
+    at = np.append(0.0, np.cumsum(lengths))
+    out = [s[:1]]
+    for a, b in itertools.pairwise(cuts):
+        if b - a < 2:
+            out.append(s[b : b + 1])
+            continue
+        places = np.concatenate(
+            [np.linspace(at[k], at[k + 1], BETWEEN + 1)[1:] for k in range(a, b)]
+        )
+        joined = CubicSpline(at[a : b + 1], s[a : b + 1])
+        out.append(joined(places))
+    return np.concatenate(out)

@@ -1,0 +1,280 @@
+"""What drives a load path: a torque on creases, a force on a sheet, or a factor of the forces that a scene states."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+
+from origami_nlp.arguments import check_whole, refuse
+from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
+from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
+from origami_nlp.minima import JudgedState, MinimaResult, full_scene
+from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
+from origami_nlp.paths.family import at_places
+from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
+from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
+from origami_nlp.pattern_states import find_states
+from origami_nlp.problem import Parameters
+
+STEPS = ContinuationOptions(longest=0.2, growth=3.0)
+"""Of vertices: such that curves look smooth, by how far they turn."""
+CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
+IDENTITY = ((0, False),)
+"""The symmetry that every state keeps."""
+Search: TypeAlias = Callable[[Scene | Pattern], tuple[JudgedState, ...]]
+"""Returns the minima of an origami, or raises `OutOfTime`."""
+
+
+ONLY = {
+    "scene": {"starts": "the effort says how many starts a vertex gets"},
+    "pattern": {
+        "full": "states of a pattern keep no symmetry",
+        "prove": "lists along a parameter are not proved for patterns",
+    },
+}
+"""What only the other one takes, and why."""
+
+
+def refuse_other(origami: Scene | Pattern, **given: object) -> None:
+    """Raise an error for an argument that is not for such an origami."""
+    kind = "scene" if isinstance(origami, Scene) else "pattern"
+    refuse(kind, ONLY[kind], **given)
+
+
+def search_minima(origami: Scene | Pattern, until: float, **asked: Any) -> MinimaResult:
+    """Search for the minima of an origami, without ways out and the full space, up to a time (`time.monotonic`)."""
+    left = None if until == math.inf else max(until - time.monotonic(), 0.0)
+    plain: dict[str, Any] = {"seconds": left, "escape": False, "prove": False, "full": False}
+    return find_states(origami, **{**plain, **asked})
+
+
+@dataclass(frozen=True, eq=False)
+class OwnForces:
+    """The forces of a scene's loads, as what a factor of them works on.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    """
+
+    scene: Scene
+    name: ClassVar[str] = "factor of the loads"
+    unit: ClassVar[str] = ""
+    coordinate: ClassVar[str] = "position of the loads along their forces [m]"
+    creases: ClassVar[tuple[int, ...]] = ()
+
+    def __post_init__(self) -> None:
+        none = "has no [[loads]] with forces to be multiplied"
+        if not self.scene.loads or not self.arm:
+            why = "has forces that are all zero" if self.scene.loads else none
+            raise OptionError(f"crease = None: the scene {why}")
+
+    @property
+    def arm(self) -> float:
+        """Largest torque of the forces."""
+        each = self.scene.loads
+        return sum(float(np.linalg.norm(load.force or 0.0)) * load.place[0] for load in each)
+
+    def conjugate(self, phi: np.ndarray) -> np.ndarray:
+        """Return where they are along themselves: of several sum f . p over the root of the sum of their squares."""
+        dead: Any = dead_loads(self.scene.loads, self.scene.fixed_facet)
+        work = -dead.energy(np.array(self.scene.vertex.sector_angles), np.asarray(phi, float))
+        return np.asarray(work / float(np.linalg.norm(dead.forces)))
+
+
+@dataclass(frozen=True, eq=False)
+class Driver:
+    """A load t on what it works on.
+
+    Attributes
+    ----------
+    work
+        A torque on creases, of a scene on a crease and its images under the symmetry; a force.
+    scene
+        What is loaded, if that is one vertex; else it is the pattern of `work`.
+    """
+
+    work: Torque | Pull | DeadForce | OwnForces
+    scene: Scene | None = None
+    ALSO = ("name", "unit", "coordinate", "creases")
+
+    @property
+    def origami(self) -> Any:
+        """What is loaded."""
+        return self.scene or self.work.pattern  # type: ignore[union-attr]
+
+    @cached_property
+    def unloaded(self) -> Any:
+        """The origami without what drives the path."""
+        own = isinstance(self.work, OwnForces)
+        return replace(self.origami, loads=()) if own else self.origami
+
+    @property
+    def name(self) -> str:
+        """What t is."""
+        return self.work.name
+
+    @property
+    def unit(self) -> str:
+        """Of t."""
+        return self.work.unit
+
+    @property
+    def creases(self) -> tuple[int, ...]:
+        """Creases (1-based) on each of which a torque acts; empty for forces."""
+        return self.work.creases
+
+    @property
+    def images(self) -> int:
+        """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
+        return len(self.creases) if self.scene and self.creases else 1
+
+    @property
+    def coordinate(self) -> str:
+        """What the load works on, with its unit; of images the mean."""
+        mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
+        return mean if self.images > 1 else self.work.coordinate
+
+    def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return what the load works on at states [..., N]."""
+        return self.work.conjugate(fold_angles) / self.images
+
+    @property
+    def farthest(self) -> float:
+        """A t beyond which springs no longer matter: what would turn all of them once round."""
+        return most_torque(list(self.origami.stiffness), self.origami.laws) / self.work.arm
+
+    @cached_property
+    def problem(self) -> Any:
+        """The problem at load 0, a `PatternProblem`."""
+        return pose(self.origami)
+
+    @property
+    def elements(self) -> tuple[tuple[int, bool], ...]:
+        """Symmetries that states keep; the identity alone where none is imposed."""
+        return IDENTITY if self.problem.orbits is None else self.origami.group.elements
+
+    def keeping(self, elements: Collection[tuple[int, bool]]) -> Driver:
+        """Return the same load on states that keep but some of the symmetries, or fewer where no scene states those."""
+        if self.problem.orbits is None:
+            return self
+        full, n = full_scene(self.origami), self.origami.degree
+        order = sum(not mirrored for _, mirrored in elements)
+        mirrors = [s for s, mirrored in elements if mirrored]
+        kept = replace(full, symmetry=f"C{order}")
+        if mirrors:
+            through = [k + 1 for k in range(n) if 2 * k % n in mirrors]
+            several = replace(full, symmetry=f"D{order}", mirror=through[0] if through else None)
+            kept = several if set(several.group.elements) == set(elements) else kept
+        # a winding belongs to its group
+        return replace(self, scene=full if len(kept.windings) > 1 else kept)
+
+    def line(self) -> ParameterLine:
+        """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
+        problem, work = self.problem, self.work
+        p, none = problem.parameters, np.zeros(problem.size)
+        length: dict[str, Any] = {}
+        if self.scene is None:
+            k = self.origami.stiffness
+            length["weight"] = math.sqrt(len(k)) * work.arm / float(k.sum())
+        if isinstance(work, Torque):
+            load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
+            return load_line(problem, load, **length)
+        dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
+        still = dead.times(0.0)  # over t only forces change: their points stay
+        change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
+        return ParameterLine(problem, replace(p, dead=still), change, **length)
+
+    def at(self, t: float) -> Any:
+        """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""
+        scene, work = self.scene, self.work
+        if scene is None:
+            return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
+        loads = [("loads", k) for k in range(len(scene.loads))]
+        places = [("torque", crease - 1) for crease in self.creases] or loads
+        label = f"{scene.label}, " if scene.label else ""
+        return replace(at_places(scene, places, t), name=f"{label}{self.name} = {t:.10g}")
+
+    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
+        """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""
+        if self.scene:
+            return steps or STEPS
+        rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
+        return replace(rms, first=size * rms.first, longest=size * rms.longest)
+
+    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+        """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
+
+        The path keeps the winding of its first state.
+        """
+        number, driver = 0, self
+        if not isinstance(state, JudgedState):
+            number = check_whole("state", state, 1)
+            try:
+                found = search(self.at(0.0))
+            except OutOfTime:
+                raise NothingInTime(CUT) from None
+            if not found:
+                raise OptionError("no stable state was found at load 0")
+            state = found[check_whole("state", state, 1, len(found)) - 1]
+        which, phi = f"state = {number}" if number else "state", np.array(state.fold_angles)
+        if state.verdict != "minimum" or len(phi) != len(self.origami.stiffness):
+            raise OptionError(f"{which} is no stable state of this origami: {state.certificate}")
+        if self.scene is None and not phi.any():
+            why = "is the flat state, from which many branches go on: load a folded one (rest angles other than 0)"
+            raise OptionError(f"{which} {why}")
+        if isinstance(self.work, Pull) and self.conjugate(phi) <= DUPLICATE_TOL * self.work.arm:
+            a, b = self.work.corners
+            raise OptionError(
+                f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
+                "one to the other"
+            )
+        if self.scene and len(self.scene.windings) > 1:
+            driver = replace(self, scene=replace(self.scene, winding=state.winding))
+        return driver, number, driver.problem.reduce(phi)
+
+
+def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
+    """Return what drives a path: of a scene the number of a crease, or None; of a pattern a number, several, or a work.
+
+    Raises
+    ------
+    OptionError
+        If it is none of these.
+    """
+    if isinstance(origami, Pattern):
+        origami.check_alone("a load")
+        if isinstance(load, Work):
+            if load.pattern is not origami:
+                why = "is one of another pattern: make it of the one that is loaded"
+                raise OptionError(f"load {why}")
+            return Driver(load)
+        several = isinstance(load, Sequence) and not isinstance(load, str)
+        return Driver(Torque(origami, tuple(load) if several else (load,)))
+    if load is None:
+        return Driver(OwnForces(origami), origami)
+    orbit = origami.group.orbit
+    here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
+    creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
+    return Driver(Torque(one_vertex(origami), creases), origami)
+
+
+def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
+    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
+    shift, mirrored = element
+    i = np.arange(n)
+    return (shift - i if mirrored else shift + i) % n
+
+
+def kept_by(
+    elements: Sequence[tuple[int, bool]], phi: np.ndarray, near: float = SETTLED
+) -> tuple[tuple[int, bool], ...]:
+    """Return the symmetries that a state of all fold angles keeps, known as `near` [rad]."""
+    return tuple(e for e in elements if np.abs(phi[image_of(len(phi), e)] - phi).max() <= near)

@@ -1,0 +1,362 @@
+"""A bifurcation diagram as branches and events: arcs judged and joined, nodes made events, states at one value."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from origami_nlp.contact import breaking_stiffnesses
+from origami_nlp.continuation import (
+    AGAIN,
+    LATE,
+    BifurcationDiagram,
+    BranchSegment,
+    Equilibrium,
+    Hold,
+    Line,
+    SpecialPoint,
+)
+from origami_nlp.kkt import State
+from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
+from origami_nlp.paths import records as r
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.pattern import Scene
+from origami_nlp.problem import Contact
+
+QUIET = ("start", "range", "corner", AGAIN, LATE)
+"""Nodes at which nothing happens."""
+Chain: TypeAlias = list[tuple[int, bool]]
+"""Arcs in order, each with whether it is run from its start to its end."""
+Pieces: TypeAlias = tuple[tuple[Contact, ...], ...]
+
+
+class Part(NamedTuple):
+    """A part of an arc: positions of its first and last frame, and what its states are."""
+
+    first: int
+    last: int
+    kind: str
+    certificate: str
+
+
+class Across:
+    """The smallest stiffness of states across their symmetry, in the space without it, with loaded contacts held.
+
+    nan where there is no one Hessian, or no line of problems without the symmetry; inf where nothing breaks the
+    symmetry and keeps the contacts.
+    """
+
+    def __init__(self, line: Line | None, scene: Scene) -> None:
+        self.line, self._scene = line, scene
+        self._known = dict[Equilibrium, float]()
+        # what closes in that space where contacts are held
+        self._touching = dict[Hold, Pieces]()
+
+    def __call__(self, frame: Equilibrium) -> float:
+        """Return that of a state."""
+        if self.line is None:
+            return math.nan
+        if frame not in self._known:
+            self._known[frame] = self._stiffness(self.line, frame)
+        return self._known[frame]
+
+    def _stiffness(self, line: Line, frame: Equilibrium) -> float:
+        full = State(line.at(frame.s), frame.problem.expand(frame.state))
+        pieces = self._touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
+        # what closed together at another state of these contacts, and is closed here, leaves the same pieces
+        closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
+        open_now = closed and np.abs(full.local.openings(closed)[0]).max() > CONTACT_TOL
+        if pieces is None or open_now:
+            pieces = self._touching[frame.hold] = tuple(full.pieces)
+        one = len(pieces) == 1
+        found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
+        return min(found, default=math.inf)
+
+
+class FollowedDiagram(BifurcationDiagram):
+    """Equilibria over a parameter or under a load, and what they are as records.
+
+    Where the user (Ctrl-C) ends judging, arcs that are left are undecided.
+
+    Parameters
+    ----------
+    line
+        The problems.
+    parameter
+        The parameter, or load, and its range.
+    across
+        Eigenvalue across the symmetry.
+    ends
+        Whether arcs are judged beside their ends too, not in the middle alone.
+    functions, options
+        As of `BifurcationDiagram`.
+    """
+
+    def __init__(
+        self,
+        line: Line,
+        parameter: ParameterRange,
+        across: Across,
+        *,
+        ends: bool = True,
+        functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
+        **options: Any,
+    ) -> None:
+        broken = [("breaks-symmetry", across)] if across.line else []
+        super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
+        self.parameter, self.across, self._ends, self.cut = parameter, across, ends, False
+        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
+
+    def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+        """Return fields of the point of a state, at all fold angles, beside those of its problem."""
+        return {"energy": frame.problem.energy(frame.state)}
+
+    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+        """Return branches and events with their numbers."""
+        try:
+            return self._records()
+        except KeyboardInterrupt:
+            self.stop()
+            self.cut = True
+            return self._records()
+
+    def _records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+        chains = self._chains()
+        self._begun = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
+        meets: dict[int, set[int]] = {}
+        for k, arc in enumerate(self.arcs):
+            if k not in self._parts:
+                self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
+            for node in (arc.start, arc.end):
+                meets.setdefault(node, set()).add(self._begun[k])
+        shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
+        shown.sort(key=lambda k: self.nodes[k].s)
+        ids = {k: i for i, k in enumerate(shown, start=1)}
+        events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
+        return tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1)), events
+
+    def point(self, frame: Equilibrium, of: Equilibrium | None = None) -> r.PathPoint:
+        """Return a state in the scene's units; of: a state of its arc that says whether its multipliers are unique."""
+        if frame in self._points:
+            return self._points[frame]
+        p, forces = frame.problem, []
+        phi = p.expand(frame.state) + 0.0
+        if frame.hold.contacts:
+            spread = _spread(frame.seen) if _spread((of or frame).seen) else {}
+            for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+                # moment at each single contact, in the scene's units
+                unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
+                low, high = spread.get(contact, (value, value))
+                forces.append(r.Multiplier(words, value * unit, (low * unit, high * unit)))
+        found = r.PathPoint(
+            self.parameter.t_of(frame.s),
+            tuple(phi.tolist()),
+            multipliers=tuple(forces),
+            eigenvalue=least_eigenvalue(frame),
+            full_space_eigenvalue=math.nan if self.cut else self.across(frame),
+            **self.seen_as(frame, phi),
+        )
+        return self._points.setdefault(frame, found)
+
+    def listed_at(self, value: float) -> tuple[r.StateAt, ...]:
+        """Return the states of all branches at one value of the parameter; `records` come first."""
+        out: list[tuple[np.ndarray, r.StateAt]] = []
+        s, scale = self.parameter.s_of(value), self.line.problem.scale
+        for number, frame in (*self.states_at(s), *((-1, f) for f in self.alone_at(s))):
+            if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
+                continue  # two arcs that meet there
+            what, branch, phi = frame.judged, self._begun.get(number, 0), frame.seen.fold_angles
+            found = r.StateAt(
+                branch, tuple(phi.tolist()), self.seen_as(frame, phi)["energy"], what.verdict, what.kind,
+                what.reason, what.local_dimension, what.contacts, least_eigenvalue(frame),
+                frame.system.residual, frame.seen.residual,
+            )  # fmt: skip
+            out.append((frame.state, found))
+        # ties (mirror images of one another) in a fixed order
+        every = (state for _, state in out)
+        return tuple(sorted(every, key=lambda one: rank(one.energy / scale, one.fold_angles)))
+
+    def _chains(self) -> list[Chain]:
+        """Join arcs at nodes where just two of them meet; others end there."""
+        meeting: dict[int, list[int]] = {}
+        for k, arc in enumerate(self.arcs):
+            meeting.setdefault(arc.start, []).append(k)
+            meeting.setdefault(arc.end, []).append(k)
+        left = set(range(len(self.arcs)))
+
+        def walk(k: int, node: int) -> Chain:
+            chain: Chain = []
+            while k in left:
+                left.discard(k)
+                forward = self.arcs[k].start == node
+                chain.append((k, forward))
+                node = self.arcs[k].end if forward else self.arcs[k].start
+                onward = [other for other in meeting[node] if other != k]
+                if len(meeting[node]) != 2 or not onward:
+                    break
+                k = onward[0]
+            return chain
+
+        # ends of branches: where one arc ends, or three and more meet; then closed curves
+        ends = [(k, node) for node, arcs in sorted(meeting.items()) if len(arcs) != 2 for k in arcs]
+        ends += [(k, arc.start) for k, arc in enumerate(self.arcs)]
+        return [walk(k, node) for k, node in ends if k in left]
+
+    def _event(self, number: int, at: int, meets: tuple[int, ...]) -> r.PathEvent:
+        node = self.nodes[at]
+        problem, note = self.line.at(node.s), node.why
+        if node.between is not None:
+            low, high = (self.parameter.shown(self.parameter.t_of(s), 12) for s in node.between)
+            note = f"between {low} and {high}: {note}"
+        return r.PathEvent(
+            number,
+            self._type(at),
+            self.parameter.t_of(node.s),
+            tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
+            "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
+            r.Residuals(node.residual, node.value),
+            node.located,
+            note,
+            meets,
+        )
+
+    def _type(self, at: int) -> str:
+        """Return the type of an event, contacts as they close and leave while the parameter grows."""
+        node = self.nodes[at]
+        if node.type not in ("closes", "leaves"):
+            return "singular" if node.type == "refused" else node.type
+        held = [
+            (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
+            for arc in self.arcs
+            if at in (arc.start, arc.end)
+        ]
+        # of contacts that close together another one may be held: then more of them are on that side
+        most = max((len(contacts) for contacts, _ in held), default=0)
+        named = [after for contacts, after in held if node.contact in contacts][:1]
+        named = named or [after for contacts, after in held if len(contacts) == most]
+        return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
+
+    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> r.PathBranch:
+        points, ranges = list[r.PathPoint](), list[r.KindRange]()
+        for k, forward in chain:
+            arc = self.arcs[k]
+            frames = arc.frames if forward else arc.frames[::-1]
+            last = len(frames) - 1
+            # positions in the whole branch
+            begin = len(points) - bool(points)  # arcs share the point at which they meet
+            points += [self.point(f, arc.frames[last // 2]) for f in frames[bool(points) :]]
+            for part in self._parts[k] if forward else reversed(self._parts[k]):
+                a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
+                t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
+                place, what = (begin + a, begin + b), (part.kind, arc.index, part.certificate)
+                ranges = _joined(ranges, r.KindRange(t, *what, place))
+        (a, forward), (b, onward) = chain[0], chain[-1]
+        first = self.arcs[a].start if forward else self.arcs[a].end
+        final = self.arcs[b].end if onward else self.arcs[b].start
+        if first == final and len(chain) > 1:
+            ends = (r.BranchEnd("closed curve", None),) * 2
+        else:
+            ends = _end(self.nodes[first], ids.get(first)), _end(self.nodes[final], ids.get(final))
+        return r.PathBranch(number, tuple(ranges), tuple(points), ends)
+
+
+def _end(node: SpecialPoint, event: int | None) -> r.BranchEnd:
+    return r.BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
+
+
+def least_eigenvalue(frame: Equilibrium) -> float:
+    """Return the smallest eigenvalue of the reduced Hessian [N m/rad]; nan where nothing can move."""
+    return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
+
+
+def parts_of(arc: BranchSegment, ends: bool = True, judged: bool = True) -> list[Part]:
+    """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
+    last = len(arc.frames) - 1
+    if arc.index:
+        return [Part(0, last, "saddle", "")]
+    if not judged:
+        return [Part(0, last, "undecided", "interrupted before it was judged")]
+    inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
+    if last == 1 or not ends:
+        inner = [arc.middle]
+    known = {k: _judged(arc.frames[k]) for k in inner}
+    cuts = [0]
+    for a, b in itertools.pairwise(inner):
+        if known[a][0] == known[b][0]:
+            continue
+        low, high = a, b
+        while high - low > 1:
+            middle = (low + high) // 2
+            known[middle] = _judged(arc.frames[middle])
+            # one change between a and b is assumed; events, where kinds change as a rule, cut arcs already
+            low, high = (middle, high) if known[middle][0] == known[a][0] else (low, middle)
+        cuts.append(high)
+    out = []
+    for first, end in zip(cuts, [*cuts[1:], last], strict=True):
+        # the judged frame nearest to the middle of the part
+        k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
+        out.append(Part(first, end, *known[k]))
+    return out
+
+
+def _judged(frame: Equilibrium) -> tuple[str, str]:
+    what = frame.judged
+    return (what.kind or what.verdict, what.reason)
+
+
+def joined(
+    diagrams: Sequence[tuple[Sequence[r.PathBranch], Sequence[r.PathEvent]]],
+    one: Callable[[r.PathEvent, r.PathEvent], bool],
+    order: Callable[[r.PathEvent], tuple[float, ...]],
+) -> tuple[list[r.PathBranch], list[r.PathEvent]]:
+    """Return the branches and events of several diagrams of one system as those of one, numbered anew.
+
+    one: whether two events are one, of which the first is kept.  order: of events that are.
+    """
+    if len(diagrams) == 1:
+        return list(diagrams[0][0]), list(diagrams[0][1])
+    shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
+    found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
+    found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
+    groups: list[list[tuple[int, r.PathEvent]]] = []
+    for which, e in found:
+        if not (same := next((g for g in groups if one(g[0][1], e)), [])):
+            groups.append(same)
+        same.append((which, e))
+    groups.sort(key=lambda group: group[0][1].t)
+    ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
+    events = []
+    for k, g in enumerate(groups, start=1):
+        own = sorted({b + shifts[which] for which, e in g for b in e.branches})
+        events.append(replace(g[0][1], id=k, branches=tuple(own)))
+    branches = []
+    for which, (several, _) in enumerate(diagrams):
+        for b in several:
+            a, c = (replace(end, event=ids.get((which, end.event or 0))) for end in b.ends)
+            branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
+    return branches, events
+
+
+def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
+    """Add a range; one that goes on in the same kind and direction is made longer."""
+    if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
+        if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
+            t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
+            return [*ranges[:-1], replace(old, t=t, points=points)]
+    return [*ranges, new]
+
+
+def _spread(state: State) -> dict[Contact, tuple[float, float]]:
+    """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
+    out: dict[Contact, tuple[float, float]] = {}
+    for piece in () if state.problem.sparse else state.pieces:
+        found = state.on(piece).multiplier_set
+        if not found.unique:
+            for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
+                out.setdefault(contact, (float(low), float(high)))
+    return out

@@ -1,0 +1,163 @@
+"""Follow a stable state under a load: as far as it is stable, through snaps, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from origami_nlp.arguments import (
+    check_flag,
+    check_number,
+    check_type,
+    check_until,
+    check_whole,
+    shown,
+)
+from origami_nlp.continuation import ContinuationOptions
+from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, OutOfTime, unless_stopped
+from origami_nlp.minima import JudgedState
+from origami_nlp.paths.driver import IDENTITY, driver_of, refuse_other, search_minima
+from origami_nlp.paths.job import FollowedLoad
+from origami_nlp.paths.load_result import LoadPath
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.records import STOPPED
+from origami_nlp.paths.yielding import YieldingHinges, go_yielding
+from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
+from origami_nlp.pattern_problem import Work
+
+
+def load_path(
+    origami: Stated,
+    load: int | Sequence[int] | Work | None = None,
+    *,
+    to: float | str = "snap",
+    state: int | JudgedState = 1,
+    unload: bool = False,
+    confirm: bool = True,
+    full: bool | None = None,
+    yield_torque: float | Sequence[float | None] | Mapping[int, float] | None = None,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int | None = None,
+    starts: int | None = None,
+    options: ContinuationOptions | None = None,
+    seconds: float | None = None,
+) -> LoadPath:
+    """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
+
+    Where the state ends in a limit point, or comes to the flat state, where branches cross, it snaps: it descends, at
+    the load at which it ends, to the next minimum, from where the path goes on.
+
+    Parameters
+    ----------
+    origami
+        A scene or a pattern, as `find_minima` takes it.
+    load
+        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0, and on its images under the
+        symmetry of a scene; None: t times the forces of the scene's loads.  Of a pattern also several numbers, or a
+        `Torque`, `Pull` or `DeadForce`.
+    to
+        Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
+    state
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
+    unload
+        Whether the load then falls back to 0, also from where it snapped.
+    confirm
+        Whether each snap is confirmed by a search (`ConfirmedSnap`); of patterns under torques only.
+    full
+        Whether states may break the symmetry; of scenes, where None is True.  Where a symmetric state loses stability
+        without its symmetry the path goes on along what branches off there, or snaps.
+    yield_torque
+        Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
+        (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
+        Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed);
+        snaps are not confirmed.
+    effort, seed, max_starts
+        Of the searches, see `find_minima`.
+    starts
+        Of the searches of patterns, see `find_minima`.
+    options
+        Of the continuation; of a pattern lengths are root mean squares over creases.
+    seconds
+        Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
+        limit.
+
+    Returns
+    -------
+    LoadPath
+        Legs, snaps, branches and events.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, there is no such stable state, or the time was over before it began.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05)
+    >>> [(event.type, round(event.t, 6)) for event in path.events]
+    [('closes', 0.042461)]
+    """
+    stated = as_origami(origami)
+    refuse_other(stated, starts=starts, full=full)
+    driver = driver_of(stated, load)
+    counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
+    asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
+    for name in asked.keys() & counts.keys():
+        check_whole(name, asked[name], int(name == "max_starts"))
+    full = True if full is None else full
+    if options is not None:
+        check_type("options", options, ContinuationOptions)
+    for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
+        check_flag(name, flag)
+    if (isinstance(to, str) and to != "snap") or to == 0:
+        raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
+    ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
+    until = check_until(seconds)
+
+    def search(one: Scene | Pattern) -> tuple[JudgedState, ...]:
+        try:
+            result = search_minima(one, until, **asked)
+        except Interrupted:  # what it found is no path
+            raise KeyboardInterrupt from None
+        if result.search.stopped_by == "time":
+            raise OutOfTime
+        return tuple(result.minima)
+
+    driver, number, x = driver.begin(state, search)
+    hinges = None
+    if yield_torque is not None:
+        x = driver.problem.expand(x)
+        hinges = YieldingHinges.of(driver, yield_torque, x, number)
+        driver, full, confirm = driver.keeping(IDENTITY), False, False
+    over = ParameterRange(driver.name, min(0.0, *ends), max(0.0, *ends), driver.unit, False)
+    job = FollowedLoad(driver, over, full, options, until, hinges)
+    kept = job.record
+    try:
+        for end in ends:
+            if hinges:
+                led = go_yielding(job, x, 0.0, end, hinges)
+                if unload and led is not None:
+                    go_yielding(job, led[0], end, 0.0, led[1])
+                continue
+            arrived = job.go(x, 0.0, end, once=to == "snap")
+            if unload and arrived is not None:
+                job.low, job.high = min(0.0, end), max(0.0, end)
+                arrived[0].go(*arrived[1:], 0.0, once=False)
+                job.low, job.high = over.low, over.high
+    except OutOfTime:  # of a descent
+        kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+    except KeyboardInterrupt:
+        job.stop()
+    stopped = any(one.stopped for one in (job, *kept.jobs))
+    if stopped:
+        if not kept.ways:
+            raise KeyboardInterrupt
+        kept.alarms.append(STOPPED)
+    if not kept.ways and not hinges:
+        late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
+        raise OptionError(kept.alarms[0] if seconds is None else late)
+    found = job.path(number, search if confirm and not stopped else None)
+    return unless_stopped(found, stopped or kept.cut)

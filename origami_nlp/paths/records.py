@@ -1,0 +1,477 @@
+"""What paths are made of: points, ranges of one kind, branches, events; checks and counts; legs and snaps of loads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from origami_nlp.display import angle_columns
+from origami_nlp.io import ShortRepr, Unbounded
+from origami_nlp.kkt import ContactForce, Kind
+
+EVENT_WORDS = {
+    "fold": "limit point",
+    "nonsmooth-fold": "limit point at a contact",
+    "branching": "branch point",
+    "closes": "contact closes",
+    "leaves": "contact opens",
+    "breaks-symmetry": "loses stability without its symmetry",
+    "singular": "closure loses rank",
+    "yields": "hinge yields, its rest angle moves",
+    "unloads": "hinge turns back, elastic about its moved rest angle",
+}
+"""Types of events as reports say them."""
+COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
+"""Kinds of minima."""
+PITCHFORK = "pitchfork"
+"""Why a leg ends where stable states branch off, along which the load goes on."""
+YIELDS, HOLDS = "yields", "unloads"
+"""Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
+STOPPED = "interrupted: the path goes on from where it ends here"
+"""What an alarm says where the user (Ctrl-C) ended a path."""
+COLLAPSE = "collapses"
+"""Why a leg ends where hinges yield and nothing stable goes on."""
+
+
+@dataclass(frozen=True)
+class Multiplier:
+    """What a closed contact carries on a branch.
+
+    Attributes
+    ----------
+    contact
+        In words.
+    value
+        Moment at each single contact [N m], positive where it pushes.
+    range
+        Smallest and largest value over the set of multipliers; inf where unbounded.
+    """
+
+    contact: str
+    value: float
+    range: tuple[float, Unbounded]
+
+
+@dataclass(frozen=True, repr=False)
+class PathPoint(ShortRepr):
+    """One state of a path.
+
+    Attributes
+    ----------
+    t
+        The parameter, or the load, in its unit.
+    fold_angles
+        All N [rad].
+    energy
+        In the scene's units; under a load the energy without it [J].
+    multipliers
+        Of the contacts held closed.
+    eigenvalue
+        Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
+    full_space_eigenvalue
+        Smallest across the imposed symmetry, without it [N m/rad]; nan where there is none, or where it is not known.
+    angle
+        What a load works on; nan over a parameter.
+    """
+
+    t: float
+    fold_angles: tuple[float, ...]
+    energy: float
+    multipliers: tuple[Multiplier, ...]
+    eigenvalue: float
+    full_space_eigenvalue: float
+    angle: float = math.nan
+
+    def row(self) -> dict[str, object]:
+        """Return the point as columns of a data frame, those with a unit and the fold angles."""
+        named: dict[str, object] = {"energy_J": self.energy}
+        named["eigenvalue_N_m_per_rad"] = self.eigenvalue
+        return named | angle_columns(self.fold_angles)
+
+
+@dataclass(frozen=True)
+class KindRange:
+    """What a branch is over a part of the parameter.
+
+    Attributes
+    ----------
+    t
+        Its ends, in the order of the branch.
+    kind
+        Of a minimum, or ``saddle``, or the verdict.
+    index
+        Number of directions in which the energy falls.
+    certificate
+        Of the state in the middle, in words; "" for saddles.
+    points
+        Positions of its first and last point in the branch.
+    """
+
+    t: tuple[float, float]
+    kind: str
+    index: int
+    certificate: str
+    points: tuple[int, int]
+
+    @property
+    def low(self) -> float:
+        """Smallest t."""
+        return min(self.t)
+
+    @property
+    def high(self) -> float:
+        """Largest t."""
+        return max(self.t)
+
+    @property
+    def stable(self) -> bool:
+        """Whether it is a minimum."""
+        return self.kind in COUNTED
+
+
+@dataclass(frozen=True)
+class BranchEnd:
+    """Why a branch ends.
+
+    Attributes
+    ----------
+    why
+        ``range``, ``closed curve``, or the type of the event, with words.
+    event
+        Its number, or None.
+    """
+
+    why: str
+    event: int | None
+
+
+@dataclass(frozen=True, repr=False)
+class PathBranch(ShortRepr):
+    """States that are followed one to the next, through events.
+
+    Attributes
+    ----------
+    id
+        From 1.
+    kind_ranges
+        What it is, part by part.
+    points
+        Its states, in order.
+    ends
+        Why it ends, first and last.
+    """
+
+    id: int
+    kind_ranges: tuple[KindRange, ...]
+    points: tuple[PathPoint, ...] = field(repr=False)
+    ends: tuple[BranchEnd, BranchEnd]
+
+    def kind_at(self, k: int) -> str:
+        """Return what the point at position k is, see `KindRange.kind`."""
+        return next(r.kind for r in self.kind_ranges if r.points[0] <= k <= r.points[1])
+
+    def alarms(self) -> list[str]:
+        """Say where states of index 0 are no minima."""
+        odd = (r for r in self.kind_ranges if not r.stable and r.kind != "saddle")
+        spans = ((f"{r.t[0]:.6g} to {r.t[1]:.6g}", f"{r.kind}: {r.certificate}") for r in odd)
+        return [f"branch {self.id}, {span}: {what}" for span, what in spans]
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """How exactly an event is located.
+
+    Attributes
+    ----------
+    kkt
+        Largest entry of the KKT system, torques relative to the largest.
+    event
+        Value of the event's own function; nan where it has none.
+    """
+
+    kkt: float
+    event: float
+
+
+@dataclass(frozen=True, repr=False)
+class PathEvent(ShortRepr):
+    """A state at which something changes.
+
+    Attributes
+    ----------
+    id
+        From 1.
+    type
+        ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry`` or ``singular``; of
+        load paths also ``yields`` and ``unloads``.
+    t
+        The parameter in its unit.
+    fold_angles
+        All N [rad].
+    contact
+        That closes or leaves as t grows, or the creases that yield or turn back, in words; "" elsewhere.
+    residuals
+        How exactly it is located.
+    located
+        Whether both residuals are below 1e-11.
+    note
+        Why it is not located, or why nothing is followed from there.
+    branches
+        Numbers of the branches that meet there.
+    """
+
+    id: int
+    type: str
+    t: float
+    fold_angles: tuple[float, ...]
+    contact: str
+    residuals: Residuals
+    located: bool
+    note: str
+    branches: tuple[int, ...]
+
+    def words(self, *, growing: bool = True) -> str:
+        """Return what happens as the parameter grows, or falls: what closes the one way opens the other.
+
+        Parameters
+        ----------
+        growing
+            Whether it grows.
+
+        Returns
+        -------
+        str
+            With the contact, or the creases.
+        """
+        other = {} if growing else {"closes": "leaves", "leaves": "closes"}
+        kind = other.get(self.type, self.type)
+        return EVENT_WORDS.get(kind, kind) + (f": {self.contact}" if self.contact else "")
+
+
+@dataclass(frozen=True)
+class SearchCheck:
+    """A search at one value of the parameter, beside what was followed.
+
+    Attributes
+    ----------
+    t
+        The parameter in its unit.
+    states
+        Minima that the search found.
+    followed
+        Minima on branches there, once its own states were followed too.
+    new_branches
+        Branches that begin with its states.
+    missed
+        Minima on branches that the search did not find.
+    expected_undiscovered
+        Of the search.
+    starts
+        Of the search.
+    seconds
+        Of the search, wall time.
+    complete
+        ``proved`` (or ``proved-except-singular``, ``not-proved``) where a proof was asked for, ``traced`` where one
+        degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
+    """
+
+    t: float
+    states: int
+    followed: int
+    new_branches: int
+    missed: int
+    expected_undiscovered: Unbounded
+    starts: int
+    seconds: float
+    complete: str = ""
+
+    def row(self) -> dict[str, str]:
+        """Return what it found, as columns of a table."""
+        counts = ("states", "followed", "new_branches", "missed")
+        own = {name.replace("_", " "): str(getattr(self, name)) for name in counts}
+        return {**own, "list is": self.complete}
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Minima between two changes of their number or kind.
+
+    Attributes
+    ----------
+    t
+        Its ends.
+    minima
+        Their number.
+    kinds
+        Number of each kind.
+    """
+
+    t: tuple[float, float]
+    minima: int
+    kinds: dict[str, int]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What following cost.
+
+    Attributes
+    ----------
+    steps
+        Accepted.
+    evaluations
+        Of the KKT system.
+    seconds
+        Wall time of following and judging, without the checks; nan of loads.
+    checks
+        Wall time of the checks.
+    """
+
+    steps: int
+    evaluations: int
+    seconds: float = math.nan
+    checks: float = 0.0
+
+
+@dataclass(frozen=True)
+class StateAt:
+    """A state of a branch at one value of the parameter, judged there.
+
+    Attributes
+    ----------
+    branch
+        Its number; 0 for a state of this value alone.
+    fold_angles
+        All N [rad].
+    energy
+        In the scene's units.
+    verdict, kind, certificate, local_dimension, contacts
+        As `kkt.classify` says.
+    eigenvalue
+        Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
+    kkt_residual, closure_residual
+        Largest entry of the KKT system, torques relative to the largest, and of closure.
+    """
+
+    branch: int
+    fold_angles: tuple[float, ...]
+    energy: float
+    verdict: str
+    kind: Kind | None
+    certificate: str
+    local_dimension: int
+    contacts: tuple[ContactForce, ...]
+    eigenvalue: float
+    kkt_residual: float
+    closure_residual: float
+
+
+@dataclass(frozen=True)
+class ConfirmedSnap:
+    """Searches before and after a snap, which know nothing of the path.
+
+    Attributes
+    ----------
+    t
+        Loads before the snap and after it, at which is searched.
+    minima
+        How many minima each search found.
+    found
+        Whether the state of the path before the snap, and the one after it, is among them.
+    """
+
+    t: tuple[float, float]
+    minima: tuple[int, int]
+    found: tuple[bool, bool]
+
+    def words(self) -> str:
+        """Say how many minima searches find on both sides, and whether the states of the path are among them."""
+        there = ["among them" if f else "NOT among them" for f in self.found]
+        each = zip(self.t, self.minima, there, strict=True)
+        return "; ".join(f"search at {t:.6g}: {n} minima, the path's is {f}" for t, n, f in each)
+
+
+@dataclass(frozen=True, repr=False)
+class Snap(ShortRepr):
+    """Where a state ends, and where it goes.
+
+    Attributes
+    ----------
+    event
+        Number of the event at which the state ends.
+    t
+        The load there.
+    type
+        ``fold``, ``nonsmooth-fold``, ``branching``, ``breaks-symmetry`` or ``flat state``.
+    before, after
+        Fold angles of the last state and, at the same load, of the one it descends to, all N [rad].
+    angle
+        What the load works on, before and after.
+    released
+        Energy that is lost, load included [J].
+    kind, certificate
+        Of the state after.
+    restabilises
+        Load at which the unstable states that begin here become stable again; None where they do not, or were not
+        followed so far.
+    confirmed
+        By a search; None where it was not asked for.
+    """
+
+    event: int
+    t: float
+    type: str
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    angle: tuple[float, float]
+    released: float
+    kind: str
+    certificate: str
+    restabilises: float | None
+    confirmed: ConfirmedSnap | None
+
+
+@dataclass(frozen=True, repr=False)
+class Leg(ShortRepr):
+    """Stable states that the load passes one way.
+
+    Attributes
+    ----------
+    toward
+        1 where the load grows, -1 where it falls.
+    points
+        States in order.
+    why
+        ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
+        ``breaks-symmetry``, ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
+        (hinges yield, and nothing stable goes on), or what stopped it.
+    snap
+        Number (1-based) of the snap that ends it, or None.
+    full_space
+        ``stable``, ``unstable`` or ``undecided`` without the symmetry, judged at both ends and in the middle; empty
+        where none is imposed, or it was not asked for.
+    full_space_from
+        First load at which it is not stable there; None where it is.
+    symmetry
+        That its states keep, such as ``"D2"``; ``"none"``, of a pattern empty.
+    stiffness
+        Derivative of the load by what it works on where the leg begins [N m/rad, N/m, or 1/m of a factor]; inf where
+        that stays, nan at a bifurcation, and where no state goes on.
+    moved
+        Of hinges that may yield: by how much the rest angles of all N have moved where the leg ends [rad]; else empty.
+    """
+
+    toward: int
+    points: tuple[PathPoint, ...] = field(repr=False)
+    why: str
+    snap: int | None
+    full_space: str
+    full_space_from: float | None
+    symmetry: str = ""
+    stiffness: Unbounded = math.nan
+    moved: tuple[float, ...] = ()
+
+    @property
+    def span(self) -> str:
+        """From which load to which."""
+        return f"{self.points[0].t:.6g} to {self.points[-1].t:.6g}"

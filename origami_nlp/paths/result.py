@@ -1,0 +1,214 @@
+"""What a path is, over a parameter or under a load: branches, events, and what is drawn, written and told of both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origami_nlp.display import Cell, Content, Details, Report, Table, Viewable, Words
+from origami_nlp.paths.parameter_range import ParameterRange
+from origami_nlp.paths.records import COUNTED, Cost, PathBranch, PathEvent, PathPoint
+from origami_nlp.pattern_problem import state_frame, states_to_fold
+
+
+class Track(NamedTuple):
+    """States of a path in order: a branch, or a leg of a load, and what each of them is."""
+
+    word: str
+    id: int
+    points: Sequence[PathPoint]
+    kinds: Sequence[str]
+    more: Mapping[str, object] = MappingProxyType({})
+
+
+class Station(NamedTuple):
+    """A state of a path that is shown by itself: its title, the point, and a note."""
+
+    title: str
+    point: PathPoint
+    note: str
+
+
+class Plot(NamedTuple):
+    """Axes over which the states of a path are drawn: labels, and the value of a state along each."""
+
+    x: str
+    y: str
+    value_x: Callable[[PathPoint], float]
+    value_y: Callable[[PathPoint], float]
+
+    def values(self, points: Sequence[PathPoint | None]) -> np.ndarray:
+        """Return the places of points, [m, 2], nan of those that are left out."""
+        nowhere = (math.nan, math.nan)
+        return np.array([(self.value_x(p), self.value_y(p)) if p else nowhere for p in points])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Path(Report, Viewable):
+    """States that were followed over a parameter, or under a load.
+
+    Attributes
+    ----------
+    parameter
+        The parameter, or the load, and its range.
+    branches, events
+        All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
+    alarms
+        What does not fit together, in words; empty where everything does.
+    cost
+        What it took.
+    interrupted
+        Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
+    """
+
+    parameter: ParameterRange
+    branches: tuple[PathBranch, ...]
+    events: tuple[PathEvent, ...]
+    alarms: tuple[str, ...]
+    cost: Cost
+    interrupted: bool
+
+    PICTURE, SCHEMA = "draw_path", "origami-nlp/path/1"
+
+    @property
+    def curves(self) -> list[Track]:
+        """What is listed point by point: the branches."""
+        return [
+            Track("branch", b.id, b.points, [b.kind_at(k) for k in range(len(b.points))])
+            for b in self.branches
+        ]
+
+    @property
+    def stations(self) -> list[Station]:
+        """The states that are shown by themselves: the events."""
+        shown = self.parameter.shown
+        titles = [f"event {e.id}: {e.words()} at {shown(e.t, 9)}" for e in self.events]
+        return [
+            Station(t, self.point_of(e), e.note) for t, e in zip(titles, self.events, strict=True)
+        ]
+
+    @property
+    def panels(self) -> list[Plot]:
+        """The axes over which it is drawn."""
+        raise NotImplementedError
+
+    def origami_at(self, t: float) -> Any:
+        """Return what is folded at a value of the parameter, without the load of the path.
+
+        Parameters
+        ----------
+        t
+            The value.
+
+        Returns
+        -------
+        Scene or Pattern
+            Whose states those at t are.
+        """
+        raise NotImplementedError
+
+    def point_of(self, event: PathEvent) -> PathPoint:
+        """Return an event as a point, by the nearest one of its branches, or of all curves.
+
+        Parameters
+        ----------
+        event
+            Of this path.
+
+        Returns
+        -------
+        PathPoint
+            With the energy and the moments there.
+        """
+        own = [p for b in self.branches if b.id in event.branches for p in b.points]
+        phi = np.array(event.fold_angles)
+        near = min(
+            own or [p for curve in self.curves for p in curve.points],
+            key=lambda p: abs(p.t - event.t) + float(np.abs(phi - p.fold_angles).max()),
+        )
+        return replace(near, t=event.t, fold_angles=event.fold_angles)
+
+    def events_table(self, title: str = "", on: frozenset[int] = frozenset()) -> Table:
+        """Return one row an event.
+
+        Parameters
+        ----------
+        title
+            Of the table.
+        on
+            Numbers of those that get a star.
+
+        Returns
+        -------
+        Table
+            With twelve digits of what is located.
+        """
+        over, rows = self.parameter, []
+        for e in self.events:
+            t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
+            row = {"event": f"{e.id}{'*' * (e.id in on)}", "type": e.type, over.axis: t}
+            row |= {"contact": e.contact, **self._beside(e)}
+            rows.append({**row, "note": e.note or "not located" * (not e.located)})
+        return listed(title, rows)
+
+    def _beside(self, event: PathEvent) -> dict[str, str]:
+        return {"branches": ", ".join(map(str, event.branches))}
+
+    def view_content(self) -> Content:
+        """Return curves and marks as plain data, see `view`."""
+        content: Content = self._from_room("view_path")(self)  # bodies in space are slow to import
+        return content
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        over = self.parameter
+        for curve in self.curves:
+            for p, kind in zip(curve.points, curve.kinds, strict=True):
+                row = {**curve.more, curve.word: curve.id, "parameter": over.name, "t": p.t}
+                broken = p.full_space_eigenvalue < 0
+                stable = kind in ("minimum", *COUNTED) and not broken
+                row |= {"unit": over.unit, "kind": kind, "stable": stable}
+                row |= {} if math.isnan(p.angle) else {"angle": p.angle}
+                yield row | p.row()
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return all points as FOLD data (spec 1.1), one frame each, in order."""
+        frames, over = [], self.parameter
+        for curve in self.curves:
+            for p, kind in zip(curve.points, curve.kinds, strict=True):
+                at = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
+                known: dict[str, Any] = {curve.word: curve.id, "parameter": p.t}
+                known |= {"energy": p.energy, "kind": kind}
+                whole = self.origami_at(p.t), p.fold_angles, f"{at}: {kind}"
+                frames.append(state_frame(*whole, **known))
+        return states_to_fold(self.origami_at(over.low), frames)
+
+
+def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
+    """Return rows as a table, columns that are empty in all of them left out; words wrap, numbers stand right."""
+    texts = [{k: v if isinstance(v, str) else v.text for k, v in row.items()} for row in rows]
+    heads = list(dict.fromkeys(k for row in texts for k, text in row.items() if text)) or ["none"]
+    number = [all(row.get(h, "")[:1] in "-+0123456789" for row in texts) for h in heads]
+    cells = [[row.get(h, "") for h in heads] for row in rows]
+    columns = "".join("r" if one else "L" for one in number)
+    return Table(heads, cells, title, columns, framed=False, narrow=True)
+
+
+def details(pieces: Iterable[Table | Cell], title: str) -> Details:
+    """Return tables that have rows, and lines, for those who check a result."""
+    return Details([p for p in pieces if not isinstance(p, Table) or p.rows], title)
+
+
+def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:
+    """Return fold angles in degrees, of many the first."""
+    said = " ".join(f"{math.degrees(v):z.2f}" for v in fold_angles[:most])
+    return said + " ..." * (len(fold_angles) > most)
+
+
+def bold(lines: Sequence[str]) -> Iterator[Words]:
+    """Return lines that stand out."""
+    return (Words(line, "bold") for line in lines)

@@ -1,0 +1,275 @@
+"""Follow all minima of a few searches over a parameter: events located, counts between them, checks reported."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import (
+    check_callback,
+    check_flag,
+    check_type,
+    check_until,
+    check_whole,
+)
+from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium
+from origami_nlp.errors import OUT_OF_TIME, unless_stopped
+from origami_nlp.minima import MinimaResult, check_prove, full_scene
+from origami_nlp.numerics import SETTLED
+from origami_nlp.paths.atlas import Atlas
+from origami_nlp.paths.driver import refuse_other, search_minima
+from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
+from origami_nlp.paths.followed import Across, FollowedDiagram
+from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
+from origami_nlp.paths.records import Cost, SearchCheck
+from origami_nlp.pattern import Scene, Stated, as_origami
+from origami_nlp.proof import ProofOptions
+
+MOST_CHECKS = 100
+JUDGING = 0.1
+"""Share of a time limit that is kept for judging what was followed."""
+
+
+def follow(
+    origami: Stated,
+    parameter: str | ParameterRange,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full: bool | None = None,
+    prove: bool | float | ProofOptions | None = None,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int | None = None,
+    starts: int | None = None,
+    options: ContinuationOptions | None = None,
+    seconds: float | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Atlas:
+    """Follow the minima of a vertex or a pattern over a parameter.
+
+    Searches at a few values (the middle for one check, both ends for two, then the middles of the widest intervals
+    without events) give the states to begin with; every state that no branch explains begins a new one.  Each of
+    `Scene.windings` is followed by itself: `Atlas.others`.
+
+    Parameters
+    ----------
+    origami
+        A scene or a pattern, as `find_minima` takes it.
+    parameter
+        The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_parameter_range`.  Of a pattern also
+        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
+        by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
+    checks
+        Number of searches.
+    through_folds
+        Whether branches are followed beyond limit points (folds), where the states are saddles.
+    full
+        Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
+        is True.
+    prove
+        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds for it, as for
+        `find_minima`.
+    effort, seed, max_starts, starts
+        Of the searches, see `find_minima`; `starts` of patterns.
+    options
+        Of the continuation: lengths of steps, points and arcs at most.
+    seconds
+        Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
+    progress
+        Called with what it is at, in words, whenever that changes.
+
+    Returns
+    -------
+    Atlas
+        Branches, events, counts and checks.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameter, or an argument is not what it must be.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was followed.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
+    >>> [(event.type, round(event.t, 6)) for event in atlas.events]
+    [('closes', 0.355732)]
+    >>> [state.kind for state in atlas.at(0.3)]
+    ['interior', 'contact-touching', 'degenerate', 'degenerate']
+    """
+    stated = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    check_type("parameter", stated, ParameterRange)
+    until = check_until(seconds)
+    check_callback("progress", progress)
+    given = {"full": full, "prove": prove, "max_starts": max_starts, "starts": starts}
+    asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
+    asked |= {"options": options, "checks": checks, "through_folds": through_folds}
+    asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
+    what: Any = as_origami(origami)
+    refuse_other(what, **given)
+    every = [origami if isinstance(origami, str) else what]
+    if isinstance(what, Scene):
+        every = [*with_generic_symmetry(what, (stated,)).of_each_winding]
+    found = list[Atlas]()
+    for each in every:
+        found.append(follow_family(family_of(each, stated), **asked))
+        if found[-1].stopped:
+            break
+    late = any(atlas.interrupted for atlas in found)
+    whole = replace(found[0], others=tuple(found[1:]), interrupted=late)
+    return unless_stopped(whole, found[-1].stopped)
+
+
+def follow_family(
+    family: Family,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full: bool = True,
+    prove: bool | float | ProofOptions = False,
+    options: ContinuationOptions | None = None,
+    until: float = math.inf,
+    progress: Callable[[str], object] | None = None,
+    **search: Any,
+) -> Atlas:
+    """Follow the minima of a family of scenes or patterns; arguments as for `follow`.
+
+    options: of the continuation.  until: when the time is over (`time.monotonic`).
+    """
+    check_whole("checks", checks, 1, MOST_CHECKS)
+    check_flag("through_folds", through_folds)
+    check_flag("full", full)
+    check_prove("prove", prove)
+    check_type("options", STEPS if options is None else options, ContinuationOptions)
+    survey = _Survey(family, through_folds, full, options, until, progress or (lambda _: None))
+    try:
+        survey.run(checks, {**search, "prove": prove})
+    except KeyboardInterrupt:
+        if not survey.arcs:
+            raise KeyboardInterrupt from None  # nothing is followed yet
+        survey.stop()
+    return survey.atlas()
+
+
+class _Survey(FollowedDiagram):
+    """Searches and what they start, until the atlas is made."""
+
+    def __init__(
+        self,
+        family: Family,
+        through_folds: bool,
+        full: bool,
+        steps: ContinuationOptions | None,
+        until: float,
+        say: Callable[[str], object],
+    ) -> None:
+        self._say, self._began, self.family, line = say, time.perf_counter(), family, None
+        if full and family.symmetric:
+            few = 2 if family.still else SAMPLES
+            line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
+        across = Across(line, family.scene(family.parameter.low))
+        # some of the time is for judging what was followed
+        turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
+        options: Any = {"through_folds": through_folds, "until": turn, "progress": self._followed}
+        options["steps"] = steps or family.steps
+        super().__init__(family.line, family.parameter, across, **options)
+        self.checks: list[SearchCheck] = []
+        self.alarms: list[str] = []
+
+    def _followed(self, arcs: int, s: float) -> None:
+        """Say how much of the diagram is known, and where a branch is followed from."""
+        at = f"{self.parameter.name} = {self.parameter.t_of(s):.4g}"
+        self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
+
+    def run(self, checks: int, search: dict[str, Any]) -> None:
+        """Search at some values at once, then in the widest gaps; follow what is new."""
+        self.add_flat()
+        over, middle = self.parameter, 0.5 * sum(self.parameter.ends)
+        todo = [middle] if checks == 1 else [*over.ends, middle][:checks]
+        while todo and not self.late:
+            self._check([over.t_of(float(s)) for s in todo], search)
+            # the middle of the widest interval between events and checks
+            taken = [over.s_of(c.t) for c in self.checks]
+            cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
+            k = int(np.diff(cuts).argmax())
+            todo = [0.5 * (cuts[k] + cuts[k + 1])] * (len(taken) < checks)
+
+    def _check(self, values: list[float], search: dict[str, Any]) -> None:
+        """Search at some values at once; follow what is new at one after the other, and compare."""
+        begin, until = time.perf_counter(), self.steps.until
+        self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
+        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene, values)
+        found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
+        seconds = time.perf_counter() - begin
+        self._began += seconds
+        for t, result in zip(values, found, strict=True):
+            self.checks.append(self._compared(t, result, seconds / len(values)))
+
+    def _compared(self, t: float, result: MinimaResult, seconds: float) -> SearchCheck:
+        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+        s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
+        new, missed, met, followed = 0, 0, list[np.ndarray](), self._minima(s)
+        for minimum in result.minima:
+            if self.late:  # each of many states takes long to begin with
+                break
+            x = self.line.problem.reduce(np.array(minimum.fold_angles))
+            # not explained by any branch: it begins one
+            if _nearest(followed, x) > SETTLED:
+                # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
+                if _nearest([f for _, f in self.states_at(s)], x) <= SETTLED:
+                    self.alarms.append(f"{at}: a minimum lies on a branch of saddles")
+                    continue
+                new += self.add(x, s, "minimum")
+                followed = self._minima(s)
+            met.append(x)
+        for frame in [] if self.late else followed:
+            if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
+                # a followed state that is a minimum and that the search has not found
+                if (what := frame.judged).verdict == "minimum":
+                    missed += 1
+                else:
+                    said = f"the state of a branch is {what.verdict}: {what.reason}"
+                    self.alarms.append(f"{at}: {said}")
+        unseen = getattr(result.search, "expected_undiscovered", math.inf)
+        known = "" if result.completeness is None else result.completeness.status
+        complete = OUT_OF_TIME if result.search.left_out else known
+        counts = len(result.minima), len(followed), new, missed, unseen, result.search.starts
+        return SearchCheck(t, *counts, seconds, complete)
+
+    def _minima(self, s: float) -> list[Equilibrium]:
+        """Return the states of branches at s that may be minima, each once."""
+        out: list[Equilibrium] = []
+        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
+            if not frame.index and _nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
+        """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
+        if not self.family.preloaded:
+            return super().seen_as(frame, phi)
+        return {"energy": float(self.family.scene_of(self.parameter.t_of(frame.s)).energy(phi))}
+
+    def atlas(self) -> Atlas:
+        """Judge what was followed, and pack it."""
+        over, family, (branches, events) = self.parameter, self.family, self.records()
+        self.alarms += [line for branch in branches for line in branch.alarms()]
+        took = time.perf_counter() - self._began, sum(c.seconds for c in self.checks)
+        return Atlas(
+            over, branches, events, tuple(dict.fromkeys(self.alarms)),
+            Cost(self.tally.steps, self.tally.evaluations, *took),
+            self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
+            family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
+        )  # fmt: skip
+
+
+def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=np.inf)

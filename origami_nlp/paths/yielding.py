@@ -1,0 +1,263 @@
+"""Hinges that yield along a load path: elastic up to a torque, perfectly plastic at it.
+
+A hinge with the elastic law U_i and the yield torque T_i bears tau = U_i'(phi - p), |tau| <= T_i.  Where |tau| comes to
+T_i it yields: the torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about the
+rest angle that has moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a
+spring.  Which of the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of
+plasticity: a hinge yields forwards or its torque falls, not both).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.continuation import Equilibrium, ParameterLine
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import SETTLED
+from origami_nlp.paths.driver import Driver
+from origami_nlp.paths.job import FollowedLoad
+from origami_nlp.paths.records import COLLAPSE, HOLDS, YIELDS, PathEvent
+from origami_nlp.paths.ways import Run
+from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
+
+MOST_STAGES = 100
+"""Of one path, one way: more are taken for a mistake."""
+
+
+@dataclass(frozen=True, eq=False)
+class YieldingHinges:
+    """Elastic and perfectly plastic hinges at one stage of a path: some yield, the others are elastic.
+
+    Attributes
+    ----------
+    most
+        Yield torques [N m], inf where a hinge has none, [N].
+    stiffness, rest, laws
+        The elastic hinges, as stated.
+    preload
+        Torques that act beside the hinges [N m], [N].
+    moved
+        By how much rest angles had moved when the stage began, [N] [rad].
+    since
+        Fold angles at which hinges that yield began to, nan of the others, [N] [rad].
+    """
+
+    most: np.ndarray
+    stiffness: np.ndarray
+    rest: np.ndarray
+    laws: Laws
+    preload: np.ndarray
+    moved: np.ndarray
+    since: np.ndarray
+
+    @staticmethod
+    def of(driver: Driver, given: Any, phi: np.ndarray, state: int) -> YieldingHinges:
+        """Return the hinges of what is loaded before anything has yielded; phi: at load 0, of a number or 0.
+
+        Raises
+        ------
+        OptionError
+            If a hinge bears more than its yield torque there.
+        """
+        scene, stated = driver.scene, driver.origami
+        k = np.array(stated.stiffness, float)
+        none = np.zeros(len(k))
+        rest = np.array(scene.rest_angles if scene else stated.rest, float)
+        preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
+        most = read_torque_bounds(given, len(k), "yield_torque")
+        hinges = YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        borne = np.abs(hinges.torque(phi))
+        for i in np.flatnonzero(borne > most)[:1].tolist():
+            raise OptionError(
+                f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
+                f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges have "
+                "after yielding"
+            )
+        return hinges
+
+    @property
+    def yielding(self) -> np.ndarray:
+        """Which hinges yield, [N]."""
+        return np.isfinite(self.since)
+
+    def _elastic(self, phi: np.ndarray) -> np.ndarray:
+        """Return fold angles of states [..., N] less the plastic angle of each hinge."""
+        return np.where(self.yielding, self.since, phi) - self.moved
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Torques of hinges at states [..., N], without preload, same shape."""
+        return torque_with_laws(self._elastic(phi), self.stiffness, self.rest, self.laws)
+
+    def moved_at(self, phi: np.ndarray) -> np.ndarray:
+        """Return by how much rest angles have moved at states [..., N]."""
+        return self.moved + np.where(self.yielding, phi - self.since, 0.0)
+
+    def stored(self, phi: np.ndarray) -> np.ndarray:
+        """Energy that hinges store at states [..., N] above what they would without having yielded, [...]."""
+        given = self.stiffness, self.rest, self.laws
+        return energy_with_laws(self._elastic(phi), *given) - energy_with_laws(phi, *given)
+
+    def work(self, phi: np.ndarray) -> float:
+        """Plastic work since the stage began, at a state [N]."""
+        return float(self.torque(phi) @ (self.moved_at(phi) - self.moved))
+
+    def at(self, phi: np.ndarray) -> YieldingHinges:
+        """Return the hinges at a state where a stage ends, all elastic."""
+        return replace(self, moved=self.moved_at(phi), since=np.full(len(phi), np.nan))
+
+    def full(self, phi: np.ndarray) -> np.ndarray:
+        """Return which hinges are at their yield torque at a state: 1 towards valley, -1 towards mountain, [N]."""
+        share = self.torque(phi) / self.most
+        return np.where(np.abs(share) >= 1 - SETTLED, np.sign(share), 0.0)
+
+    def over(self, phi: np.ndarray) -> str:
+        """Name the creases that would bear more than they yield at, at a state."""
+        return creases_named(np.abs(self.torque(phi)) > self.most * (1 + SETTLED))
+
+    def named(self, event: PathEvent) -> PathEvent:
+        """Return an event of this stage with the creases that it is of."""
+        if event.type not in (YIELDS, HOLDS):
+            return event
+        full = (self.full(np.array(event.fold_angles)) != 0) & ~self.yielding
+        which = self.yielding if event.type == HOLDS else full
+        return replace(event, contact=creases_named(which))
+
+    @property
+    def events(self) -> list[tuple[str, Any]]:
+        """Functions of a state that are zero where a hinge begins to yield, or turns back."""
+
+        elastic = np.flatnonzero(np.isfinite(self.most) & ~self.yielding).tolist()
+        on = np.flatnonzero(self.yielding).tolist()
+        return [(YIELDS, partial(self._room, i)) for i in elastic] + [
+            (HOLDS, partial(_rate, i)) for i in on
+        ]
+
+    def _room(self, i: int, at: Equilibrium) -> float:
+        return 1.0 - float((self.torque(at.state)[i] / self.most[i]) ** 2)
+
+    def line(self, driver: Driver) -> ParameterLine:
+        """Return the problems over the load in this stage; every crease is a variable."""
+        line = driver.line()
+        p, on = line.start, self.yielding
+        held = self.torque(np.zeros(len(on)))
+        # of springs preload is part of the rest angle, beside laws it is a load
+        linear = np.array([law is None for law in self.laws or [None] * len(on)])
+        torque = np.where(on, np.where(linear, self.preload, 0.0) - held, 0.0) / line.problem.scale
+        laws = p.laws
+        if laws is not None:
+            left = tuple(None if y else law for law, y in zip(laws.laws, on, strict=True))
+            laws = replace(
+                laws,
+                laws=left,
+                weight=np.where(on, 0.0, laws.weight),
+                shift=np.where(on | (laws.weight == 0), laws.shift, laws.shift + self.moved),
+            )
+        start = replace(
+            p,
+            stiffness=np.where(on, 0.0, p.stiffness),
+            rest=p.rest + self.moved,
+            load=p.load + torque,
+            laws=laws,
+        )
+        return replace(line, problem=line.problem.varied(start), start=start)
+
+    def beyond_law(self, phi: np.ndarray) -> int | None:
+        """Return the first crease (1-based) whose law, moved with its rest angle, is not known at a state, or None."""
+        angle = self._elastic(phi)
+        for i, law in enumerate(self.laws):
+            low, high = (law.breaks[0], law.breaks[-1]) if law else (-np.inf, np.inf)
+            if not low - SETTLED <= angle[i] <= high + SETTLED:
+                return i + 1
+        return None
+
+
+def _rate(i: int, at: Equilibrium) -> float:
+    return float(at.tangent[i])
+
+
+def creases_named(which: np.ndarray) -> str:
+    """Name some of all creases."""
+    numbers = (np.flatnonzero(which) + 1).tolist()
+    head = "crease " if len(numbers) == 1 else "creases "
+    return head + ", ".join(map(str, numbers)) if numbers else ""
+
+
+def go_yielding(
+    path: FollowedLoad, x: np.ndarray, t: float, end: float, hinges: YieldingHinges
+) -> tuple[np.ndarray, YieldingHinges] | None:
+    """Load the state x [N] from t to `end`, hinges all elastic at first; return where it arrives, None before that."""
+    toward, kept = 1.0 if end > t else -1.0, path.record
+    for _ in range(MOST_STAGES):
+        job = _begin(path, x, t, toward, hinges)
+        if job is None:
+            return None
+        kept.jobs.append(job)
+        ways = len(kept.ways)
+        job.go(x, t, end, once=True)
+        if len(kept.ways) == ways:
+            return None
+        kept.ways[ways:] = [run := _cut(kept.ways[ways], job.hinges, kept.alarms)]
+        x, t = run.frames[-1].state, run.frames[-1].s
+        kept.work += job.hinges.work(x)
+        hinges = job.hinges.at(x)
+        if run.why == "range":
+            return x, hinges
+        if run.why not in (YIELDS, HOLDS):
+            return None
+    kept.alarms.append(f"more than {MOST_STAGES} times a hinge yields or turns back")
+    return None
+
+
+def _begin(
+    path: FollowedLoad, x: np.ndarray, t: float, toward: float, hinges: YieldingHinges
+) -> FollowedLoad | None:
+    """Return what is followed from a state on, with the hinges that go on yielding; None where it collapses."""
+    full = hinges.full(x)
+    yielding, seen = full != 0, set[bytes]()
+    while yielding.tobytes() not in seen:
+        seen.add(yielding.tobytes())
+        job = path.stage(replace(hinges, since=np.where(yielding, x, np.nan)))
+        job.begin(x, t, toward, follow=False)
+        ahead = [h.frame for node in job.nodes for h in node.halves]
+        ahead = [frame for frame in ahead if frame.ahead * toward > 0 and not frame.index]
+        if not ahead:
+            if not full.any():
+                return job  # the path itself says why
+            break
+        rates = full * ahead[0].tangent[:-1]
+        # a hinge that stays neither yields nor falls: it is left as it was taken
+        onward = np.where(np.abs(rates) <= SETTLED, yielding, rates > 0) & (full != 0)
+        if (onward == yielding).all():
+            return job
+        yielding = onward
+    if path.record.ways:
+        path.record.ways[-1] = path.record.ways[-1]._replace(why=COLLAPSE, fall=None)
+    path.record.alarms.append(
+        f"at load {t:.6g} {creases_named(full)} yield{'' if np.count_nonzero(full) > 1 else 's'} and no stable "
+        "state goes on: the state collapses; how far hinges yield then is decided by its speed, and is not followed"
+    )
+    return None
+
+
+def _cut(run: Run, hinges: YieldingHinges, alarms: list[str]) -> Run:
+    """Cut a run where a hinge turns back at a contact, which no function of the states between shows."""
+    frames = run.frames
+    on = np.flatnonzero(hinges.yielding)
+    side = np.sign(hinges.torque(frames[0].state))[on]
+    for k, frame in enumerate(frames):
+        crease = hinges.beyond_law(frame.state)
+        if crease is not None:
+            alarms.append(
+                f"the law of crease {crease}, whose rest angle has moved, is not known at load {frame.s:.6g}: give "
+                "extrapolate = 'linear' in the law, or stops"
+            )
+            why = "stopped: law not known"
+            return run._replace(why=why, frames=frames[: max(k, 1)], fall=None)
+        rates = side * frame.tangent[:-1][on] * np.sign(frame.ahead * run.toward)
+        if k > 1 and (rates < -SETTLED).any() and frame.ahead:
+            return run._replace(why=HOLDS, frames=frames[:k], fall=None)
+    return run

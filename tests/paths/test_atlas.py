@@ -1,0 +1,329 @@
+"""States over a parameter: branches against searches, events, counts, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from benchmarks import random_vertex
+from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.minima import judge_in_full_space
+from origami_nlp.paths import (
+    Family,
+    draw_path,
+    family_of,
+    follow,
+    follow_family,
+    parse_parameter_range,
+)
+from origami_nlp.pattern_problem import pose
+
+TYPES = "fold nonsmooth-fold closes leaves branching breaks-symmetry singular".split()
+
+
+def generic(seed, degree):
+    return random_vertex(np.random.default_rng(seed), degree, "full")
+
+
+@pytest.fixture(scope="module")
+def atlas():
+    return follow(o.examples.degree6("5*pi/12"), "ratio=0.1:100")
+
+
+def minima(states):
+    return [np.array(s.fold_angles) for s in states if s.verdict == "minimum"]
+
+
+def compare(atlas, t, **search):
+    """Assert that branches and a search have the same minima at t; a search may miss what is certified."""
+    found = o.find_minima(atlas.family.scene(t), prove=False, **search, escape=False)
+    branches = minima(atlas.at(t))
+    for m in found.minima:
+        apart = [np.abs(np.array(m.fold_angles) - b).max() for b in branches]
+        assert min(apart, default=9.0) < 1e-6, (t, np.degrees(m.fold_angles), m.kind)
+    return len(branches) - len(found.minima)
+
+
+@pytest.mark.slow  # seconds of curves or searches
+def test_the_third_state_of_5_pi_12_is_born_without_an_eigenvalue(atlas):
+    birth, closes = atlas.events
+    assert (birth.type, closes.type) == ("nonsmooth-fold", "closes")
+    assert birth.t == pytest.approx(1.788720163, abs=1e-9)
+    at_birth = [p for b in atlas.branches for p in b.points if p.t == birth.t]
+    assert at_birth and all(abs(p.eigenvalue) > 1e-3 for p in at_birth)
+    assert [i.minima for i in atlas.intervals] == [2, 3, 3]
+    for share, count in ((0.99, 2), (1.01, 3)):
+        assert len(minima(atlas.at(birth.t * share))) == count
+        assert compare(atlas, birth.t * share) >= 0
+    assert not atlas.alarms
+
+
+def test_a_minimum_that_sweeps_missed_is_there(atlas):
+    angles = (31.08, -94.12, -94.12, 31.08, -94.12, -94.12)
+    assert min(np.abs(np.degrees(b) - angles).max() for b in minima(atlas.at(1.8055))) < 0.01
+
+
+def test_states_at_a_value_are_polished_and_judged(atlas):
+    for t in (0.1, 1.0, 17.3, 100.0):
+        for state in atlas.at(t):
+            assert state.closure_residual < 1e-12 and state.kkt_residual < 1e-11
+            assert state.verdict in ("minimum", "saddle")
+            energy = atlas.family.scene(t).energy(state.fold_angles)
+            assert state.energy == pytest.approx(energy, rel=1e-12)
+    pinned = next(s for s in atlas.at(2.0) if s.kind == "contact-pinned")
+    ranges = [r for r in atlas.branches[pinned.branch - 1].kind_ranges if r.stable]
+    assert (min(r.low for r in ranges), max(r.high for r in ranges)) == (atlas.events[0].t, 100.0)
+    with pytest.raises(OptionError, match="outside"):
+        atlas.at(101.0)
+
+
+def test_every_event_is_located_in_its_own_function(atlas):
+    for e in atlas.events:
+        assert e.type in TYPES and e.located
+        assert e.residuals.kkt < 1e-11 and abs(e.residuals.event) < 1e-11
+
+
+def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
+    content = atlas.view_content()
+    assert [s.folded.fold_angles.tolist() for s in content.stations] == [
+        list(e.fold_angles) for e in atlas.events
+    ]
+    known = {(p.t, p.fold_angles) for b in atlas.branches for p in b.points}
+    shown = set()
+    for track, (_, points) in zip(content.tracks, content.panels[0].tracks, strict=True):
+        steps = np.diff(track.parameter)
+        assert (steps > 0).all() or (steps < 0).all()
+        assert np.array_equal(points[:, 0], track.parameter)
+        shown |= {
+            (float(t), tuple(s.fold_angles.tolist()))
+            for t, s in zip(track.parameter, track.states, strict=True)
+        }
+    assert shown == known
+    html = atlas.view()._repr_html_()
+    assert "nonsmooth-fold" in html and "branch 2" in html
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
+    """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
+    atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full=False)
+    (event,) = [e for e in atlas.events if e.type == "closes"]
+    assert math.degrees(event.t) == pytest.approx(50.34254652, abs=1e-8)
+    alone = [e for e in atlas.events if e.type == "singular"]
+    assert len(alone) == 2 and all(e.t == math.pi / 3 for e in alone)  # handles, at pi/3 only
+    assert len(atlas.at(math.pi / 3)) == 4 and compare(atlas, math.pi / 3) == 0
+
+
+@pytest.mark.slow  # seconds of curves or searches
+def test_the_flat_state_on_a_curve_is_located_and_the_curve_leads_there():
+    """By an equation at the flat state alone; by the points of the curve on both sides, whose size is linear in t."""
+    atlas = follow(generic(1, 5), "creases.rest_angles[1]=-1:pi", checks=2)
+    (event,) = [e for e in atlas.events if e.type == "singular"]
+    assert all(e.located for e in atlas.events)
+    assert set(event.fold_angles) == {0.0} and "flat" in event.note
+    near = [
+        (p.t - event.t, np.copysign(np.linalg.norm(p.fold_angles), p.t - event.t))
+        for b in atlas.branches
+        for p in b.points
+        if abs(p.t - event.t) < 0.25 and np.abs(p.fold_angles).max() < 0.2
+    ]
+    apart, size = np.array(near).T
+    assert apart.min() < 0 < apart.max() and len(near) > 4
+    assert np.polyfit(apart, size, 2)[-1] == pytest.approx(0, abs=1e-4)
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_where_a_contact_leaves_the_curve_may_turn_back_by_a_small_angle():
+    """Pinned and free states both go on to larger t: a snap, with a minimum more beyond it than before."""
+    atlas = follow(generic(2, 6), "creases.rest_angles[1]=1.2:1.4", checks=1)
+    (event,) = atlas.events
+    assert event.type == "nonsmooth-fold" and event.located
+    counts = [
+        compare(atlas, event.t + e) + len(minima(atlas.at(event.t + e))) for e in (-0.05, 0.05)
+    ]
+    assert counts[1] == counts[0] + 1
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_a_symmetry_that_is_lost_is_located():
+    """On one side of the event the state is stable in the full space, on the other it is not."""
+    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-2.2:-1.8", checks=2)
+    event = next(e for e in atlas.events if e.type == "breaks-symmetry")
+    assert event.located
+    verdicts = []
+    for t in (event.t - 0.02, event.t + 0.02):
+        near = min(
+            atlas.at(t), key=lambda s: np.abs(np.subtract(s.fold_angles, event.fold_angles)).max()
+        )
+        assert near.verdict == "minimum"
+        verdicts.append(judge_in_full_space(atlas.family.scene(t), np.array(near.fold_angles)))
+    assert [v.verdict == "stable" for v in verdicts].count(True) == 1
+    for v in verdicts:
+        assert (v.verdict == "stable") == (min(v.hessian_eigenvalues) > 0)
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
+    """The multipliers of the limits are unique, so that the Hessian across the symmetry is one number of the state."""
+    atlas = follow(o.examples.degree8("pi/6"), "torque[1]=-0.6:-0.4", checks=2)
+    for t in (-0.55, -0.45):
+        scene = atlas.family.scene(t)
+        found = [judge_in_full_space(scene, x) for x in minima(atlas.at(t))]
+        assert found and all(v.verdict == "stable" for v in found)
+        assert all(min(v.breaking_eigenvalues) == pytest.approx(0.025) for v in found)
+    assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_a_torque_is_followed_to_the_snap_of_the_load_path():
+    """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
+    scene = o.examples.degree6("5*pi/12")
+    atlas = follow(scene, "torque[1]=-0.15:-0.1", checks=2, full=False)
+    fold, again = atlas.events
+    assert (fold.type, again.type) == ("fold", "nonsmooth-fold") and fold.located
+    assert fold.t == pytest.approx(-0.138149523101, abs=1e-12)
+    assert again.t == pytest.approx(-0.123882378029, abs=1e-12)
+    for p in atlas.branches[1].points[::5]:
+        assert p.energy == pytest.approx(atlas.family.scene(p.t).energy(p.fold_angles), abs=1e-15)
+    assert compare(atlas, -0.13) == 0
+    loaded = replace(scene, preload=(-0.1, 0, 0, 0, 0, 0))
+    for name, t in (("torque", -0.03), ("creases.preload", -0.13)):
+        made = family_of(loaded, parse_parameter_range(f"{name}[1]={t}:0")).scene(t)
+        assert made.preload == pytest.approx((-0.13, 0, 0, 0, 0, 0), abs=1e-16)
+
+
+@pytest.mark.slow  # seconds of curves or searches
+def test_a_pitchfork_is_passed_and_its_branches_are_followed():
+    """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
+    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full=False)
+    (event,) = [e for e in atlas.events if e.type == "branching"]
+    assert len(event.branches) == 4
+    before = minima(atlas.at(event.t - 0.05))
+    pair = [b for b in before if abs(b[0] - b[2]) > 0.1]
+    assert len(pair) == 2 and pair[0] == pytest.approx(np.roll(pair[1], 2), abs=1e-9)
+    assert compare(atlas, event.t - 0.05) == compare(atlas, event.t + 0.05) == 0
+
+
+def test_families_that_jump_are_refused():
+    parameter = parse_parameter_range("alpha=50deg:70deg")
+    with pytest.raises(OptionError, match="two families"):
+        follow_family(Family(parameter, lambda t: o.examples.degree6(t, 1.0)))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["ratio", "ratio=1", "ratio=2:1", "ratio=-1:1", "creases.stiffness[1]=0:1", "ratio+alpha=1:2"],
+)
+def test_ranges_that_are_none_are_refused(text):
+    with pytest.raises(OptionError):
+        parse_parameter_range(text)
+    with pytest.raises(AngleError):
+        parse_parameter_range("alpha=x:1")
+
+
+@pytest.mark.parametrize("name", ["colour", "creases.rest_angles[7]", "creases.stiffness[0]"])
+def test_parameters_that_a_scene_has_not_are_refused(name):
+    with pytest.raises(OptionError, match="no parameter"):
+        family_of(o.examples.degree6("pi/4"), parse_parameter_range(f"{name}=0.1:1"))
+
+
+def test_lines_are_the_scenes_of_a_family():
+    for text in ("ratio=0.1:10", "preload[2]=-0.2:0.1", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
+                 "creases.rest_angles[2]+creases.rest_angles[1]=-1:1", "vertex.sector_angles[1]=0.7:0.8"):  # fmt: skip
+        parameter = parse_parameter_range(text)
+        family = family_of(o.examples.degree6("pi/4", 2.0), parameter)
+        for share in (0.0, 0.3, 1.0):
+            s = (1 - share) * parameter.s_of(parameter.low) + share * parameter.s_of(parameter.high)
+            model, problem = pose(family.scene(parameter.t_of(s))), family.line.at(s)
+            p, q, unit = model.parameters, problem.parameters, model.scale / problem.scale
+            assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
+            wound = q.rest + q.load / q.stiffness  # preload is a load on the line
+            assert np.append(p.sectors, p.rest) == pytest.approx(
+                np.append(q.sectors, wound), abs=1e-13
+            )
+            at = np.array(family.scene(parameter.t_of(s)).vertex.sector_angles)
+            assert problem.parameters.sectors == pytest.approx(at, abs=1e-13)
+
+
+CASES = {
+    "pi/4": (lambda: o.examples.degree6("pi/4"), "ratio=0.01:100"),
+    "pi/3": (lambda: o.examples.degree6("pi/3"), "ratio=0.01:100"),
+    "5pi/12": (lambda: o.examples.degree6("5*pi/12"), "ratio=0.01:100"),
+    "alpha below": (lambda: o.examples.degree6("pi/4"), "alpha=30deg:60deg"),
+    "alpha above": (lambda: o.examples.degree6("5*pi/12"), "alpha=60.001deg:89.99deg"),
+    "degree 4": (lambda: generic(3, 4), "creases.rest_angles[1]=-pi:pi"),
+    "degree 5": (lambda: generic(1, 5), "creases.rest_angles[1]=-pi:pi"),
+    "degree 8 ratio": (lambda: o.examples.degree8("pi/6"), "ratio=0.01:100"),
+    "degree 8 alpha": (lambda: o.examples.degree8("pi/6"), "alpha=5deg:85deg"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_branches_are_what_thorough_searches_find_at_forty_points(name):
+    make, text = CASES[name]
+    atlas = follow(make(), text, checks=4)
+    parameter = atlas.parameter
+    for s in np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), 40):
+        assert compare(atlas, parameter.t_of(float(s)), effort="thorough") >= 0
+    for e in atlas.events:
+        assert e.located or e.note
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30))
+def test_the_number_of_minima_changes_only_at_events(seed):
+    atlas = follow(generic(100 + seed, 4 + seed % 3), "creases.rest_angles[1]=-pi:pi", checks=4)
+    for interval in atlas.intervals:
+        a, b = interval.t
+        if b - a < 1e-3:
+            continue
+        for share in (0.2, 0.8):
+            extra = compare(atlas, a + share * (b - a))
+            assert extra >= 0
+            assert len(minima(atlas.at(a + share * (b - a)))) == interval.minima
+
+
+def test_an_atlas_comes_back_from_its_file(atlas, tmp_path):
+    o.save(atlas, tmp_path / "atlas.json")
+    back = o.read_result(tmp_path / "atlas.json")
+    assert back.to_dict() == atlas.to_dict() and back.events == atlas.events
+    assert back.intervals == atlas.intervals
+    assert len(draw_path(back).axes) == len(draw_path(atlas).axes)
+    with pytest.raises(OptionError, match="follow anew"):
+        back.at(1.0)
+
+
+def test_a_check_says_whether_it_is_complete():
+    one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
+    assert one.checks[0].complete == ""
+    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full=False)
+    assert two.checks[0].complete == "proved-except-singular"
+
+
+@pytest.mark.parametrize("text", ["ratio=a:2", "ratio=1:2:3", "ratio=nan:1", "loads=x:1"])
+def test_an_end_of_a_range_that_is_no_number_is_not_called_an_angle(text):
+    with pytest.raises(OptionError, match="must be a finite number"):
+        parse_parameter_range(text)
+
+
+def angles(frame, count):
+    return frame[[f"phi_{k}_rad" for k in range(1, count + 1)]].to_numpy()
+
+
+def test_an_atlas_has_a_row_a_point():
+    atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
+    frame = o.to_frame(atlas)
+    points = [(b, p) for b in atlas.branches for p in b.points]
+    assert len(frame) == len(points) > 4
+    assert set(frame["parameter"]) == {"ratio"} and set(frame["unit"]) == {atlas.parameter.unit}
+    for phi, row in zip(angles(frame, 6), frame.to_dict("records"), strict=True):
+        energy = o.examples.degree6("pi/4", ratio=row["t"]).energy(phi)  # from the angles alone
+        assert np.isclose(row["energy_J"], energy, rtol=1e-12, atol=0)
+        (branch,) = (b for b in atlas.branches if b.id == row["branch"])
+        (kind,) = {r.kind for r in branch.kind_ranges if r.low < row["t"] < r.high} or {row["kind"]}
+        assert row["kind"] == kind

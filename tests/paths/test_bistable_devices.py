@@ -1,0 +1,201 @@
+"""Snap loads of bistable vertices: through the flat state, beyond a pitchfork, and at one; by hand and by SciPy."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from origami_nlp import draw, examples, load_path
+from origami_nlp.paths.driver import STEPS
+from tests.independent.rotations import fold
+
+
+@cache
+def path(name, crease, to, state=1):
+    return load_path(getattr(examples, name)(), crease, to=to, state=state, confirm=False)
+
+
+def closure(scene, phi):
+    """The three entries of the product of rotations at states [..., n] that vanish, by code of its own, [..., 3]."""
+    turned = fold(np.array(scene.vertex.sector_angles), phi.reshape(-1, phi.shape[-1]))[1]
+    return (turned - np.eye(3))[:, [0, 0, 1], [1, 2, 2]].reshape(*phi.shape[:-1], 3)
+
+
+def slopes(scene, phi, h=1e-4):
+    """Derivatives of closure [n, 3] by differences that are exact to the fourth order."""
+    steps = h * np.eye(len(phi))
+    near, far = (closure(scene, phi + d) - closure(scene, phi - d) for d in (steps, 2 * steps))
+    return (8 * near - far) / (12 * h)
+
+
+def reduced(scene, creases, t, phi):
+    """Residual torque under torques t, the Hessian on the tangent space, and its basis, by finite differences."""
+    n, h = len(phi), 1e-4
+    slope = slopes(scene, phi)
+    torque = np.array(scene.stiffness) * (phi - scene.rest_angles)
+    torque[np.array(creases) - 1] -= t
+    multipliers = np.linalg.lstsq(slope, torque, rcond=None)[0]
+    one, two = h * np.eye(n)[:, None], h * np.eye(n)[None]
+    signs = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+    curved = sum(a * b * closure(scene, phi + a * one + b * two) for a, b in signs) / (4 * h * h)
+    hessian = np.diag(scene.stiffness) - curved @ multipliers
+    tangent = np.linalg.svd(slope.T)[2][3:].T
+    balance = np.abs(torque - slope @ multipliers).max()
+    return balance, tangent.T @ hessian @ tangent, tangent
+
+
+def stiffness(scene, creases, t, phi):
+    """Residual torque under torques t, and the eigenvalues of the reduced Hessian [N m/rad]."""
+    balance, hessian, _ = reduced(scene, creases, t, phi)
+    return balance, np.linalg.eigvalsh(hessian)
+
+
+def rest(scene, creases, t, near):
+    """The minimum under torques t that SLSQP comes to from beside a state, begun anew where it stops."""
+    k, load = np.array(scene.stiffness), np.zeros(len(near))
+    load[np.array(creases) - 1] = t
+    at = near + 1e-2 * np.random.default_rng(0).normal(size=len(near))
+    for _ in range(3):
+        at = minimize(
+            lambda phi: (0.5 * k @ (phi - scene.rest_angles) ** 2 - load @ phi) / k[0],
+            at,
+            jac=lambda phi: (k * (phi - scene.rest_angles) - load) / k[0],
+            constraints={
+                "type": "eq",
+                "fun": lambda phi: closure(scene, phi),
+                "jac": lambda phi: slopes(scene, phi).T,
+            },
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 500},
+        ).x
+    assert np.abs(closure(scene, at)).max() < 1e-9
+    return at
+
+
+def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there():
+    """By hand: along a = -b / sqrt(1/2) the energy of springs and load is level at the flat state."""
+    scene = examples.waterbomb()
+    k, rests = scene.stiffness[0], np.array(scene.rest_angles)
+    along = np.array([-np.sqrt(2) / 2, 1, 1, -np.sqrt(2) / 2, 1, 1])
+    level = -k * (rests @ along) / 4  # torque on four creases that turn by 1
+    found = path("waterbomb", 2, -0.06)
+    (snap,) = found.snaps
+    assert snap.type == "flat state" and snap.t == pytest.approx(level, rel=1e-9)
+    assert not np.any(found.legs[0].points[-1].fold_angles)
+    assert np.degrees(snap.after) == pytest.approx([-90, 0, 0, -90, 0, 0], abs=1e-6)
+    assert snap.released == pytest.approx(k * (np.pi / 2) ** 2, rel=1e-9)
+    assert [leg.symmetry for leg in found.legs] == ["D2", "D2"]
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+@pytest.mark.parametrize(
+    ("name", "creases", "to", "symmetries", "type_"),
+    [
+        ("waterbomb", (1, 4), 0.09, ("D2", "C2"), "fold"),
+        pytest.param(
+            "waterbomb_base",
+            (1, 3, 5, 7),
+            0.08,
+            ("D4", "D2"),
+            "breaks-symmetry",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, symmetries, type_):
+    scene, found = getattr(examples, name)(), path(name, 1, to)
+    first, second = found.legs[:2]
+    assert first.why == "pitchfork" and second.why == "snap" and second.full_space == "stable"
+    assert (first.symmetry, second.symmetry) == symmetries and not found.alarms
+    (snap,) = found.snaps  # where branches leave continuously nothing is lost, and nothing snaps
+    assert snap.type == type_ and snap.released > 1e-4
+    # one stiffness vanishes at the pitchfork and at the snap, none at states between them, nor behind
+    ends = [(first.points[-1].t, first.points[-1].fold_angles), (snap.t, snap.before)]
+    last = first.points[-1].t
+    inner = (first.points[3], *second.points[::4])
+    inner = [(p.t, p.fold_angles) for p in inner if min(abs(p.t - last), abs(snap.t - p.t)) > 1e-3]
+    for t, phi in ends:
+        balance, soft = stiffness(scene, creases, t, np.array(phi))
+        assert balance < 1e-9 and abs(soft[0]) < 1e-6 and soft[1] > 1e-3
+    assert len(inner) > 3
+    for t, phi in inner:
+        balance, soft = stiffness(scene, creases, t, np.array(phi))
+        assert balance < 1e-9 and soft[0] > 1e-4
+    assert stiffness(scene, creases, snap.t, np.array(snap.after))[1][0] > 1e-3
+    # SLSQP: before the snap it comes to the state of the path, beyond it to that after the snap or an image of it
+    before, after = np.array(snap.before), np.array(snap.after)
+    near = min(second.points, key=lambda p: abs(p.t - 0.97 * snap.t))
+    phi = np.array(near.fold_angles)
+    assert rest(scene, creases, near.t, phi) == pytest.approx(phi, abs=1e-5)
+    end = rest(scene, creases, 1.02 * snap.t, before)
+    images = [np.roll(after[::s], k) for s in (1, -1) for k in range(len(after))]
+    assert min(np.abs(end - image).max() for image in images) < 0.15
+
+
+def test_a_pitchfork_is_one_event_and_its_two_branches_are_images():
+    found = path("waterbomb", 1, 0.09)
+    kinds = [(e.type, round(e.t, 9)) for e in found.events]
+    assert len(set(kinds)) == len(kinds)
+    assert all(e.located for e in found.events)
+    numbers = {b.id for b in found.branches}
+    assert all(set(e.branches) <= numbers for e in found.events)
+    assert found.snaps[0].restabilises == pytest.approx(0.0811602327791, abs=1e-12)
+    again = next(e for e in found.events if abs(e.t - found.snaps[0].restabilises) < 1e-12)
+    _, soft = stiffness(examples.waterbomb(), (1, 4), again.t, np.array(again.fold_angles))
+    assert abs(soft[0]) < 1e-6
+
+
+@pytest.mark.parametrize(("crease", "creases"), [(1, (1, 4)), (2, (2, 3, 5, 6))])
+def test_the_stiffness_at_the_start_is_that_of_the_reduced_hessian(crease, creases):
+    scene, found = examples.waterbomb(), path("waterbomb", crease, 0.09 if crease == 1 else -0.06)
+    phi = np.array(found.legs[0].points[0].fold_angles)
+    hessian, tangent = reduced(scene, creases, 0.0, phi)[1:]
+    force = tangent.T @ np.isin(np.arange(1, 7), creases).astype(float)
+    mean = force @ np.linalg.solve(hessian, force) / len(creases)  # per torque on each of them
+    assert found.start_stiffness == pytest.approx(1 / mean, rel=1e-6)
+    assert found.stiffness_unit == "N m/rad"
+    assert f"stiffness at the start: {1 / mean:.4g}"[:-1] in str(found)
+    after = found.legs[-1].stiffness  # of the state after the snap, under the load there
+    assert after > 0 and np.isnan(found.legs[1].stiffness) == (crease == 1)
+
+
+def test_the_stiffness_at_the_start_is_drawn_through_the_start():
+    found = path("waterbomb", 1, 0.09)
+    figure = draw(found)
+    axes, labels = figure.axes[0], [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "snap at 0.0841 N m" in labels
+    assert f"stiffness at the start\n{found.start_stiffness:.4g} N m/rad" in labels
+    style = [line for line in axes.lines if line.get_color() == "#7b2d8b"]
+    (x, y) = style[0].get_data()
+    assert np.diff(y) / np.radians(np.diff(x)) == pytest.approx(found.start_stiffness)
+    start = found.legs[0].points[0]
+    assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
+
+
+@pytest.mark.slow  # three load paths of a vertex with 8 creases
+@pytest.mark.parametrize("growth", [1.5, 3.0])
+def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(growth):
+    """Branchings are roots of a system that is regular there: steps of the tracer do not show (they did: 1e-5 rad)."""
+    scene, steps = examples.waterbomb_base(), replace(STEPS, growth=growth)
+    found = load_path(scene, 1, to=0.14, confirm=False, options=steps)
+    usual = path("waterbomb_base", 1, 0.14)
+    rows = {row[0].rstrip("*"): row for row in found.table().rows}
+    assert [e.type for e in found.events] == [e.type for e in usual.events]
+    assert [e.type for e in found.events].count("branching") >= 2
+    passed = {p.fold_angles for leg in found.legs for p in leg.points}
+    for e, other in zip(found.events, usual.events, strict=True):
+        assert rows[str(e.id)][2] == f"{e.t:{'.12g' if e.located else '.6g'}}"
+        if e.fold_angles in passed or e.type == "singular":
+            continue
+        assert e.located and e.t == pytest.approx(other.t, abs=1e-11)
+        assert np.abs(np.subtract(e.fold_angles, other.fold_angles)).max() < 1e-9
+        phi = np.array(e.fold_angles)
+        images = [np.roll(phi[::s], k) for s in (1, -1) for k in range(0, 8, 2)]
+        at = [image for image in images if image[::2].sum() == pytest.approx(phi[::2].sum())]
+        assert phi[0] >= max(image[0] for image in at) - 1e-9
+        if e.type == "branching":
+            loaded = np.flatnonzero(np.equal(scene.group.orbit, scene.group.orbit[0])) + 1
+            balance, soft = stiffness(scene, loaded, e.t, phi)
+            assert balance < 1e-8 and np.abs(soft).min() < 1e-6

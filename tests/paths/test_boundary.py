@@ -1,0 +1,154 @@
+"""Curves of events over two parameters: each point is an event over one, and counts change across them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.paths import (
+    CurvePoint,
+    EventCurve,
+    Plane,
+    find_bifurcation_set,
+    follow_family,
+    parse_parameter_range,
+    smooth,
+)
+from tests.paths.regions import find_regions
+
+
+@pytest.fixture(scope="module")
+def contact():
+    """Where the contact of pi/3 begins to carry, over the ratio and alpha."""
+    return find_bifurcation_set(o.examples.degree6("pi/4"), "ratio=0.2:3", "alpha=50deg:pi/3")
+
+
+@pytest.mark.slow
+def test_a_contact_curve_passes_what_is_known_of_both_parameters(contact):
+    (curve,) = contact.curves
+    ratio, alpha = np.array([p.t for p in curve.points]).T
+    a = math.acos(1 / 3)  # at pi/3 in closed form
+    assert alpha[-1] == math.pi / 3
+    assert ratio[-1] == pytest.approx((math.pi - 2 * a) / (math.pi - a), rel=1e-12)
+    # r_k = 1 at 50.34254652 deg: by the points around it, whose curve is smooth
+    near = np.argsort(np.abs(np.log(ratio)))[:5]
+    fit = np.polyfit(np.log(ratio[near]), np.degrees(alpha[near]), 4)
+    assert fit[-1] == pytest.approx(50.34254652, abs=1e-5)
+    assert all(max(p.kkt, abs(p.event)) < 1e-11 for p in curve.points)
+
+
+@pytest.mark.slow
+def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
+    (curve,) = contact.curves
+    point = curve.points[len(curve.points) // 2]
+    plane = Plane(contact.scene, contact.parameters)
+    atlas = follow_family(plane.family(point.t[1]), checks=2, full=False)
+    assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
+
+
+@pytest.mark.slow
+def test_every_event_of_a_line_lies_on_a_curve(contact):
+    for line in contact.lines:
+        assert line.events and all(number for _, number in line.events)
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_regions_are_counted_on_both_sides(contact):
+    """As many states with and without the contact, of other kinds; what lies on which side, by the curve itself."""
+    regions = find_regions(contact)
+    assert len(regions) == 2 and all(r.agrees for r in regions)
+    assert 0.97 < sum(r.share for r in regions) <= 1
+    assert regions[0].minima == regions[1].minima == 2 and regions[0].kinds != regions[1].kinds
+    (curve,) = contact.curves
+    alpha, ratio = np.array(sorted((p.t[1], math.log(p.t[0])) for p in curve.points)).T
+    above = [math.log(r.t[0]) > np.interp(r.t[1], alpha, ratio, left=9.0) for r in regions]
+    assert sorted(above) == [False, True]
+    for region, carried in zip(regions, above, strict=True):
+        assert ("contact-pinned" in region.kinds) == carried
+
+
+@pytest.mark.slow
+def test_a_curve_along_which_the_second_parameter_stays_is_found():
+    """Crease 4 is fully folded in a state that contact pins: whatever the springs, at one angle."""
+    scene = o.examples.degree6("5*pi/12")
+    (curve, *_) = find_bifurcation_set(scene, "ratio=5:50", "alpha=77deg:81deg", lines=1).curves
+    alpha = np.degrees([p.t[1] for p in curve.points])
+    assert np.ptp(alpha) < 1e-9 and alpha[0] == pytest.approx(79.1874819, abs=1e-6)
+    assert curve.ends == ("range", "range")
+
+
+def test_scenes_without_a_plane_are_refused():
+    with pytest.raises(OptionError):
+        find_bifurcation_set(o.examples.degree6("pi/4"), "ratio=0.5:2", "colour=1:2")
+
+
+@pytest.mark.slow
+def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
+    found = find_bifurcation_set(
+        o.examples.degree6("5*pi/12"), "ratio=0.1:100", "alpha=61deg:70deg", lines=2
+    )
+    (fold,) = [c for c in found.curves if c.type == "fold"]
+    assert fold.ends == ("range", "range")
+    alpha = np.degrees([p.t[1] for p in fold.points])
+    # where the cusp is, of a smooth function of the states; which points lie how near to it hangs on rounding
+    k, x = int(alpha.argmax()), np.array([p.fold_angles[0] for p in fold.points])
+    near = slice(k - 3, k + 4)
+    fit = np.polyfit(x[near] - x[k], alpha[near], 4)
+    top = min(np.roots(np.polyder(fit)), key=abs).real
+    assert np.polyval(fit, top) == pytest.approx(65.0496, abs=2e-3) and alpha[-1] < 62
+    plane = Plane(found.scene, found.parameters)
+    for point in fold.points[3:-3:6]:
+        r, a = point.t
+        counts = []
+        for shift in (-0.3, 0.3):
+            scene = plane.family(a + math.radians(shift)).scene(r)
+            near = [
+                m
+                for m in o.find_minima(scene, prove=False, effort="thorough", escape=False).minima
+                if np.abs(np.subtract(m.fold_angles, point.fold_angles)).max() < 0.8
+            ]
+            counts.append(len(near))
+        assert counts[0] == counts[1] + 1
+    for line in found.lines:
+        assert all(number for _, number in line.events)
+
+
+def test_curves_are_drawn_smoothly_and_keep_their_points_and_cusps():
+    parameters = tuple(map(parse_parameter_range, ("torque[1]=-1:1", "torque[2]=-1:1")))
+
+    def places(points):
+        made = tuple(CurvePoint((float(a), float(b)), (), 0.0, 0.0) for a, b in points)
+        return smooth(EventCurve(1, "fold", "", made, ("range", "range")), parameters)
+
+    angles = np.linspace(0, math.pi, 13)
+    circle = np.array([np.cos(angles), np.sin(angles)]).T
+    found = places(circle)
+    assert all(np.abs(found - point).max(axis=1).min() < 1e-12 for point in circle)
+    straight = 1 - math.cos(math.pi / 24)  # what chords miss
+    assert np.abs(np.linalg.norm(found, axis=1) - 1).max() < straight / 10
+    twice = np.repeat(circle, 2, axis=0) + np.tile(
+        [[0.0], [1e-200]], (13, 2)
+    )  # as two steps that stood still
+    assert np.abs(places(twice) - found).max() < 1e-12
+    s = np.linspace(-0.5, 0.5, 21)
+    cusp = places(np.array([s**2, s**3]).T)
+    assert abs(cusp[:, 0].min()) < 1e-15  # the tip is where it was, and nothing beyond
+    assert np.abs(cusp[:, 1] - np.sign(cusp[:, 1]) * np.abs(cusp[:, 0]) ** 1.5).max() < 1e-3
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_curves_of_events_have_a_row_a_point():
+    few = {"lines": 1, "across": 0, "effort": "quick"}
+    found = o.find_bifurcation_set(
+        o.examples.degree6("pi/3"), "ratio=0.3:0.4", "alpha=59deg:60deg", **few
+    )
+    frame = found.to_frame()
+    assert len(frame) == sum(len(curve.points) for curve in found.curves) > 1
+    assert set(frame["curve"]) == {curve.id for curve in found.curves}
+    for name, low, high in (("1", 0.3, 0.4), ("2", np.radians(59), np.radians(60))):
+        assert frame[f"t_{name}"].between(low - 1e-12, high + 1e-12).all()
+    assert (np.abs(frame[[f"phi_{k}_rad" for k in range(1, 7)]].to_numpy()) <= np.pi).all()

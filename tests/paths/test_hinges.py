@@ -1,0 +1,246 @@
+"""States followed and loaded with stops and hinge laws: linear laws are springs, laws against searches and scans."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Scene, Vertex
+from origami_nlp.continuation import line_between
+from origami_nlp.errors import OptionError
+from origami_nlp.paths.family import same_problem
+from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
+from origami_nlp.pattern_problem import PatternProblem, pose
+from tests.computed_once import thinned
+from tests.independent import scan_four
+
+SECTORS = (70, 80, 120, 90)
+ALL = np.tile([[-math.pi], [math.pi]], 4)
+
+
+def random_scene(laws=(), seed=4, **more):
+    rng = np.random.default_rng(seed)
+    k, rest = np.exp(rng.normal(size=4)), rng.uniform(-2, 2, 4)
+    vertex = Vertex.from_degrees(SECTORS)
+    return Scene(vertex, tuple(k), tuple(rest), "none", laws=laws, **more)
+
+
+def wide(k, rest):
+    """A linear law that is known as far as it is shifted here."""
+    return HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + rest)),), "linear")
+
+
+def same_atlas(one, two):
+    assert [e.type for e in one.events] == [e.type for e in two.events]
+    for a, b in zip(one.events, two.events, strict=True):
+        assert np.allclose(a.fold_angles, b.fold_angles, atol=1e-7)
+    assert [len(b.points) for b in one.branches] == [len(b.points) for b in two.branches]
+    for a, b in zip(one.branches, two.branches, strict=True):
+        mine, theirs = ([p.fold_angles for p in x.points] for x in (a, b))
+        assert np.allclose(mine, theirs, atol=1e-7)
+        energies = ([p.energy for p in x.points] for x in (a, b))
+        assert np.allclose(*energies, rtol=1e-8)
+
+
+@pytest.mark.parametrize("limits", thinned([(((-1.2, 1.2),) * 4,), ((),)], 2))
+def test_a_shifted_linear_law_is_a_rest_angle(limits):
+    plain = random_scene(limits=limits)
+    laws = [wide(k, r) for k, r in zip(plain.stiffness, plain.rest_angles, strict=True)]
+    r = plain.rest_angles[1]
+    same_atlas(
+        o.follow(plain, f"rest_angles[2]={r - 0.8!r}:{r + 0.8!r}", checks=2),
+        o.follow(replace(plain, laws=tuple(laws)), "law_shift[2]=-0.8:0.8", checks=2),
+    )
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_a_scaled_linear_law_is_a_stiffness():
+    plain = random_scene()
+    k = plain.stiffness[0]
+    laws = (linear(k, plain.rest_angles[0]), None, None, None)
+    one = o.follow(plain, f"stiffness[1]={k / 3!r}:{k * 3!r}", checks=2)
+    two = o.follow(replace(plain, laws=laws), f"law_scale[1]={1 / 3!r}:3", checks=2)
+    same_atlas(one, two)
+
+
+def test_kkt_systems_change_with_laws_as_differences_say():
+    law = double_well(1.0, 1.0)
+    limits = ((-2.5, 2.5),) * 4
+    first = random_scene((law, None, law.times(2.0), None), limits=limits)
+    second = replace(first, laws=(law.times(3.0).shifted(0.3), None, law, None))
+    vertex, two = pose(first), pose(second)
+    sheet = o.examples.pattern("miura", 2, 2).with_limits((-2.5, 2.5)).with_laws((law, None) * 2)
+    other = with_places(sheet, {"law_scale[1]": 2.0, "law_shift[3]": -0.2, "stiffness[2]": 3.0})
+    for a, b in (
+        (vertex, vertex.varied(two.parameters.scaled(two.scale / vertex.scale))),
+        (PatternProblem(sheet), PatternProblem(other).numbered_as(PatternProblem(sheet))),
+    ):
+        line = line_between(a, b, 2.0)
+        # both ends of the line are the problems themselves
+        x = np.array([0.3, 0.7, -0.4, 0.2])
+        assert line.at(2.0).parameters.torque(x) == pytest.approx(b.parameters.torque(x), rel=1e-12)
+        torque, _ = line.at(0.7).drift(x, np.zeros(a.equation_count), (), line.slope(0.7))
+        ends = [line.at(0.7 + h).parameters.torque(x) for h in (-1e-6, 1e-6)]
+        assert torque == pytest.approx((ends[1] - ends[0]) / 2e-6, abs=1e-7)
+
+
+def test_a_crease_that_is_named_twice_is_changed_once():
+    law = double_well(1.0, 1.0)
+    sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
+    made = with_places(sheet, {"creases.law_scale": 3.0, "law_scale[1]": 3.0, "law_shift[1]": 0.0})
+    x = np.array([0.3, 0.7, -0.4, 0.2])
+    assert made.energy(x) == pytest.approx(3.0 * sheet.energy(x))
+
+
+@pytest.mark.slow  # a survey of several seconds
+def test_the_depth_of_wells_against_scans():
+    """How many minima there are over the depth of a double well beside springs, and where that changes."""
+    law = double_well(1.0, 1.0)
+    stated = random_scene((None, law, None, law), seed=2)
+    atlas = o.follow(stated, "law_scale[2]+law_scale[4]=0.1:4", checks=3)
+    k, rest = np.array(stated.stiffness), np.array(stated.rest_angles)
+
+    def count(t):
+        energy = lambda x: (  # noqa: E731
+            0.5 * (k * (x - rest) ** 2)[:, [0, 2]].sum(axis=1)
+            + t * ((x[:, [1, 3]] ** 2 - 1) ** 2).sum(axis=1)
+        )
+        return len(scan_four.minima(energy, np.radians(SECTORS), ALL, "full", 4_001)[0])
+
+    folds = [e.t for e in atlas.events if "fold" in e.type]
+    assert folds
+    for t in (0.11, *(f * share for f in folds for share in (0.97, 1.03)), 3.9):
+        assert sum(s.kind is not None for s in atlas.at(t)) == count(t), t
+
+
+def test_stops_along_a_path_and_what_is_refused():
+    held = random_scene(limits=((-1.2, 1.2),) * 4, seed=9)
+    atlas = o.follow(held, "rest_angles[1]=-2.5:2.5", checks=3)
+    events = [e for e in atlas.events if "stop" in e.words()]
+    assert events
+    for e in events:  # a search on either side
+        near = [
+            min(
+                np.abs(np.array(m.fold_angles) - e.fold_angles).max()
+                for m in o.find_minima(
+                    replace(held, rest_angles=(e.t + d, *held.rest_angles[1:])), escape=False
+                ).minima
+            )
+            for d in (-1e-4, 1e-4)
+        ]
+        assert min(near) < 1e-3
+    law = double_well(1.0, 1.0)
+    for what, why in {
+        "stiffness[1]=1:2": "hinge law 'double well' in place of a spring",
+        "rest_angles[1]=0:1": "hinge law",
+        "law_scale[2]=1:2": "crease 2 has no hinge law",
+        "law_shift[1]=-1:1": "known on",
+        "law_scale[1]=-1:1": "above 0",
+    }.items():
+        with pytest.raises((OptionError, o.OrigamiError), match=why):
+            o.follow(random_scene((law, None, None, None)), what)
+    with pytest.raises(OptionError, match="hinge law"):
+        o.follow(o.examples.pattern("miura", 2, 2).with_laws(law), "stiffness[1]=1:2")
+
+
+def test_laws_of_other_shape_are_no_one_problem():
+    """Their functions are shared, their pieces are not: over a number within a law nothing is followed."""
+    law = double_well(1.0, 0.8)
+    stated = (
+        random_scene(laws=(each,) * 4) for each in (law, law.times(2.0), double_well(1.0, 0.9))
+    )
+    one, twice, other = ((each, pose(each)) for each in stated)
+    assert len(same_problem([one, twice], "law_scale")) == 2
+    with pytest.raises(OptionError, match="hinge laws change"):
+        same_problem([one, other], "laws")
+
+
+# ---------------------------------------------------------------- under a load
+
+
+def of_laws(plain):
+    return replace(plain, laws=tuple(map(linear, plain.stiffness, plain.rest_angles)))
+
+
+def same_path(one, two, atol=1e-9):
+    assert [len(leg.points) for leg in one.legs] == [len(leg.points) for leg in two.legs]
+    for a, b in zip(one.legs, two.legs, strict=True):
+        for field in ("t", "fold_angles"):
+            mine, theirs = ([getattr(p, field) for p in leg.points] for leg in (a, b))
+            assert np.allclose(mine, theirs, atol=atol)
+    assert [s.t for s in one.snaps] == pytest.approx([s.t for s in two.snaps], rel=1e-9)
+    assert [s.released for s in one.snaps] == pytest.approx(
+        [s.released for s in two.snaps], rel=1e-8
+    )
+    assert [e.words() for e in one.events] == [e.words() for e in two.events]
+
+
+@pytest.mark.parametrize("seed", [9, pytest.param(4, marks=pytest.mark.slow)])
+def test_a_linear_law_has_the_path_of_the_spring(seed):
+    plain = random_scene(seed=seed, limits=((-1.5, 1.5),) * 4)
+    same_path(*(o.load_path(s, 1, confirm=False) for s in (plain, of_laws(plain))))
+
+
+@pytest.mark.slow  # seconds of curves or searches
+def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
+    plain = o.examples.degree6("5*pi/12")
+    same_path(*(o.load_path(s, 1, to=0.05, confirm=False) for s in (plain, of_laws(plain))))
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_a_linear_law_has_the_path_of_the_spring_on_a_pattern():
+    plain = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    laws = plain.with_laws([linear(k, r) for k, r in zip(plain.stiffness, plain.rest, strict=True)])
+    same_path(*(o.load_path(p, 1, to=0.3) for p in (plain, laws)), atol=1e-7)
+
+
+def test_a_snap_is_where_a_scan_loses_the_state():
+    law = double_well(1.0, 1.0)
+    scene = replace(random_scene(seed=4), laws=(law,) * 4)
+    path = o.load_path(scene, 1, to=4.0)
+    (snap,) = path.snaps
+    assert snap.confirmed is not None and snap.confirmed.minima == (
+        snap.confirmed.minima[1] + 1,
+        snap.confirmed.minima[1],
+    )
+    limits = np.tile([[-math.pi], [math.pi]], 4)
+
+    def near(t, phi):
+        """How far the nearest minimum of a scan at a load is."""
+        energy = lambda x: ((x**2 - 1) ** 2).sum(axis=1) - t * x[:, 0]  # noqa: E731
+        _, states = scan_four.minima(energy, np.radians(SECTORS), limits, "full", 3_001)
+        return np.abs(states - phi).max(axis=1).min()
+
+    end = np.array(snap.before)
+    assert near(0.999 * snap.t, end) < 0.2 < 0.5 < near(1.001 * snap.t, end)
+    # half way, the state of the path is one of the scan's
+    middle = min(path.legs[0].points, key=lambda p: abs(p.t - 0.5 * snap.t))
+    assert near(middle.t, np.array(middle.fold_angles)) < 5e-3
+    # beyond the snap the path rests where the scan does
+    assert near(snap.t, np.array(snap.after)) < 5e-3
+
+
+def test_stops_close_under_a_load_where_a_scan_reaches_them():
+    scene = random_scene(
+        seed=4, limits=((-1.5, 1.5),) * 4, laws=(None, double_well(0.3, 1.0), None, None)
+    )
+    path = o.load_path(scene, 1, to=6.0, confirm=False)
+    reached = [e for e in path.events if e.type == "closes"]
+    assert reached and all("stop" in e.contact for e in reached)
+    limits = np.tile([[-1.5], [1.5]], 4)
+
+    def held(t, phi):
+        """Whether the minimum of a scan next to a state is at a stop."""
+        x_of = lambda x: scene.energy(x) - t * x[:, 0]  # noqa: E731
+        _, states = scan_four.minima(x_of, np.radians(SECTORS), limits, "full", 6_001)
+        near = states[np.abs(states - phi).max(axis=1).argmin()]
+        assert np.abs(near - phi).max() < 0.05
+        return bool((np.abs(near) > 1.5 - 2e-3).any())
+
+    event = reached[0]
+    phi = np.array(event.fold_angles)
+    assert not held(0.97 * event.t, phi) and held(1.03 * event.t, phi)

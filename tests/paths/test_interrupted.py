@@ -1,0 +1,112 @@
+"""Ctrl-C while states are followed: what was found is kept, and raised with the interrupt."""
+
+import pytest
+
+import origami_nlp as o
+from origami_nlp.continuation import BifurcationDiagram
+from origami_nlp.errors import Interrupted
+from origami_nlp.paths import boundary, followed, survey
+from tests.command_line import run
+
+SCENE = o.examples.degree6("pi/3", ratio=0.3)
+
+
+@pytest.fixture
+def after(monkeypatch):
+    """Interrupt the user's way after so many half-branches."""
+
+    def interrupt(many):
+        follow, left = BifurcationDiagram._follow, [many]
+
+        def counted(self, *given):
+            left[0] -= 1
+            if left[0] < 0:
+                raise KeyboardInterrupt
+            return follow(self, *given)
+
+        monkeypatch.setattr(BifurcationDiagram, "_follow", counted)
+
+    return interrupt
+
+
+def test_follow_keeps_its_branches(after):
+    whole = o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+    after(2)
+    with pytest.raises(Interrupted) as stop:
+        o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+    found = stop.value.result
+    assert found.interrupted and 0 < len(found.branches) <= len(whole.branches)
+    assert "interrupted" in str(found) and "time limit" not in str(found)
+
+
+def test_boundaries_keep_their_curves(monkeypatch):
+    lines, follow = [], boundary.follow_family
+
+    def second(*given, **options):
+        lines.append(given)
+        if len(lines) > 1:
+            raise KeyboardInterrupt
+        return follow(*given, **options)
+
+    monkeypatch.setattr(boundary, "follow_family", second)
+    with pytest.raises(Interrupted) as stop:
+        o.find_bifurcation_set(SCENE, "ratio=0.3:0.4", "alpha=59deg:60deg", lines=2, across=0)
+    found = stop.value.result
+    assert found.interrupted and len(found.lines) == 1 and len(found.curves) == 1
+
+
+def test_a_load_path_keeps_its_legs(after):
+    scene = o.examples.degree6("5*pi/12")
+    whole = o.load_path(scene, 1, to=-0.2, unload=True)
+    assert len(whole.legs) > 1
+    after(2)
+    with pytest.raises(Interrupted) as stop:
+        o.load_path(scene, 1, to=-0.2, unload=True)
+    found = stop.value.result
+    assert found.interrupted and found.legs and "interrupted" in found.alarms[-1]
+    assert found.legs[0].points[0] == whole.legs[0].points[0]
+
+
+@pytest.mark.parametrize("what", ["follow", "load"])
+def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
+    """Arcs that were not judged by then are undecided: no state is called stable that nobody looked at."""
+    judged, own = [], followed.parts_of
+
+    def second(arc, ends, *, judged=True, seen=judged):
+        seen.append(arc)
+        if len(seen) == 2:
+            raise KeyboardInterrupt
+        return own(arc, ends, judged=judged)
+
+    monkeypatch.setattr(followed, "parts_of", second)
+    with pytest.raises(Interrupted) as stop:
+        if what == "follow":
+            o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)
+        else:
+            o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.2, unload=True)
+    found = stop.value.result
+    kinds = {r.kind for b in found.branches for r in b.kind_ranges}
+    assert found.interrupted and "undecided" in kinds and "interrupted" in str(found)
+    assert what == "follow" or (found.legs and found.snaps[0].confirmed is None)
+
+
+def test_the_terminal_says_what_was_found_and_ends_with_130(after, tmp_path):
+    after(2)
+    out = tmp_path / "path.json"
+    options = "--parameter", "creases.rest_angles[1]=-2:0.5", "--checks", "1"
+    done = run("follow", "miura:2x2", *options, "-o", out)
+    assert done.code == 130 and o.read_result(out).branches
+
+
+def test_no_branch_is_begun_when_the_time_is_over(monkeypatch):
+    """A sheet may have many minima, and each takes long to begin with."""
+    begun, add = [], survey._Survey.add
+
+    def late(self, *given, **options):
+        begun.append(given)
+        self.interrupted = True
+        return add(self, *given, **options)
+
+    monkeypatch.setattr(survey._Survey, "add", late)
+    atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
+    assert len(begun) == 1 and atlas.interrupted

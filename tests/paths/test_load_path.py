@@ -1,0 +1,219 @@
+"""Load paths: snaps, hysteresis and contact events, confirmed by searches, by energy balance and from behind."""
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+
+from benchmarks.families import fold_limits, full_contact
+from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
+from origami_nlp.continuation import ContinuationOptions
+from origami_nlp.errors import OptionError
+from origami_nlp.paths import OwnForces
+from tests.command_line import run
+from tests.computed_once import thinned
+from tests.independent.rotations import fold, rotation_vector
+from tests.paths.test_sheet_loads import work_of
+
+SCENE = examples.degree6("5*pi/12", ratio=1)
+QUICK = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
+SNAP, AGAIN = -0.138149523101, -0.123882378029
+"""Found by another program, with other steps: N m on crease 1."""
+PUSHED = Scene(
+    Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
+    loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
+)  # fmt: skip
+
+
+@cache
+def loop():
+    return load_path(SCENE, 1, to=-0.2, unload=True)
+
+
+def test_the_snap_and_where_it_becomes_stable_again():
+    there, back = loop().snaps
+    assert there.type == "fold" and there.t == pytest.approx(SNAP, abs=1e-10)
+    assert back.type == "nonsmooth-fold" and back.t == pytest.approx(AGAIN, abs=1e-10)
+    assert there.restabilises == pytest.approx(AGAIN, abs=1e-10)
+    assert [leg.why for leg in loop().legs] == ["snap", "range", "snap", "range"]
+    assert all(leg.full_space == "stable" for leg in loop().legs) and not loop().alarms
+    for event in loop().events:
+        assert event.located and max(event.residuals.kkt, abs(event.residuals.event)) < 1e-11
+
+
+def test_searches_on_both_sides_confirm_it():
+    for snap in loop().snaps:
+        assert snap.confirmed.minima == (3, 2) and snap.confirmed.found == (True, True)
+    for t, count in zip(loop().snaps[0].confirmed.t, (3, 2), strict=True):
+        # as near as 4.4108 and 4.4308 times the mean stiffness's power of two
+        assert abs(t - SNAP) < 5e-4
+        assert count in loop().snaps[0].confirmed.minima
+
+
+@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.02], 3))
+def test_the_snap_does_not_depend_on_the_steps(longest):
+    steps = ContinuationOptions(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
+    path = load_path(SCENE, 1, to=-0.139, options=steps, **QUICK)
+    assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
+
+
+def test_the_work_of_the_load_is_energy_on_legs_and_lost_in_snaps():
+    for leg in loop().legs:
+        gained = leg.points[-1].energy - leg.points[0].energy
+        assert work_of(leg.points) == pytest.approx(gained, rel=1e-3)
+    lost = sum(work_of(leg.points) for leg in loop().legs)
+    lost += sum(s.t * (s.angle[1] - s.angle[0]) for s in loop().snaps)
+    assert lost == pytest.approx(loop().dissipated, rel=1e-3)
+    for snap in loop().snaps:  # by the energy of springs alone
+        springs = SCENE.energy(snap.before) - SCENE.energy(snap.after)
+        way = snap.before[0] - snap.after[0]
+        assert snap.released == pytest.approx(springs - snap.t * way, abs=1e-14)
+
+
+def test_states_on_the_path_close_and_balance_by_finite_differences():
+    sectors = np.array(SCENE.vertex.sector_angles)
+    for leg in loop().legs:
+        for p in leg.points[:: max(1, len(leg.points) // 6)]:
+            phi = np.array(p.fold_angles)
+            assert np.abs(fold(sectors, phi)[1] - np.eye(3)).max() < 1e-12
+            assert SCENE.energy(phi) == pytest.approx(p.energy, abs=1e-15)
+            if (np.abs(phi) > np.pi - 1e-9).any():
+                continue
+            h = 1e-6 * np.eye(6)
+            slopes = [
+                (fold(sectors, phi + d)[1] - fold(sectors, phi - d)[1]).ravel() / 2e-6 for d in h
+            ]
+            torque = np.array(SCENE.stiffness) * (phi - SCENE.rest_angles) - p.t * np.eye(6)[0]
+            left = (
+                torque - np.array(slopes) @ np.linalg.lstsq(np.array(slopes), torque, rcond=1e-6)[0]
+            )
+            assert np.abs(left).max() < 1e-8
+
+
+def test_legs_are_turned_with_a_slider_over_the_load():
+    content = loop().view_content()
+    assert len(content.stations) == len(loop().events) + len(loop().snaps)
+    for leg, track in zip(loop().legs, content.tracks, strict=True):
+        assert track.parameter.tolist() == [p.t for p in leg.points]
+        apex, *ends = track.states[-1].corners  # each facet keeps its angle as it turns
+        sectors = np.array(SCENE.vertex.sector_angles)
+        cosines = np.sum(np.array(ends) * np.roll(ends, -1, axis=0), axis=1)
+        assert np.abs(apex).max() == 0 and cosines == pytest.approx(np.cos(sectors), abs=1e-12)
+
+
+@pytest.mark.slow  # full-space searches of 8 creases
+def test_vertices_that_only_touch_do_not_snap():
+    path = load_path(examples.degree6("pi/4"), 1, **QUICK)
+    assert not path.snaps and {e.type for e in path.events} <= {"closes", "leaves"}
+    path = load_path(examples.degree8("pi/6"), 1, to=0.2, max_starts=24)
+    assert not path.snaps and path.driver.creases == (1, 5)
+    closes = [e.t for e in path.events if e.type == "closes"]
+    assert min(closes) == pytest.approx(0.158554373254, abs=1e-11)
+    assert path.legs[0].full_space == "unstable"
+    assert path.legs[0].full_space_from > min(closes) - 1e-9
+
+
+def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
+    path = load_path(PUSHED, effort="quick")
+    (snap,) = [s for s in path.snaps if s.type == "fold"]
+    before, after = snap.confirmed.minima
+    assert snap.confirmed.found == (True, True) and before == after + 1
+    leg = max(path.legs, key=lambda leg: len(leg.points))
+    gained = leg.points[-1].energy - leg.points[0].energy
+    force = np.linalg.norm(PUSHED.loads[0].force)
+    assert force * work_of(leg.points) == pytest.approx(gained, rel=1e-3)
+    way = OwnForces(PUSHED).conjugate(np.array(leg.points[0].fold_angles))
+    assert way == pytest.approx(leg.points[0].angle, abs=1e-15)
+
+
+def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(format_scene(SCENE))
+    args = ("--crease", "1", "--to", "-0.15", "--no-confirm", "--no-full", "--effort", "quick")
+    code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
+    assert code == 0, err
+    data = json.loads(out)
+    assert data["schema"] == "origami-nlp/path/1" and data["driver"]["unit"] == "N m"
+    assert [e["type"] for e in data["events"]] == ["fold", "nonsmooth-fold"]
+    assert data["events"][0]["t"] == pytest.approx(SNAP, abs=1e-10)
+    assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])
+    frames = json.loads((tmp_path / "path.fold").read_text())["file_frames"]
+    assert len(frames) == sum(len(leg["points"]) for leg in data["legs"])
+    assert len(loop().to_fold()["file_frames"]) == sum(len(leg.points) for leg in loop().legs)
+    assert len(draw(loop(), tmp_path / "load.png").axes) == 3
+    assert "after snap 1, contact-pinned" in " ".join(str(loop()).split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ({"load": 7}, "1 to 6"),
+        ({"load": None}, "no \\[\\[loads\\]\\]"),
+        ({"load": 1, "to": "far"}, "'snap'"),
+        ({"load": 1, "to": 0}, "other than 0"),
+        ({"load": 1, "to": 0.01, "seconds": 0.0}, "time was over"),
+        ({"load": 1, "to": 0.01, "state": 9}, "state"),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(arguments, word):
+    with pytest.raises(OptionError, match=word):
+        load_path(SCENE, **arguments, max_starts=16)
+
+
+# ---------------------------------------------------------------- where snaps land
+
+STEP = 5e-3
+"""Of the motion [rad], in the metric of the springs."""
+
+
+def moved(scene, torque, phi):
+    """The state at which overdamped motion comes to rest: each crease k dphi/dtime = its torque, creases within pi."""
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    root, sectors = np.sqrt(k / k.mean()), scene.vertex.sector_angles
+    for _ in range(40_000):
+        pull = (torque - k * (phi - rest)) / root / k.mean()
+        shut, held = np.abs(phi) >= np.pi - 1e-12, np.zeros(len(phi), bool)
+        for _ in phi:  # creases that are pushed against their limits stay there
+            rows = np.vstack([fold(sectors, phi)[0][0].T / root, np.eye(len(phi))[held]])
+            rate = pull - np.linalg.pinv(rows) @ (rows @ pull)
+            into = shut & ~held & (rate * phi > 1e-13)
+            if not into.any():
+                break
+            held |= into
+        if np.linalg.norm(rate) < 1e-7:
+            return phi
+        ahead = STEP * rate / max(np.linalg.norm(rate), 0.1)
+        phi = np.clip(phi + ahead / root, -np.pi, np.pi)
+        for _ in range(4):  # back onto closure
+            creases, product = fold(sectors, phi)
+            rows = (creases[0].T / root)[:, ~held]
+            phi[~held] -= np.linalg.pinv(rows) @ rotation_vector(product)[0] / root[~held]
+            phi = np.clip(phi, -np.pi, np.pi)
+    raise AssertionError("it does not come to rest")
+
+
+MANY = [pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 6, 9, 13, 14, 24, 25)]
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+@pytest.mark.parametrize("number", [12, *MANY])
+def test_a_snap_lands_where_slow_motion_comes_to_rest(number):
+    scene = fold_limits(number)
+    snaps = [s for s in load_path(scene, 1, confirm=False).snaps if s.type == "fold"]
+    assert snaps
+    for snap in snaps:
+        torque = np.zeros(scene.degree)
+        torque[0] = snap.t * (1 + 1e-4)
+        end = moved(scene, torque, np.array(snap.before))
+        assert np.abs(end - snap.before).max() > 0.05
+        assert end == pytest.approx(np.array(snap.after), abs=2e-3)
+
+
+def test_a_search_confirms_the_state_of_the_path_itself():
+    """Beside the flat state, where closure loses rank."""
+    path = load_path(full_contact(0), 1)
+    (snap,) = path.snaps
+    assert snap.type == "flat state" and snap.confirmed.found == (True, True)
+    there = find_minima(path.driver.at(snap.confirmed.t[0]), prove=False, escape=False).minima
+    assert min(np.abs(m.fold_angles).max() for m in there) < 0.1 < np.abs(snap.after).max()

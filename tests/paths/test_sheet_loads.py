@@ -1,0 +1,348 @@
+"""Load paths of sheets: against one vertex, the law of Miura, spherical trigonometry, and the work of the load."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+from scipy.linalg import null_space
+from scipy.optimize import minimize_scalar
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
+from origami_nlp.pattern_states import judge
+from origami_nlp.search import descend_by_newton
+from tests.command_line import run
+from tests.patterns import miura, miura_angles, wheel
+
+GAMMA, REST = math.radians(70), 1.2
+
+
+SNAPPING = (0.2, 1.0), (2.0, 2.6), 2.9
+"""Springs of zigzags and rows with which a sheet snaps, and where it stands."""
+
+
+def work_of(points):
+    """Integral of the load over what it works on, by splines over the length of the curve."""
+    t, way = (np.array([getattr(p, name) for p in points]) for name in ("t", "angle"))
+    length = np.hypot(np.diff(t) / max(np.ptp(t), 1e-9), np.diff(way) / max(np.ptp(way), 1e-9))
+    keep = np.concatenate([[True], length > 1e-9])
+    u = np.cumsum(np.concatenate([[0.0], length]))[keep]
+    fine = np.linspace(0.0, u[-1], 20_001)
+    load, moved = (PchipInterpolator(u, v[keep])(fine) for v in (t, way))
+    return np.trapezoid(load, moved)
+
+
+def settled(pattern, phi):
+    problem = PatternProblem(pattern)
+    return judge(
+        problem, descend_by_newton(problem, problem.project(np.asarray(phi, float))[0]).phi
+    )
+
+
+def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
+    """A Miura sheet with springs and rest angles of its zigzags and its rows."""
+    pattern = miura(m, n, GAMMA)
+    straight = np.abs(pattern.directions[:, 1]) < 1e-9
+    signs = np.sign(miura_angles(pattern, n, 1.0, GAMMA))
+    stiffness = np.where(straight, k[1], k[0])
+    pattern = pattern.with_springs(
+        list(stiffness), list(signs * np.where(straight, rest[1], rest[0]))
+    )
+    return pattern, settled(pattern, miura_angles(pattern, n, near, GAMMA))
+
+
+# ---------------------------------------------------------------- one vertex
+
+
+@pytest.mark.parametrize(
+    ("to", "unload", "count"),
+    [
+        (-0.15, False, 1),
+        pytest.param(-0.2, True, 2, marks=pytest.mark.slow),
+        pytest.param(0.06, True, 0, marks=pytest.mark.slow),
+    ],
+)
+def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, unload, count):
+    scene = o.examples.degree6("5*pi/12", ratio=1)
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
+    pattern = wheel(scene.vertex.sector_angles)
+    pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
+    one = o.load_path(scene, 1, to=to, unload=unload, **quick)
+    start = settled(pattern, one.legs[0].points[0].fold_angles)
+    path = o.load_path(pattern, 1, to=to, state=start, unload=unload, confirm=False)
+    assert not path.alarms and len(path.snaps) == len(one.snaps) == count
+    for ours, theirs in zip(path.snaps, one.snaps, strict=True):
+        assert ours.type == theirs.type
+        assert ours.t == pytest.approx(theirs.t, abs=1e-11)
+        assert ours.restabilises == pytest.approx(theirs.restabilises, abs=1e-11)
+        assert ours.before == pytest.approx(theirs.before, abs=1e-9)
+        assert ours.after == pytest.approx(theirs.after, abs=1e-9)
+        assert ours.released == pytest.approx(theirs.released, abs=1e-11)
+    closing = sorted(e.t for e in one.events if e.type == "closes")
+    mine = sorted(e.t for e in path.events if e.type == "closes")
+    assert all(min(abs(t - u) for u in mine) < 1e-11 for t in closing if t > 0)
+    if count:  # found by another program, with other steps
+        assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
+
+
+# ---------------------------------------------------------------- one degree of freedom, in closed form
+
+
+def law(pattern, n, i, z):
+    """Fold angles of a Miura sheet, and the torque on crease i that holds it there."""
+    phi = miura_angles(pattern, n, z, GAMMA)
+    straight = np.abs(pattern.directions[:, 1]) < 1e-9
+    c, t = math.cos(GAMMA), math.tan(z / 2)
+    slope = np.where(straight, c * (1 + t * t) / (1 + c * c * t * t), 1.0)
+    d = np.sign(phi / math.copysign(1.0, z)) * slope
+    return phi, float((pattern.stiffness * (phi - pattern.rest)) @ d / d[i])
+
+
+@pytest.mark.parametrize("size", [4, pytest.param(8, marks=pytest.mark.slow)])
+def test_miura_follows_its_law_to_its_snap(size):
+    pattern, start = folded_miura(size, size, *SNAPPING)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    assert start.verdict == "minimum"
+    path = o.load_path(pattern, i + 1, state=start, confirm=False)
+    for leg in path.legs:
+        for p in leg.points:
+            if not 0.05 < abs(p.fold_angles[i]) < math.pi - 0.05:
+                continue  # beside flat and flat-folded states multipliers are large, and rounding with them
+            phi, t = law(pattern, size, i, abs(p.fold_angles[i]))
+            assert np.abs(phi - p.fold_angles).max() < 1e-9
+            assert t == pytest.approx(p.t, abs=1e-9 * size**2)
+    snap = path.snaps[0]
+    sense = math.copysign(1.0, -snap.t)
+    end = minimize_scalar(
+        lambda z: sense * law(pattern, size, i, z)[1],
+        bounds=(1.5, abs(start.phi[i])), method="bounded", options={"xatol": 1e-12},
+    )  # fmt: skip
+    assert snap.t == pytest.approx(law(pattern, size, i, float(end.x))[1], rel=1e-12)
+    assert snap.type == "fold" and snap.released > 0
+    beyond = [x for b in path.branches for x in b.kind_ranges if x.kind == "saddle"]
+    assert beyond and all(
+        law(pattern, size, i, abs(p.fold_angles[i]))[1] == pytest.approx(p.t, abs=1e-9 * size**2)
+        for b in path.branches for r in b.kind_ranges if r.kind == "saddle" and b.id == 1
+        for p in b.points[r.points[0] : r.points[1] + 1]
+    )  # fmt: skip
+
+
+@pytest.mark.slow  # a second look at what other tests of the room say
+def test_a_sheet_of_more_than_600_creases_follows_its_law():
+    """By sparse factors: states, loads and the smallest eigenvalue, which singular values give a second time."""
+    pattern, start = folded_miura(18, 18, *SNAPPING)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.load_path(pattern, i + 1, to=20.0, state=start, confirm=False)
+    (leg,) = path.legs
+    assert pattern.creases > 600 and leg.why == "range" and not path.alarms
+    for p in leg.points:
+        phi, t = law(pattern, 18, i, abs(p.fold_angles[i]))
+        assert np.abs(phi - p.fold_angles).max() < 1e-9
+        assert t == pytest.approx(p.t, abs=1e-9 * 18**2)
+    end = leg.points[-1]
+    problem, phi = PatternProblem(pattern).under(path.driver.work, end.t), np.array(end.fold_angles)
+    jacobian = problem.closure(phi)[1]
+    lam = np.linalg.lstsq(jacobian.T, problem.torque(phi), rcond=1e-9)[0]
+    z = null_space(jacobian, rcond=1e-8)
+    values = np.linalg.eigvalsh(z.T @ (problem.hessian(phi, lam) @ z))
+    assert end.eigenvalue == pytest.approx(values[0] * problem.scale, rel=1e-8)
+
+
+def test_a_path_stops_where_the_sheet_is_flat():
+    """It would go on through the flat state, where other ways are open that lead down."""
+    pattern, start = folded_miura(3, 3)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.load_path(pattern, i + 1, to=60.0, state=start)
+    (leg,) = path.legs
+    assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
+    found = judge(PatternProblem(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
+    assert found.refuted
+
+
+def test_a_path_stops_where_all_creases_shut_at_once():
+    pattern, start = folded_miura(2, 3)
+    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
+    path = o.load_path(pattern, i + 1, to=-40.0, state=start)
+    assert "close at once" in path.legs[0].why and not path.snaps
+
+
+def test_springs_take_up_the_work_of_the_load():
+    pattern, start = folded_miura(3, 4)
+    for work in (
+        Pull(pattern, (0, 19)),
+        DeadForce(pattern, 19, (0.1, 0.5, 1.0), 1),
+        Torque(pattern, (2, 5)),
+    ):
+        path = o.load_path(pattern, work, to=2.0, state=start)
+        (leg,) = path.legs
+        assert leg.why == "range" and len(leg.points) > 4
+        gained = leg.points[-1].energy - leg.points[0].energy
+        assert gained == pytest.approx(work_of(leg.points), rel=2e-3)
+
+
+def test_the_load_falls_back_to_zero_and_no_further():
+    pattern, start = folded_miura(2, 2)
+    path = o.load_path(pattern, Pull(pattern, (0, 8)), state=start, unload=True)
+    assert [leg.toward for leg in path.legs] == [-1, 1, 1, -1]
+    assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
+    for leg in path.legs[1::2]:
+        assert leg.points[-1].t == 0.0
+        assert leg.points[-1].fold_angles == pytest.approx(start.phi, abs=1e-9)
+        assert all(p.t * leg.points[0].t >= 0 for p in leg.points)
+
+
+# ---------------------------------------------------------------- what a load works on
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda p: Pull(p, (0, 15)),
+        lambda p: DeadForce(p, 15, (0.3, -0.2, 1.0), 1),
+        lambda p: Torque(p, (1, 3)),
+    ],
+)
+def test_derivatives_against_differences(make):
+    rng = np.random.default_rng(3)
+    pattern = miura(3, 3)
+    work, phi, h = make(pattern), 0.5 * rng.normal(size=pattern.creases), 1e-6
+    steps = h * np.eye(pattern.creases)
+    slope = [(work.conjugate(phi + d) - work.conjugate(phi - d)) / (2 * h) for d in steps]
+    bend = [(work.gradient(phi + d) - work.gradient(phi - d)) / (2 * h) for d in steps]
+    assert np.abs(slope - work.gradient(phi)).max() < 1e-8
+    exact = work.hessian(phi)
+    assert np.abs(np.array(bend) - (0.0 if exact is None else exact)).max() < 1e-8
+    # N m/rad: the lowest that springs and load can be together, closed or not
+    for unit in (1e-3, 1.0, 1e3):
+        stiff = pattern.with_springs(list(unit * pattern.stiffness), list(pattern.rest))
+        t = -3.0 * unit
+        least = stiff.rest + t * make(stiff).gradient(stiff.rest) / stiff.stiffness
+        assert PatternProblem(stiff).under(make(stiff), t).scaled_energy(least) > -1e-12
+
+
+def folded_cross():
+    """One vertex with creases 90 degrees apart but one pair 60 and 120, folded flat, its springs at rest there."""
+    angles = np.radians([0.0, 60.0, 180.0, 300.0])
+    pattern = wheel(np.diff(np.r_[angles, 2 * math.pi]))
+    flat = math.pi * np.array([-1.0, 1.0, -1.0, -1.0])
+    pattern = pattern.with_springs(1.0, list(flat))
+    return pattern, judge(PatternProblem(pattern), flat)
+
+
+@pytest.mark.slow
+def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable():
+    """A pull that does no work to first order: the state stays one, and is no certified minimum from 8/3 on."""
+    pattern, start = folded_cross()
+    assert start.verdict == "minimum"
+    pull = Pull(pattern, (1, 3))
+    path = o.load_path(pattern, pull, state=start, confirm=False)
+    (event,) = path.events
+    assert event.t == pytest.approx(8 / 3, abs=1e-10) and "on the verdict" in event.note
+    assert event.type == "branching" and path.legs[-1].why == "snap"
+    assert "the load does no work" in str(path) and not path.alarms
+    for share, good in ((0.999, True), (1.001, False)):
+        under = PatternProblem(pattern).under(pull, event.t * share)
+        assert (judge(under, start.phi).verdict == "minimum") == good
+
+
+def test_vertices_that_lie_on_each_other_have_no_pull():
+    pattern, start = folded_cross()
+    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
+    one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
+    with pytest.raises(OptionError, match="lie on each other"):
+        o.load_path(pattern, Pull(pattern, (one, two)), state=start)
+
+
+def test_a_load_that_does_no_work_is_told():
+    """A force across the only way in which its corner can move, found by differences along the law of the sheet."""
+    pattern, start = folded_miura(3, 3)
+    z = abs(start.phi[np.abs(pattern.directions[:, 1]) > 1e-9][0])
+    axes, sides = [], np.eye(3)
+    for side in sides:
+        seen = DeadForce(pattern, 15, tuple(side), 5)
+        ends = [seen.conjugate(miura_angles(pattern, 3, z + h, GAMMA)) for h in (1e-5, -1e-5)]
+        axes.append(float(ends[0] - ends[1]) / 2e-5)
+    across = np.cross(axes, [1.0, 2.0, 3.0])
+    words = "does no work"
+    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
+    end = path.legs[0].points[-1].fold_angles
+    assert words in str(path) and np.abs(end - start.phi).max() < 1e-8
+    path = o.load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
+    assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
+
+
+def test_a_pull_knows_no_facet_that_is_held():
+    """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
+    pattern, start = folded_miura(4, 4)
+    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
+    for a, b in ((0, 24), (24, 0), (3, 21)):
+        far = float(Pull(pattern, (a, b)).conjugate(start.phi))
+        assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
+
+
+# ---------------------------------------------------------------- whoever states it, however
+
+
+def test_what_is_refused_is_named():
+    pattern, start = folded_miura(3, 3)
+    flat = judge(PatternProblem(miura(3, 3)), np.zeros(12))
+    for load, options, word in (
+        (0, {}, "crease"),
+        (13, {}, "crease"),
+        ([], {}, "empty"),
+        ([1, 1], {}, "twice"),
+        (1, {"to": "far"}, "to"),
+        (1, {"to": 0}, "to"),
+        (1, {"state": 0}, "state"),
+        (1, {"state": flat}, "flat"),
+        (Torque(miura(2, 2), (1,)), {}, "another pattern"),
+    ):
+        with pytest.raises(OptionError, match=word):
+            o.load_path(pattern, load, **{"state": start, **options})
+    with pytest.raises(OptionError, match="one facet"):
+        Pull(pattern, (0, 1))
+    with pytest.raises(OptionError, match="the fixed facet 1"):
+        DeadForce(pattern, 0, (0, 0, 1), 1)
+    with pytest.raises(OptionError, match="not all 0"):
+        DeadForce(pattern, 15, (0, 0, 0), 1)
+
+
+# ---------------------------------------------------------------- files
+
+
+def test_a_path_comes_back_from_its_file(tmp_path):
+    pattern, start = folded_miura(3, 3)
+    path = o.load_path(pattern, [1, 2], to=1.0, state=start)
+    o.save(path, tmp_path / "load.json")
+    back = o.read_result(tmp_path / "load.json")
+    assert isinstance(back, o.LoadPath)
+    assert back.to_dict() == path.to_dict() and back.legs == path.legs
+    assert len(o.to_frame(back)) == sum(len(leg.points) for leg in path.legs)
+    assert not path.events and "leg 1" in path.view()._repr_html_()  # pages of what is empty
+
+
+# ---------------------------------------------------------------- sheets without vertices
+
+
+def strip(many: int) -> dict:
+    """A strip with so many creases across, mountains and valleys in turn."""
+    n = many + 2
+    return {
+        "vertices_coords": [[i, j] for j in (0, 1) for i in range(n)],
+        "edges_vertices": [[i, i + n] for i in range(n)]
+        + [[i + j, i + j + 1] for j in (0, n) for i in range(n - 1)],
+        "edges_assignment": ["B", *("MV" * many)[:many], "B", *"B" * (2 * n - 2)],
+    }
+
+
+@pytest.mark.parametrize("many", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_a_strip_is_loaded_and_its_states_are_found(tmp_path, many):
+    path = tmp_path / "strip.fold"
+    path.write_text(json.dumps(strip(many)))
+    done = run("load", path, "--crease", "1")
+    assert done.code == 0, done.err
+    done = run("inspect", path)
+    assert done.code == 0 and f"{many} degree" in done.out
