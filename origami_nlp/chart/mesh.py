@@ -288,28 +288,18 @@ def beside(triangles: np.ndarray) -> np.ndarray:
 
 
 def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Divide triangles at new vertices on their edges ([F, 3], -1 where an edge is whole)."""
-    count = (middle >= 0).sum(axis=1)
-    x, y, z = middle[count == 3].T
-    u, v, w = triangles[count == 3].T
-    quarters = ((u, x, z), (x, v, y), (z, y, w), (x, y, z))
-    pieces = [triangles[count == 0], *(np.stack(q, axis=1) for q in quarters)]
-    for k in range(3):
-        v = np.roll(triangles, -k, axis=1)
-        m = np.roll(middle, -k, axis=1)
-        one = (count == 1) & (m[:, 0] >= 0)  # edge (v0, v1) is cut
-        pieces += [
-            np.stack([v[one, 0], m[one, 0], v[one, 2]], axis=1),
-            np.stack([m[one, 0], v[one, 1], v[one, 2]], axis=1),
-        ]
-        two = (count == 2) & (m[:, 1] < 0)  # edges (v0, v1) and (v2, v0): v0 is cut off
-        x, y = m[two, 0], m[two, 2]
-        pieces += [
-            np.stack([v[two, 0], x, y], axis=1),
-            np.stack([x, v[two, 1], v[two, 2]], axis=1),
-            np.stack([x, v[two, 2], y], axis=1),
-        ]
-    return np.vstack(pieces)
+    """Divide triangles at new vertices on their edges ([F, 3], -1 where an edge is whole), one after the other."""
+    while (cut := (middle >= 0).any(axis=1)).any():
+        # the first that is divided goes from corner 0 to corner 1
+        turn = ((middle >= 0).argmax(axis=1)[:, None] + np.arange(3)) % 3
+        triangles, middle = (np.take_along_axis(v, turn, axis=1) for v in (triangles, middle))
+        (u, v, w), (at, two, three) = triangles[cut].T, middle[cut].T
+        whole = np.full(len(u), -1)
+        halves = [np.stack([u, at, w], axis=1), np.stack([at, v, w], axis=1)]
+        left = [np.stack([whole, whole, three], axis=1), np.stack([whole, two, whole], axis=1)]
+        triangles = np.vstack([triangles[~cut], *halves])
+        middle = np.vstack([middle[~cut], *left])
+    return triangles
 
 
 def _find_roots(

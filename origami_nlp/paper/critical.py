@@ -15,6 +15,7 @@ states spread over X and its edges, edge points from every sign change of dU/ds,
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -42,7 +43,7 @@ from origami_nlp.numerics import (
     distinct,
     rank,
 )
-from origami_nlp.paper.links import RADII, Link, closed_rows, link_of
+from origami_nlp.paper.links import RADII, Link, Way, closed_rows, link_of
 from origami_nlp.paper.morse import (
     ROUNDING,
     CriticalPoint,
@@ -149,14 +150,24 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
     alone = ~np.isin(np.arange(count), edges)
     alone[[v for path, *_ in border_paths(cells) for v in (path[0], path[-1])]] = True
     alone[[s.vertex for s in spots(count, cells.triangles, cells.extra_edges)]] = True
-    x = cells.wedge[alone]
-    out = []
+    x, out = cells.wedge[alone], []
+    thin = [line for line in trace_boundary(scene).lines if line.thin]
     for state in (State(problem, y, SETTLED) for y in x[distinct(x, SETTLED)]):
+        ways = [way for line in thin for way in _ways(problem, line, state.x)]
         try:
-            out.append(StratumVertex(state.x, tuple(link_of(scene, state, r) for r in RADII)))
+            links = tuple(link_of(scene, state, r, ways) for r in RADII)
+            out.append(StratumVertex(state.x, links))
         except ValueError as error:
             out.append(StratumVertex(state.x, (), str(error)))
     return tuple(out)
+
+
+def _ways(problem: PatternProblem, line: BoundaryLine, x: np.ndarray) -> Iterator[Way]:
+    """Go through the directions in which a handle leaves a state at one of its ends."""
+    at = problem.reduce(line.fold_angles)
+    for end, beside in ((0, 1), (-1, -2)):
+        if np.abs(at[end] - x).max() <= SETTLED:
+            yield at[beside] - at[end], line.rows(problem)
 
 
 class _Search:
@@ -173,10 +184,10 @@ class _Search:
         # the multiplier and curvature, scaled, from which they decide
         self.firm = FIRM * float((problem.parameters.stiffness / problem.multiplicity).min())
 
-    def links(self, state: State) -> tuple[Link, ...]:
+    def links(self, state: State, handles: Sequence[Way] = ()) -> tuple[Link, ...]:
         """Sample the links of a state, or record why they are not known."""
         try:
-            return tuple(link_of(self.scene, state, radius) for radius in RADII)
+            return tuple(link_of(self.scene, state, radius, handles) for radius in RADII)
         except ValueError as error:
             self.doubts.append(f"the link of {in_degrees(state.x)} is not known: {error}")
             return ()
@@ -278,7 +289,9 @@ class _Search:
         by_formula = not line.thin and index is not None and abs(push) > self.firm
         kind: Kind
         if not by_formula:
-            contribution, kind, how = self.count_links(self.links(state))
+            rows, ahead = line.rows(self.problem), held.tangent[:, 0] / self.problem.root
+            ways = [(ahead, rows), (-ahead, rows)] if line.thin else []
+            contribution, kind, how = self.count_links(self.links(state, ways))
         elif (
             push < 0
         ):  # U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
@@ -306,7 +319,8 @@ class _Search:
             self.doubts.append(f"the link of {in_degrees(vertex.x)} is not known: {vertex.reason}")
         contribution, kind, how = self.count_links(vertex.links)
         smooth = bool(vertex.links) and all(
-            len(link.circles) == 1 and link.pieces == 1 and link.thin == 0 for link in vertex.links
+            len(link.circles) == 1 and link.pieces == 1 and not len(link.thin)
+            for link in vertex.links
         )
         part: Part = "corner" if smooth else "singular"
         names = tuple(dict.fromkeys(problem.name(r) for r in rows))

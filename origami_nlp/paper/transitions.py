@@ -71,11 +71,6 @@ class Signature:
         """The numbers of `topology` by their names."""
         return dict(zip(TOPOLOGY, self.topology, strict=True))
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Topology and loops of the picture, without corners."""
-        return (*self.topology, self.picture_holes)
-
 
 @dataclass(frozen=True)
 class Transition:

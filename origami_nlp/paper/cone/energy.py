@@ -181,11 +181,6 @@ class SideEnergy:
         """Valley flaps less mountain flaps, 2a - n, [m]."""
         return 2 * self.valleys - self.flaps
 
-    @cached_property
-    def even_vertex(self) -> np.ndarray:
-        """s_e: where B is least (may be negative, or past the end), [m] [rad]."""
-        return -self.excess * self.rest.even / (2 * self.flaps)
-
     def only(self, rows: np.ndarray) -> SideEnergy:
         """Return some of the classes."""
         return SideEnergy(
