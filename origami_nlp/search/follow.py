@@ -40,11 +40,13 @@ class Follower:
     ----------
     work
         Evaluations of closure so far.
+    level
+        Facets that lie face to face.
     """
 
     def __init__(self, problem: PatternProblem) -> None:
         self.problem, self.descents, self.work = problem, CompiledDescent(problem), 0
-        self._level = LevelFaces(problem)
+        self.level = LevelFaces(problem)
         self._levels: dict[object, list[tuple[np.ndarray, np.ndarray, str]]] = {}
 
     @property
@@ -115,7 +117,7 @@ class Follower:
                 if np.abs(x - end.x).max() <= DUPLICATE_TOL:
                     return onward, why
             # facets that may lie either way go on otherwise the next time
-            faces = self._level(end.x) if self._is_level(end.x) else None
+            faces = self.level(end.x) if self._is_level(end.x) else None
             either = faces is not None and bool(faces.open)
             onward, why = self._onward(replace(start, drawn=False), False, end, aside, known_end)
             if not either:
@@ -184,4 +186,4 @@ class Follower:
     ) -> tuple[Slot, ...] | None:
         if not self._is_level(x):
             return ()
-        return ordered_slots(self._level, x, before, known, aside)
+        return ordered_slots(self.level, x, before, known, aside)

@@ -48,6 +48,32 @@ class LevelFaces:
 
         None where those are only such as a fold limit keeps apart.
         """
+        key, block, alone = self._blocks_at(x)
+        if not alone:
+            return self.problem.faces(x)
+        if np.bincount(block).max() <= 2:
+            return None
+        faces = self._known.pop(key, None) or self.problem.faces(x)
+        if faces.reason:  # other paper may run through this fold here, and elsewhere not
+            return faces
+        if len(self._known) == MOST_KINDS:
+            del self._known[next(iter(self._known))]
+        self._known[key] = faces
+        return faces
+
+    def kind(self, x: np.ndarray) -> bytes | None:
+        """Return what the order of layers at a state [n] hangs on where facets do not cross: to which sides folds go.
+
+        Facets that hang together at fully folded creases are one rigid body, and others that leave it do so to the side
+        of their fold.  None where others lie level with it.
+        """
+        phi = self.problem.crossings.poses.copied(x)
+        flat = np.abs(phi) <= OUTSIDE
+        key, _, alone = self._blocks_at(x)
+        return key + np.where(flat, 0.0, np.sign(phi)).tobytes() if alone else None
+
+    def _blocks_at(self, x: np.ndarray) -> tuple[bytes, np.ndarray, bool]:
+        """Return which creases are fully folded, the body of each facet, and whether only facets of one are level."""
         crossings = self.problem.crossings
         phi, pattern = crossings.poses.copied(x), crossings.pattern
         folded = np.abs(np.abs(phi) - np.pi) <= OUTSIDE
@@ -64,17 +90,7 @@ class LevelFaces:
         off = normal @ place[:, 0].T
         level = np.abs(off - np.diagonal(off)[:, None]) <= INSIDE * crossings.size
         level &= 1 - np.abs(normal @ normal.T) <= INSIDE**2
-        if (level & (of_pieces[:, None] != of_pieces)).any():
-            return self.problem.faces(x)
-        if np.bincount(block).max() <= 2:
-            return None
-        faces = self._known.pop(key, None) or self.problem.faces(x)
-        if faces.reason:  # other paper may run through this fold here, and elsewhere not
-            return faces
-        if len(self._known) == MOST_KINDS:
-            del self._known[next(iter(self._known))]
-        self._known[key] = faces
-        return faces
+        return key, block, not (level & (of_pieces[:, None] != of_pieces)).any()
 
 
 def ordered_slots(

@@ -102,6 +102,7 @@ class DescentTerrain(Terrain):
         self._down = dict[bytes, np.ndarray]()
         self._short = dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
+        self._orders = dict[bytes, bool]()
 
     @property
     def usable(self) -> bool:
@@ -219,8 +220,15 @@ class DescentTerrain(Terrain):
 
     def _loses_order(self, a: np.ndarray, b: np.ndarray, y: np.ndarray) -> bool:
         """Whether facets that lie on each other all along a step have no order at a state of it."""
-        level = ((a == b) & self._at_limit(a)).any()
-        return bool(level and self.problem.contact and self.problem.refuses(y))
+        p = self.problem
+        if not (p.contact and ((a == b) & self._at_limit(a)).any()):
+            return False
+        kind = None if p.crossed(y) else self._go.level.kind(y)
+        if kind is None:
+            return bool(p.refuses(y))
+        if kind not in self._orders:
+            self._orders[kind] = bool(p.refuses(y))
+        return self._orders[kind]
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents end."""
