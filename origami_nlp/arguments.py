@@ -25,6 +25,7 @@ _MAKERS = {
     "PhaseDiagram": "a PhaseDiagram: what phase_diagram(degree) returns",
     "Boundary": "a Boundary: what trace_boundary(scene) returns",
     "Frame": "a Frame: one of those that read_fold(file) returns",
+    "ReducedVertex": "a ReducedVertex: ReducedVertex(scene); a pattern is searched for (find_minima), not proved",
     "Sweep": "a Sweep: what read_sweep(file) returns",
     "Pattern": "a Pattern (read_pattern reads one from a FOLD file), the name of an example, or a FOLD file",
     "LoadPath": "a load path: what load_path returns",

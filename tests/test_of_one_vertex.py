@@ -36,7 +36,7 @@ def test_results_and_programmes_of_patterns_are_refused_in_one_line():
     found = o.find_minima("metasheet:2x2", starts=1, escape=False)
     with pytest.raises(o.OrigamiError, match="find_contacts takes a pattern"):
         o.find_segments(found)
-    with pytest.raises(o.OrigamiError, match=r"searched for \(find_minima\), not proved"):
+    with pytest.raises(o.OrigamiError, match="must be a ReducedVertex"):
         prove(found.pattern)
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
@@ -89,6 +90,7 @@ def prove(
     >>> proof.complete, len(proof.minima)
     (True, 2)
     """
+    check_type("vertex", vertex, ReducedVertex)
     started = time.process_time()
     posed, flat = pose(vertex)
     near = flat.radius or (RADII[0] if vertex.scene.group.is_trivial else 0.0)

@@ -114,7 +114,7 @@ def test_many_states_are_as_each_of_them(name: str) -> None:
         assert f[k] == pytest.approx(g, abs=1e-14) and jac[k] == pytest.approx(a, abs=1e-14)
         alone, residual = project(problem, x[k], contacts[:1])
         if max(residual, left[k]) <= 1e-12:
-            assert moved[k] == pytest.approx(alone, abs=1e-8)
+            assert moved[k] == pytest.approx(alone, abs=1e-6)  # closure may be near to losing rank
             # layers are ordered for one state only
             assert admissible[k] or problem.refuses(alone)
     with pytest.raises(ValueError, match="shape"):  # C would write beyond the first

@@ -130,7 +130,7 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     y = description.sided(description.ordered(x))
     assert len(x) >= 20 and (description.back(y) == x).all()
     ours, theirs = pose(scene), pose(other)
-    assert np.abs(theirs.closure(y)[0]).max() <= 1e-12
+    assert np.abs(theirs.constraints(y)[0]).max() <= 1e-12
     assert (theirs.lifts_to_one(y) == ours.lifts_to_one(x)).all()
     assert (theirs.admissible(y) == ours.admissible(x)).all()
     energies = [description.factor * scene.energy(s) for s in x]

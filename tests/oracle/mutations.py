@@ -43,17 +43,11 @@ class Mutation:
 
 
 MUTATIONS = [
-    Mutation(  # a crease on a mirror folds by half its angle in the wedge
-        "problem/closure.py",
-        "half = half / 2",
-        "half = half / 1",
+    Mutation(  # torques of images under a symmetry add up
+        "pattern_problem/orbits.py",
+        "np.add.at(out, self.orbit, np.moveaxis(",
+        "np.maximum.at(out, self.orbit, np.moveaxis(",
         ("panels",),
-    ),
-    Mutation(  # the gap is the sine of an angle
-        "problem/gaps.py",
-        "rays[k]) / sine",
-        "rays[k]) * sine",
-        ("states", "panels"),
     ),
     Mutation(  # the Hessian is positive definite, not only not negative
         "kkt/certificates.py",

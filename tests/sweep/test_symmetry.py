@@ -24,8 +24,8 @@ name = "rest"
 set = "creases.rest_angles[1]"
 values = [-1.7, -1.5, -1.3]
 [search]
-starts = 8
-max_starts = 48
+starts = 60
+max_starts = 300
 """
 """Through a value at which the springs have D2; beside it they have D1."""
 
