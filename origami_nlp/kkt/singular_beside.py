@@ -40,11 +40,12 @@ def singular_beside(problem: Any, phi: np.ndarray) -> np.ndarray | None:
     >>> singular_beside(problem, np.zeros(4)) is None, singular_beside(problem, np.full(4, 1e-13)) is None
     (True, True)
     """
-    at_limit, flat = math.pi - np.abs(phi) < BESIDE_SINGULAR, np.abs(phi) < BESIDE_SINGULAR
-    near = np.where(at_limit, np.copysign(math.pi, phi), np.where(flat, 0.0, phi))
+    whole = math.pi * np.round(phi / math.pi)
+    flat = np.abs(phi - whole) < BESIDE_SINGULAR
+    near = np.where(flat, whole, phi)
     if np.abs(near - phi).max(initial=0.0) <= OUTSIDE:
         return None
-    near, residual = problem.project(near, at_limit | flat)
+    near, residual = problem.project(near, flat)
     # a sheet drawn with noise: there it misses by what closes within `BESIDE_SINGULAR`, to the square of that
     lost = residual <= BESIDE_SINGULAR**2 and np.abs(near - phi).max() < NEAR_SINGULAR_TOL
     return near if lost and problem.rank(near) < problem.rank(phi, CLOSURE_TOL) else None

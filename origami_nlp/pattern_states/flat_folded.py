@@ -64,8 +64,8 @@ def list_branches(
     return cone
 
 
-MOST_AROUND = 9
-"""Variables round a vertex whose flat foldings are listed one by one: 3^9 = 19,683 choices."""
+MOST_CHOICES = 3**9
+"""Ways to fold the variables round a vertex by multiples of pi that are gone through one by one."""
 MOST_STATES = 500
 """Flat-folded states that are listed."""
 
@@ -73,12 +73,12 @@ MOST_STATES = 500
 def _vertex_foldings(
     problem: PatternProblem, loop: Loop, variables: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """Return the ways to fold a vertex flat, 0, 1 or -1 a variable, [F, d].
+    """Return the ways to fold a vertex flat, each variable by so many times pi, [F, d].
 
     Parameters
     ----------
     problem
-        Of a flat sheet.
+        Of a flat sheet, or of one vertex.
     loop
         Round the vertex.
     variables, place
@@ -87,14 +87,19 @@ def _vertex_foldings(
     pattern, creases = problem.pattern, list(loop.creases)
     axes = np.array(loop.signs)[:, None] * pattern.directions[creases]
     sign = np.ones(len(creases)) if problem.orbits is None else problem.orbits.sign[creases]
-    choices = np.array(list(product((0, 1, -1), repeat=len(variables))), float)
+    choices = np.array(list(product(_multiples(problem), repeat=len(variables))), float)
     low, high = problem.fold_limits.low[variables], problem.fold_limits.high[variables]
     choices = choices[((math.pi * choices >= low) & (math.pi * choices <= high)).all(axis=1)]
+    if not pattern.lies_flat:
+        missed = np.abs(problem.constraints(math.pi * choices)[0]).max(axis=1)
+        choices = choices[missed <= CLOSURE_TOL]
+        return choices[problem.lifts_to_one(math.pi * choices)]
     q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
     for v, s, axis in zip(place, sign, axes, strict=True):
         turn = s * choices[:, v]
-        # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
-        q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
+        # cosine and sine of half of 0, +-pi or +-2 pi: exact
+        cosine, sine = 1.0 - np.abs(turn), turn * (np.abs(turn) == 1)
+        q = quaternion.multiply(quaternion.fold(cosine, sine, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
     at = round_vertex(pattern, loop) if problem.contact else None
     foldings = choices[closed]
@@ -108,6 +113,11 @@ def _vertex_foldings(
         return foldings
 
 
+def _multiples(problem: PatternProblem) -> tuple[int, ...]:
+    """Return by how many times pi creases may be folded: without limits by whole turns as well."""
+    return (0, 1, -1) if problem.has_limits else (0, 1, -1, 2, -2)
+
+
 @dataclass(frozen=True, eq=False)
 class FlatFolded:
     """Flat-folded states of a pattern.
@@ -115,7 +125,7 @@ class FlatFolded:
     Attributes
     ----------
     states
-        Fold angles, each 0, pi or -pi, the flat state first, [S, n] [rad].
+        Fold angles, each a multiple of pi, those least folded first, [S, n] [rad].
     reason
         Why they were not enumerated; empty where they were.
     """
@@ -125,7 +135,7 @@ class FlatFolded:
 
 
 def list_flat_folded(problem: PatternProblem) -> FlatFolded:
-    """Enumerate the flat-folded states of a problem whose reference state is flat.
+    """Enumerate the flat-folded states of a problem whose reference state is flat, or of one vertex.
 
     Parameters
     ----------
@@ -141,19 +151,17 @@ def list_flat_folded(problem: PatternProblem) -> FlatFolded:
     """
     pattern, n = problem.pattern, problem.size
     none = np.zeros((0, n))
-    if not pattern.lies_flat:
+    if not pattern.lies_flat and len(pattern.vertices) != 1:
         return FlatFolded(none, "the reference state is not flat")
     if pattern.holes:
         return FlatFolded(none, "states folded round holes are not enumerated")
-    if not problem.has_limits:
-        return FlatFolded(np.zeros((1, n)))
     of = np.arange(n) if problem.orbits is None else problem.orbits.orbit
     each = [
         np.unique(of[list(loop.creases)], return_inverse=True) for loop in problem.pattern.vertices
     ]
     most = max((len(variables) for variables, _ in each), default=0)
-    if most > MOST_AROUND:
-        return FlatFolded(none, f"round a vertex {most} creases turn, more than {MOST_AROUND}")
+    if len(_multiples(problem)) ** most > MOST_CHOICES:
+        return FlatFolded(none, f"round a vertex {most} creases turn: too many for all choices")
     tables = []
     for loop, around in zip(pattern.vertices, each, strict=True):
         problem.check_time()

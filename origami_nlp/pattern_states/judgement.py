@@ -35,7 +35,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     problem
         The problem.
     phi
-        Fold angles [rad], [n]; those beyond pi, or off 0, by less than closure can resolve are at pi, or 0.
+        Fold angles [rad], [n]; those off multiples of pi by less than closure can resolve are there.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -48,7 +48,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     at_limit = problem.fold_limits.clip(phi)
     if np.abs(phi - at_limit).max(initial=0.0) <= CLOSURE_TOL:  # as exactly as states close
         phi = at_limit
-    phi = np.where(np.abs(phi) <= CLOSURE_TOL, 0.0, phi)
+    whole = math.pi * np.round(phi / math.pi)
+    phi = np.where(np.abs(phi - whole) <= CLOSURE_TOL, whole, phi)
     problem = problem.with_contact(contact)
     residual = problem.residual(phi)
     energy = float(energy_or_zero(problem.energy(phi), problem.pattern.stiffness))

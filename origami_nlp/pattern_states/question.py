@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import passing_moment
 from origami_nlp.minima import Completeness, JudgedState, full_scene, moves_of, with_full_space
-from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.numerics import DUPLICATE_TOL, OUTSIDE
 from origami_nlp.pattern import Pattern, Scene, canonical_labels, winding_number
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, image, pose
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
@@ -129,7 +129,7 @@ def _of_vertex(scene: Scene) -> Question:
 
     def winding(x: np.ndarray) -> int:
         # folds beyond whole turns are not modelled
-        beyond = not problem.has_limits and np.abs(x).max() >= problem.bound
+        beyond = not problem.has_limits and np.abs(x).max() > problem.bound + OUTSIDE
         if beyond or problem.residual(x) > DUPLICATE_TOL:
             return 0
         often = winding_number(scene.vertex, scene.group, problem.expand(x))

@@ -115,7 +115,7 @@ class Search(Parts):
             self.part("the flat state", self.add_flat)
         for name, states in self.question.starts:
             self.part(name, self._explore_each, states, name)
-        if self.problem.pattern.lies_flat:
+        if self.problem.pattern.lies_flat or len(self.problem.pattern.vertices) == 1:
             self.part(FLAT_FOLDED, self.from_flat_folded)
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
