@@ -114,8 +114,11 @@ def _vertex_foldings(
 
 
 def _multiples(problem: PatternProblem) -> tuple[int, ...]:
-    """Return by how many times pi creases may be folded: without limits by whole turns as well."""
-    return (0, 1, -1) if problem.has_limits else (0, 1, -1, 2, -2)
+    """Return by how many times pi creases may be folded: of cones without limits by whole turns as well.
+
+    Whole turns of flat sheets are found like other states; those of a cone may be isolated.
+    """
+    return (0, 1, -1) if problem.has_limits or problem.pattern.lies_flat else (0, 1, -1, 2, -2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +158,8 @@ def list_flat_folded(problem: PatternProblem) -> FlatFolded:
         return FlatFolded(none, "the reference state is not flat")
     if pattern.holes:
         return FlatFolded(none, "states folded round holes are not enumerated")
+    if pattern.lies_flat and not problem.has_limits:
+        return FlatFolded(np.zeros((1, n)))
     of = np.arange(n) if problem.orbits is None else problem.orbits.orbit
     each = [
         np.unique(of[list(loop.creases)], return_inverse=True) for loop in problem.pattern.vertices

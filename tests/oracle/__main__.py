@@ -3,7 +3,8 @@
 Prints a row a group: questions, states found of those that must be, missing, false (a state that must be refused is
 listed or called a minimum), not decided, differing, and processor time over that of the commit that made the data.
 ``--against FOLDER``: a checkout with an oracle of its own is asked the same in turn, so that times compare; without,
-times are those recorded.  ``--sample N``: N questions spread over all; ``--out FILE``: what differs, in JSON.
+times are those recorded.  ``--sample N``: N questions spread over all; ``--families``: what each family of starts led
+to, and what no other did; ``--out FILE``: what differs, in JSON.
 The exit code is 1 where a state is false, more than 1 % of must-find is missing, an event or a number differs.
 """
 
@@ -47,6 +48,7 @@ class Row:
     before: float = 0.0
     slowest: tuple[float, str] = (0.0, "")
     told: list[Any] = field(default_factory=list)
+    families: dict[str, list[int]] = field(default_factory=dict)
 
     def tell(self, name: str, what: str, *data: Any) -> None:
         """Keep what differs."""
@@ -235,7 +237,7 @@ def chosen(every: dict[str, list[Any]], asked: argparse.Namespace) -> list[tuple
 def main(words: list[str]) -> int:
     """Do what the command line asks for (see the module)."""
     parser = argparse.ArgumentParser(prog="python -m tests.oracle", description=__doc__)
-    for flag in ("--quick", "--long"):
+    for flag in ("--quick", "--long", "--families"):
         parser.add_argument(flag, action="store_true")
     parser.add_argument("--sample", type=int, default=0)
     parser.add_argument("--against", type=Path)
@@ -268,6 +270,9 @@ def main(words: list[str]) -> int:
             row.questions += 1
             row.seconds += now["seconds"]
             row.before += before
+            for family, counts in now.get("families", {}).items():
+                sums = row.families.setdefault(family, [0, 0, 0])
+                row.families[family] = [a + b for a, b in zip(sums, counts, strict=True)]
             row.slowest = max(row.slowest, (now["seconds"] / max(before, 0.05), record["name"]))
             if "error" in now and "error" not in record["answer"]:
                 row.differing += 1
@@ -302,6 +307,11 @@ def main(words: list[str]) -> int:
         ):
             setattr(total, key, getattr(total, key) + getattr(row, key))
     print(_line("all", total))
+    if asked.families:
+        print(f"{'family':36}{'starts':>10}{'minima':>10}{'alone':>10}")
+        for family in {f: None for row in rows.values() for f in row.families}:
+            each = [row.families.get(family, [0, 0, 0]) for row in rows.values()]
+            print(f"{family:36}" + "".join(f"{sum(c):10}" for c in zip(*each, strict=True)))
     if asked.out:
         lines = [json.dumps({"group": g, **t}) for g, row in rows.items() for t in row.told]
         asked.out.write_text("".join(line + "\n" for line in lines))

@@ -48,9 +48,10 @@ def listed(states: Any) -> list[list[Any]]:
 
 
 def minima(q: Answer) -> Answer:
-    """The minima that a search lists, and what it cannot decide."""
+    """The minima that a search lists, what it cannot decide, and of each family starts and minima."""
     found = search(q)
-    return {"minima": listed(found.minima), "undecided": listed(found.undecided)}
+    s, told = found.search, {k: listed(getattr(found, k)) for k in ("minima", "undecided")}
+    return told | {"families": {f: [n, s.reached[f], s.alone[f]] for f, n in s.by_source.items()}}
 
 
 def proof(q: Answer) -> Answer:
