@@ -226,7 +226,7 @@ def run_rival(rival: Rival, problem: PatternProblem, seed: int, budget: float) -
         x = problem.fold_limits.clip(x) if residual < math.inf else start
         good = good and max(residual, problem.residual(x)) <= FEASIBLE
         status = "Solve_Succeeded" if good else "failed"
-        return Solve(x, status, 0, residual, np.zeros(len(x)), None), (), np.zeros(0)
+        return Solve(x, status, 0, residual, np.zeros(len(x))), (), np.zeros(0)
 
     seconds: list[float] = []
     answers: list[Solve] = []

@@ -88,7 +88,7 @@ def minimum_near(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
     lam = np.linalg.lstsq(local.closure_jacobian.T[free], local.gradient[free], rcond=None)[0]
     pull = np.where(free, 0.0, local.gradient - local.closure_jacobian.T @ lam)
     residual = float(np.abs(local.closure).max())
-    state = polish(problem, Solve(x, "Solve_Succeeded", 0, residual, pull, None))
+    state = polish(problem, Solve(x, "Solve_Succeeded", 0, residual, pull))
     if not state.converged:
         state = exact_beside(problem, state)
     if state.closure_residual > CLOSURE_TOL:

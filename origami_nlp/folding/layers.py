@@ -102,16 +102,6 @@ class LayerProblem:
                 found.setdefault(ordered(a, b)[0], True)
         return found
 
-    def forced_side(self, one: Strand, other: Strand) -> int:
-        """Return on which side strand `one` must lie of `other`, in the direction of their segment.
-
-        Returns +1 (left), -1 (right) or 0 (both are possible, or they share no segment).
-        """
-        pair, flip = ordered(one, other)
-        left = self.solvable({pair: not flip})
-        right = self.solvable({pair: flip})
-        return int(left) - int(right)
-
     def with_symmetry(self, elements: tuple[tuple[int, bool], ...], degree: int) -> LayerProblem:
         """Ask the layers to have a symmetry: elements (s, mirrored) of the group of a `degree`-crease vertex.
 

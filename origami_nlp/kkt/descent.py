@@ -454,7 +454,7 @@ def polished_nearby(
     for contact in state.contacts.base:
         if contact.is_limit:
             pull[contact.index] = 1.0
-    answer = Solve(x, "followed", 0, 0.0, pull, None)
+    answer = Solve(x, "followed", 0, 0.0, pull)
     # the contacts that are closed first: a guess from near gaps may close one that the path never met
     if state.few:
         guesses = state.pieces[:MOST_GUESSES]

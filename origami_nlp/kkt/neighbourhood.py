@@ -107,13 +107,13 @@ def _neighbours(
     limits = [row for row in rows if row.is_limit]
     # a gap is held at zero whatever its side; two creases that lie on each other may turn as one hinge
     gaps = list({row.index: row for row in rows if not row.is_limit}.values())
-    # inside; on one limit, on two, on all; on one gap; on creases that lie on each other
+    # inside; on one limit, on two, on all; on one gap; on all gaps
     strata: list[tuple[Contact, ...]] = [(), *((row,) for row in limits)]
     strata += list(itertools.combinations(limits, 2))
     if len(limits) > 2:
         strata.append(tuple(limits))
     strata += [(row,) for row in gaps]
-    strata += model.together(x, gaps)
+    strata += [tuple(gaps)] * (len(gaps) > 1)
     strata = list(dict.fromkeys(strata))[:MOST_STRATA]
     # two creases on one line can turn together as one hinge, all others still
     for (v, w), signs, radius in itertools.product(

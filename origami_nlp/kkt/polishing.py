@@ -9,7 +9,6 @@ consistent.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,7 +52,6 @@ class Solve:
     x: fold angles [n].  status: IPOPT's return status.  residual: largest violation of closure,
     bounds and inequality rows.  pull: for each variable IPOPT's bound multiplier (scaled energy),
     for the active-set guess.
-    pair_force: for each facet pair with a plane, the largest multiplier of its rows; None if all may press.
     """
 
     x: np.ndarray
@@ -61,7 +59,6 @@ class Solve:
     iterations: int
     residual: float
     pull: np.ndarray
-    pair_force: Mapping[tuple[int, int], float] | None
 
     @property
     def succeeded(self) -> bool:
@@ -91,7 +88,7 @@ class Polished:
 
 def polish(model: Problem, answer: Solve, guess: tuple[Contact, ...] | None = None) -> Polished:
     """Polish one answer of IPOPT; `guess` gives the active set to try first, where it is known."""
-    guess = model.guess(answer.x, answer.pull, answer.pair_force) if guess is None else guess
+    guess = model.guess(answer.x, answer.pull) if guess is None else guess
     firm = tuple(row for row in guess if not row.is_limit or abs(answer.pull[row.index]) > ANSWERED)
     fallback: Polished | None = None
     for first in dict.fromkeys((guess, firm, ())):

@@ -115,7 +115,7 @@ class State:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure, the infinitesimal motions, in the metric, [n, t]."""
         p: Any = self.problem
-        if p.redundant and not p.sparse:
+        if not p.sparse:
             return np.asarray(p.kernel(self.x))
         _, values, vt = self._factors
         # paper, eq. A6: C dphi = 0, of dimension N - 3 at a regular state of a vertex without symmetry
@@ -125,7 +125,7 @@ class State:
     def _lost(self) -> np.ndarray:
         """Orthonormal rows w with w' J = 0, [m - rank, m]."""
         p: Any = self.problem
-        if p.redundant and not p.sparse:
+        if not p.sparse:
             return np.asarray(p.null_spaces(self.x).lost)
         u, values, _ = self._factors
         return u.T[int((values > RANK).sum()) :]
@@ -146,7 +146,7 @@ class State:
         lost = self._lost
         z = self.kernel / p.root[:, None]
         forms: Iterable[np.ndarray]
-        if p.redundant and len(lost) > FEW:
+        if len(lost) > FEW:
             forms = np.einsum("lm,mtu->ltu", lost, p.closure.second(self.x, z))
         else:
             forms = (z.T @ p.lagrangian_hessian(self.x, -w, (), 0.0) @ z for w in lost)

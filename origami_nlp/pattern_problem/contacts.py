@@ -108,16 +108,6 @@ class PatternContacts(PatternEquations):
         """Both fold limits of every variable, where there are some."""
         return self.fold_limits.both if self.has_limits else ()
 
-    @property
-    def every_gap(self) -> tuple[Contact, ...]:
-        """None: gaps are listed where facets meet."""
-        return ()
-
-    @property
-    def gaps(self) -> tuple[Contact, ...]:
-        """None: gaps are listed where facets meet."""
-        return ()
-
     def local(self, x: np.ndarray) -> PatternLocal:
         """Evaluate values and first derivatives at a state [n]; dense, but for problems that are `sparse`."""
         if self.sparse:
@@ -276,7 +266,7 @@ class PatternContacts(PatternEquations):
             x, ~self.fold_limits.inside(x, tolerance) & self.has_limits
         )
 
-    def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
+    def guess(self, x: np.ndarray, pull: np.ndarray) -> tuple[Contact, ...]:
         """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
         slack = self.fold_limits.room(x)
         at_limit = (slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack))
@@ -285,10 +275,6 @@ class PatternContacts(PatternEquations):
             facing = self.features.facing(self.placed(x), ANSWERED, INSIDE)
             found += [self.contact_of(t) for t, _ in facing]
         return tuple(found)
-
-    def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
-        """Return the gaps as one set: facets that touch at several places may stay so at all of them."""
-        return [tuple(contacts)] if len(contacts) > 1 else []
 
     def name(self, contact: Contact) -> str:
         """Describe which contact it is; creases, facets and corners 1-based."""

@@ -72,8 +72,6 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
     'minimum'
     """
 
-    redundant = True
-
     def __init__(
         self,
         pattern: Pattern,

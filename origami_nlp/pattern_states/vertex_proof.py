@@ -77,7 +77,7 @@ class KnownStates:
 
     def polished(self, x: np.ndarray) -> JudgedState | None:
         """Judge the state that Newton finds beside x: the middle of a box is no state; None where there is none."""
-        state = polish(self.problem, Solve(x, "", 0, math.nan, np.ones(len(x)), None))
+        state = polish(self.problem, Solve(x, "", 0, math.nan, np.ones(len(x))))
         if not state.converged:
             state = exact_beside(self.problem, state)
         closes = self.problem.residual(state.x) <= CLOSURE_TOL

@@ -131,11 +131,6 @@ class FoldLimits:
             for side in (-1, 1)
         )
 
-    @property
-    def are_flat(self) -> bool:
-        """Whether all limits are +-pi: no crease has a stop before facets meet."""
-        return bool((self.high == math.pi).all() and (self.low == -math.pi).all())
-
 
 def held(x: np.ndarray, contacts: Iterable[Contact]) -> np.ndarray:
     """Return states [..., n] with the fold angles of closed limits exactly there."""
@@ -162,15 +157,6 @@ def openings(
             values[..., r] = c.side * gaps[..., c.index]
             slopes[..., r, :] = c.side * gradients[..., c.index, :]
     return values, slopes
-
-
-def gap_weights(count: int, contacts: Sequence[Contact], multipliers: np.ndarray) -> np.ndarray:
-    """Spread multipliers [..., r] over `count` gaps, [..., c], for a Hessian; limits are linear and drop out."""
-    weights = np.zeros((*np.shape(multipliers)[:-1], count))
-    for r, c in enumerate(contacts):
-        if not c.is_limit:
-            weights[..., c.index] += c.side * multipliers[..., r]
-    return weights
 
 
 @dataclass(frozen=True, eq=False)

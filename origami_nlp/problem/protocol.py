@@ -12,14 +12,14 @@ import numpy as np
 
 from origami_nlp.problem.contact import Contact, FoldLimits, Local, LoopClosure
 from origami_nlp.problem.parameters import Parameters
-from origami_nlp.problem.touching import ClosedContacts, ContactWords, PairForce
+from origami_nlp.problem.touching import ClosedContacts, ContactWords
 
 
 class Problem(Protocol):
     """Shapes and units are those of `PatternProblem`, where each of these is described.
 
-    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.  Where closure is
-    `redundant` its rows depend on each other as a rule.
+    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has. Rows of
+    closure depend on each other as a rule.
     """
 
     scale: float
@@ -30,8 +30,6 @@ class Problem(Protocol):
     def parameters(self) -> Parameters: ...  # noqa: D102
     @property
     def sparse(self) -> bool: ...  # noqa: D102
-    @property
-    def redundant(self) -> bool: ...  # noqa: D102
     @property
     def size(self) -> int: ...  # noqa: D102
     @property
@@ -50,10 +48,6 @@ class Problem(Protocol):
     def fold_limits(self) -> FoldLimits: ...  # noqa: D102
     @property
     def limits(self) -> tuple[Contact, ...]: ...  # noqa: D102
-    @property
-    def every_gap(self) -> tuple[Contact, ...]: ...  # noqa: D102
-    @property
-    def gaps(self) -> tuple[Contact, ...]: ...  # noqa: D102
 
     def expand(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def reduce(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
@@ -90,9 +84,6 @@ class Problem(Protocol):
     def to_second_order(  # noqa: D102
         self, contacts: tuple[Contact, ...]
     ) -> tuple[Contact, ...]: ...
-    def together(  # noqa: D102
-        self, x: np.ndarray, contacts: Sequence[Contact]
-    ) -> list[tuple[Contact, ...]]: ...
 
     def name(self, contact: Contact) -> str: ...  # noqa: D102
     def weight(self, contact: Contact) -> float: ...  # noqa: D102
@@ -100,7 +91,7 @@ class Problem(Protocol):
     def meeting(self, contact: Contact, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def margin(self, contact: Contact, x: np.ndarray) -> float: ...  # noqa: D102
     def guess(  # noqa: D102
-        self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
+        self, x: np.ndarray, pull: np.ndarray
     ) -> tuple[Contact, ...]: ...
     def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
     def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102

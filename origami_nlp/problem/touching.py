@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import or_
 
@@ -93,6 +93,3 @@ class ContactWords:
     corners: tuple[int, ...] = ()
     side: int = 0
     place: tuple[float, ...] = ()
-
-
-PairForce = Mapping[tuple[int, int], float] | None

@@ -217,7 +217,7 @@ def solve_with(
     # of gap and force, whose product is IPOPT's barrier, the larger one is no remains of it
     pressed = tuple(c for c, (gap, force) in open_by.items() if force > max(gap, OUTSIDE))
     status, count = str(stats["return_status"]), int(stats["iter_count"])
-    ended = Solve(x, status, count, violation, pull, None)
+    ended = Solve(x, status, count, violation, pull)
     return ended, pressed, np.array([open_by[c][1] for c in pressed])
 
 

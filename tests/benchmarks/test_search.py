@@ -20,11 +20,11 @@ PAGE = (ROOT / "docs" / "validation" / "speed.md").read_text()
 def test_rivals_get_the_problem_of_the_package_and_right_gradients(index):
     problem = pose(examples.panels()[index])
     x, _ = problem.project(np.sin(1.0 + np.arange(problem.size)))
-    program = Program(problem, x, problem.gaps[:2])
+    program = Program(problem, x, ())
     at = program.at(x)
     assert np.abs(at.g[program.equal]).max() < 1e-12
     assert float(at.f[0]) * problem.scale == pytest.approx(problem.energy(x), rel=1e-12)
-    assert program.equal.sum() == problem.size - problem.dof == len(at.g) - len(problem.gaps[:2])
+    assert program.equal.sum() == problem.size - problem.dof == len(at.g)
     jacobian, gradient, h = at.jacobian.copy(), at.gradient.copy(), 1e-6
     for k, step in enumerate(h * np.eye(problem.size)):
         up = program.at(x + step)

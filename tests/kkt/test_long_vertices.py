@@ -28,7 +28,7 @@ def test_polished_as_with_all_rows(n, monkeypatch):
             Contact("limit", v, 1 if x[v] > 0 else -1) for v in range(n) if abs(x[v]) == math.pi
         )
         many += len(rows) > 12
-        end = Solve(x + 1e-6 * np.sin(np.arange(n)), "", 0, math.nan, np.abs(x) / math.pi, None)
+        end = Solve(x + 1e-6 * np.sin(np.arange(n)), "", 0, math.nan, np.abs(x) / math.pi)
         short = polish(model, end, rows)
         monkeypatch.setattr(polishing, "MANY", 1000)
         dense = polish(model, end, rows)

@@ -115,7 +115,7 @@ def test_the_polish_sees_a_fold_limit_that_newton_went_beyond():
     model = pose(UNCLOSED)
     end = np.radians([57.50944478, -68.70722067, -135.17040217, -3.83283704, -180.0])
     for guess in (None, ()):
-        state = polish(model, Solve(end, "", 0, math.nan, np.zeros(5), None), guess)
+        state = polish(model, Solve(end, "", 0, math.nan, np.zeros(5)), guess)
         closure = np.abs(model.closure(state.x)[0]).max()
         assert closure == pytest.approx(state.closure_residual, abs=1e-15)
         assert not state.converged or closure <= CLOSURE_TOL

@@ -47,7 +47,7 @@ def zeros_that_are_minima(scene, count, seed):
     minima = []
     for state in x:
         rows = model.fold_limits.contacts(state, np.abs(state) == math.pi)
-        end = polish(model, Solve(state, "", 0, math.nan, np.abs(state) / math.pi, None), rows)
+        end = polish(model, Solve(state, "", 0, math.nan, np.abs(state) / math.pi), rows)
         if end.converged and classify(State(model, end.x)).verdict == "minimum":
             minima.append(end.x)
     return x, np.array(minima)
