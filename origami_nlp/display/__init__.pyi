@@ -71,11 +71,10 @@ from .table import (
     Section as Section,
     Table as Table,
     Words as Words,
-    folding_table as folding_table,
+    field_table as field_table,
     pieces_html as pieces_html,
     plain_text as plain_text,
     record_table as record_table,
-    rows_table as rows_table,
 )
 from .text import (
     angle_ticks as angle_ticks,

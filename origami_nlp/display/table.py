@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from html import escape
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -290,26 +290,9 @@ def plain_text(width: int, print_to: Callable[[Console], None]) -> str:
     return text.getvalue()
 
 
-def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
-    """Return rows as a table; the first column and long texts to the left, numbers to the right.
-
-    Parameters
-    ----------
-    heads, rows, title
-        Of the table.
-
-    Returns
-    -------
-    Table
-        Without frame.
-    """
-    words = ["L" if head.startswith(("kinds", "how")) else "r" for head in heads]
-    if words[0] == "r":
-        words[0] = "l"
-    return Table(heads, rows, title, "".join(words), framed=False)
-
-
-def record_table(records: Sequence[Any], title: str) -> Table:
+def record_table(
+    records: Sequence[Any], title: str, names: Sequence[str] = (), *, narrow: bool = False
+) -> Table:
     """Return records as a table; columns without a value are left out.
 
     Parameters
@@ -318,6 +301,10 @@ def record_table(records: Sequence[Any], title: str) -> Table:
         Of one class, whose shown fields are the columns.
     title
         Above the table.
+    names
+        Of the fields that are shown, if not all that have a title.
+    narrow
+        With less room between columns.
 
     Returns
     -------
@@ -326,34 +313,55 @@ def record_table(records: Sequence[Any], title: str) -> Table:
     """
     heads, cells, letters = [], [], ""
     for f in fields(records[0]) if records else ():
+        how: Shown = f.metadata.get("shown", Shown())
         values = [getattr(record, f.name) for record in records]
-        if "shown" in f.metadata and any(value is not None for value in values):
-            how: Shown = f.metadata["shown"]
-            heads.append(how.head)
-            cells.append([how.text(value) for value in values])
-            letters += "L" if any(isinstance(value, str) for value in values) else "r"
-    return Table(heads, [*zip(*cells, strict=True)], title, letters, framed=False)
+        if not how.title or (names and f.name not in names) or all(v is None for v in values):
+            continue
+        heads.append(how.head)
+        cells.append([Words(how.text(v), how.styles.get(v, "")) for v in values])
+        letters += how.side or ("L" if any(isinstance(v, str) for v in values) else "r")
+    return Table(heads, [*zip(*cells, strict=True)], title, letters, framed=False, narrow=narrow)
 
 
-def folding_table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
-) -> Table:
-    """Return a table some of whose columns hold words, which wrap where the terminal is narrow.
+def field_table(record: Any, title: str) -> Table:
+    """Return what a record holds, a line a field with a number or words; what is zero or empty is left out.
 
     Parameters
     ----------
-    heads, rows, title
-        Of the table.
-    wrap
-        Numbers of those columns, from 0.
+    record
+        Of a dataclass.
+    title
+        Above the table.
 
     Returns
     -------
     Table
-        Without frame.
+        Names, and values; of counts by name a line each.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> from origami_nlp.display import field_table
+    >>> @dataclass
+    ... class Work:
+    ...     starts: int
+    ...     lost: int
+    ...     by_family: dict
+    >>> field_table(Work(7, 0, {"drawn": 5}), "work").rows
+    [('starts', '7'), ('by family: drawn', '5')]
     """
-    columns = "".join("L" if k in wrap else "r" for k in range(len(heads)))
-    return Table(heads, rows, title, columns, framed=False)
+    rows = []
+    for f in fields(record):
+        value, name = getattr(record, f.name), f.name.replace("_", " ")
+        how: Shown = f.metadata.get("shown", Shown(name))
+        each = value.items() if isinstance(value, dict) else [("", value)]
+        for key, one in each if how.title else ():
+            if isinstance(one, str | int | float) and one:
+                spec = how.spec or (".4g" if isinstance(one, float) else "")
+                rows.append(
+                    (f"{how.head}: {key}" if key else how.head, replace(how, spec=spec).text(one))
+                )
+    return Table(("", ""), rows, title, "LL", framed=False, narrow=True)
 
 
 def _rich(cell: Cell) -> Text:

@@ -47,11 +47,11 @@ def test_every_flag_has_a_cause_and_a_cure(kind):
     assert list(reasons) == names
     for cause, cure in reasons.values():
         assert cause.endswith(".") and cure.endswith(".") and len(cause) > 30 and len(cure) > 15
-    assert not kind() and repr(kind()) == f"{kind.__name__}()" and "no flag up" in str(kind())
+    assert not kind() and repr(kind()) == f"{kind.__name__}()"
     one = kind(**{names[0]: True})
     words = " ".join(str(one).split())
     assert one and one.up == (names[0],) and f"1 of {len(names)}" in words
-    assert reasons[names[0]].cause.split(".")[0][:20] in words and "no flag up" not in words
+    assert reasons[names[0]].cause.split(".")[0][:20] in words
     frame = pytest.importorskip("pandas") and one.to_frame()
     assert list(frame["up"]) == [True] + [False] * (len(names) - 1)
     assert names[0] in one._repr_html_() and names[1] not in one._repr_html_()
