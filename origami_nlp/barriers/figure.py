@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,14 +19,10 @@ STAR = 13.0
 """Size of a star [points]."""
 MANY = 12
 """Minima of a tree beyond which marks are smaller, and only numbers are written."""
-Tree = tuple[Any, ...]
-"""A branch of a merge tree: () is a leaf, otherwise kind of pass, its energy as written, and its branches."""
 
 
 def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
-    """Draw the disconnectivity graph (merge tree) of one result, or of several each tree of another shape once.
-
-    Two trees have one shape if the same kinds of passes join as many minima in the same way.
+    """Draw the disconnectivity graph (merge tree) of one result, or of several side by side.
 
     Parameters
     ----------
@@ -38,7 +34,7 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The first scene of each shape; the title says how many others share it.
+        A tree each.
 
     Raises
     ------
@@ -51,30 +47,24 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
     from matplotlib.figure import Figure
 
     from origami_nlp.display import minima_legend, passes_legend
+    from origami_nlp.minima import judged
 
-    shapes: dict[Tree, list[Barriers]] = {}
-    for barriers in several:
-        shapes.setdefault(shape_of(barriers), []).append(barriers)
-    columns = min(columns, len(shapes))
-    rows = math.ceil(len(shapes) / columns)
+    columns = min(columns, len(several))
+    rows = math.ceil(len(several) / columns)
     most = max(len(b.result.minima) for b in several)
     width = 4.2 * columns if columns > 1 else max(5.2, min(0.13 * most + 2, 24.0))
     figure = Figure(figsize=(width, 3.1 * rows + 0.6), dpi=110, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
-    for ax in axes.flat[len(shapes) :]:
+    for ax in axes.flat[len(several) :]:
         ax.axis("off")
-    for k, (ax, alike) in enumerate(zip(axes.flat, shapes.values(), strict=False)):
-        merge_tree_axes(ax, alike[0])
-        if len(alike) > 1:
-            more = f"and {len(alike) - 1} more with this tree"
-            ax.set_title(f"{ax.get_title()}\n{more}", fontsize=9)
+    for k, (ax, one) in enumerate(zip(axes.flat, several, strict=False)):
+        merge_tree_axes(ax, one)
         if k % columns == 0:
             ax.set_ylabel("energy [J]")
-    drawn = [alike[0] for alike in shapes.values()]
-    found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
-    kept = any(b.scene is not None and not b.scene.group.is_trivial for b in drawn)
+    found = [(m.kind, judged(b.result.origami, m)) for b in several for m in b.result.minima]
+    kept = any(b.scene is not None and not b.scene.group.is_trivial for b in several)
     handles = minima_legend(found, STAR, kept)
-    handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
+    handles += passes_legend((j.pass_kind for b in several for j in b.merges), STAR)
     figure.legend(
         handles=handles,
         loc="outside lower center",
@@ -83,43 +73,6 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
         frameon=False,
     )
     return figure
-
-
-def shape_of(barriers: Barriers) -> Tree:
-    """Return what scenes with the same merge tree have in common.
-
-    Parameters
-    ----------
-    barriers
-        Of `find_barriers`.
-
-    Returns
-    -------
-    tuple
-        Trees as sorted nested tuples; passes of one kind and, as written, one height join their branches at once.
-    """
-    trees: dict[int, Tree] = {k: () for k in range(1, len(barriers.result.minima) + 1)}
-    for join in barriers.merges:
-        height = f"{join.energy:.4g}"
-        branches: list[Tree] = []
-        for side in (join.first, join.second):
-            tree = trees[side[0]]
-            branches += tree[2] if tree[:2] == (join.pass_kind, height) else [tree]
-        whole = (join.pass_kind, height, tuple(sorted(branches, key=repr)))
-        for leaf in (*join.first, *join.second):
-            trees[leaf] = whole
-
-    def bare(tree: Tree) -> Tree:
-        return (tree[0], *sorted(map(bare, tree[2]), key=repr)) if tree else ()
-
-    groups = {id(tree): tree for tree in trees.values() if tree}
-    alone = sum(not tree for tree in trees.values())
-    return (*sorted(map(bare, groups.values()), key=repr), *[()] * alone)
-
-
-def _judged(minimum: Any) -> str | None:
-    full = getattr(minimum, "full_space", None)
-    return full.verdict if full else None
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
@@ -140,10 +93,12 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     from matplotlib.axes import Axes
 
     from origami_nlp.display import INK, label_text, mark_minimum, pass_look
+    from origami_nlp.minima import judged
 
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
+    verdicts = [judged(barriers.result.origami, m) for m in minima]
     few = len(minima) <= MANY
     star = STAR if few else 0.6 * STAR
     ax.set_title(label_text(barriers.label), fontsize=9.5)
@@ -186,7 +141,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), star)
+        mark_minimum(ax, (place[k], m.energy), m.kind, verdicts[k - 1], star)
         ax.annotate(
             f"#{k}\n{m.energy:.4g}" if few else f"{k}",
             (place[k], m.energy),
