@@ -20,12 +20,13 @@ rigidity (paper, introduction: Dorn, Li, Pellegrino): below it the contacts stay
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.contact.force_cone import distance_to_boundary
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import (
     Multipliers,
@@ -111,11 +112,11 @@ class CreaseMargin:
         What happens at the two loads, see `LoadMargin.ends`.
     """
 
-    creases: tuple[int, ...]
-    positive: float
-    negative: float
+    creases: tuple[int, ...] = field(metadata=shown("creases", side="L"))
+    positive: float = field(metadata=shown("towards valley", "N m", ".4g"))
+    negative: float = field(metadata=shown("towards mountain", "N m", ".4g"))
     first_order: tuple[float, float]
-    ends: tuple[Ending, Ending]
+    ends: tuple[Ending, Ending] = field(metadata=shown("ends", side="L"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,8 +140,8 @@ class LoadMargin(ShortRepr):
     opens
         The contact that opens, in words.
     ends
-        What happens at `moments`: ``opens``, or earlier than any opening another contact ``closes`` or the
-        state ``softens`` (its tangential stiffness reaches zero); ``cap`` or ``lost`` (no Newton
+        What happens at `moments`, if there are any: ``opens``, or earlier than any opening another contact
+        ``closes`` or the state ``softens`` (its tangential stiffness reaches zero); ``cap`` or ``lost`` (no Newton
         solution) where the search ended.
     creases
         Margins for loads on one orbit of creases alone.
@@ -157,18 +158,21 @@ class LoadMargin(ShortRepr):
     """
 
     status: Status
-    norm: float
-    first_order: float
+    norm: float = field(metadata=shown("norm", "N m", ".5g"))
+    first_order: float = field(metadata=shown("first order", "N m", ".5g"))
     moments: tuple[float, ...]
     opens: str
-    ends: Ending
+    ends: Ending | None
     creases: tuple[CreaseMargin, ...]
-    cap: float
+    cap: float = field(metadata=shown())
     symmetry: str
     below: MarginCheck | None
     above: MarginCheck | None
     checked: bool
     reason: str
+
+    def __str__(self) -> str:
+        return f"{self.norm:.5g}" if math.isfinite(self.norm) else self.status
 
 
 def load_margin(state: State, *, check: bool = True) -> LoadMargin:
@@ -218,7 +222,7 @@ def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
 def _nothing(model: Problem, status: Status, reason: str, opens: str = "") -> LoadMargin:
     norm = {"zero": 0.0, "unbounded": math.inf}.get(status, math.nan)
     return LoadMargin(
-        status, norm, norm, (), opens, "lost", (), _cap(model), model.symmetry,
+        status, norm, norm, (), opens, None, (), _cap(model), model.symmetry,
         None, None, False, reason,
     )  # fmt: skip
 
@@ -405,13 +409,9 @@ def _resolve(
     if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
         by, y = "descent", follow(loaded, start).end
     there = State(loaded, y).on(rows)
-    gap = abs(
-        float(there.openings[i])
-    )  # on another piece of the feasible set it opens to the other side
-    multiplier = 0.0
-    if (
-        gap <= CONTACT_TOL
-    ):  # the same touch may have been described by another row: read it as row i
+    # on another piece of the feasible set it opens to the other side
+    gap, multiplier = abs(float(there.openings[i])), 0.0
+    if gap <= CONTACT_TOL:  # another row may have described the same touch: read it as row i
         multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
     moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
     return MarginCheck(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
@@ -419,12 +419,8 @@ def _resolve(
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces."""
-    model, rows, z, pull = (
-        piece.state.problem,
-        piece.contacts,
-        piece.state.kernel,
-        piece.state.gradient,
-    )
+    state, rows = piece.state, piece.contacts
+    model, z, pull = state.problem, state.kernel, state.gradient
     gradients = piece.slopes @ z  # in the tangent space of closure
     # the pull is balanced while it lies in the cone {A' mu: mu >= 0}; leaving that, some contact would have to pull
     found = distance_to_boundary(gradients.T, z.T @ pull)

@@ -25,6 +25,8 @@ class Shown:
         What stands for None; nan and inf are "-".
     styles
         Of rich, by value.
+    between
+        Of several values.
     side
         Letter of its column in a `Table`; by default words stand to the left and wrap, numbers to the right.
     """
@@ -34,6 +36,7 @@ class Shown:
     spec: str | Callable[[float], str] = ""
     missing: str = "-"
     styles: Mapping[Any, str] = field(default_factory=dict)
+    between: str = ", "
     side: str = ""
 
     @property
@@ -48,10 +51,10 @@ class Shown:
             return self.missing
         if isinstance(value, bool):
             return "yes" if value else "no"
-        if isinstance(value, str):
-            return value
+        if not isinstance(value, int | float | tuple):
+            return str(value)
         if isinstance(value, tuple):
-            return " to ".join(map(self.text, value))
+            return self.between.join(map(self.text, value)) or self.missing
         if isinstance(value, float) and not math.isfinite(value):
             return "-"
         if callable(self.spec):

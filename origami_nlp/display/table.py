@@ -315,7 +315,11 @@ def record_table(
     for f in fields(records[0]) if records else ():
         how: Shown = f.metadata.get("shown", Shown())
         values = [getattr(record, f.name) for record in records]
-        if not how.title or (names and f.name not in names) or all(v is None for v in values):
+        if (
+            not how.title
+            or (names and f.name not in names)
+            or all(v is None or v == () for v in values)
+        ):
             continue
         heads.append(how.head)
         cells.append([Words(how.text(v), how.styles.get(v, "")) for v in values])
@@ -356,12 +360,12 @@ def field_table(record: Any, title: str) -> Table:
         how: Shown = f.metadata.get("shown", Shown(name))
         each = value.items() if isinstance(value, dict) else [("", value)]
         for key, one in each if how.title else ():
-            if isinstance(one, str | int | float) and one:
+            if (isinstance(one, str | int | float) and one) or (one and "shown" in f.metadata):
                 spec = how.spec or (".4g" if isinstance(one, float) else "")
                 rows.append(
                     (f"{how.head}: {key}" if key else how.head, replace(how, spec=spec).text(one))
                 )
-    return Table(("", ""), rows, title, "LL", framed=False, narrow=True)
+    return Table((title, ""), rows, "", "LL", framed=False, narrow=True)
 
 
 def _rich(cell: Cell) -> Text:

@@ -56,7 +56,7 @@ from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
 )
-from .rows import StateRow as StateRow
+from .rows import KINDS as KINDS, StateRow as StateRow
 from .stability import judged as judged
 from .stopping import chao1 as chao1, chao1_error as chao1_error
 from .table import scenes_table as scenes_table

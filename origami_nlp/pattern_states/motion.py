@@ -74,7 +74,7 @@ class Motion(Report, Viewable):
     """
 
     PICTURE = "draw_motion"
-    SCHEMA = "origami-nlp/pattern/2"
+    SCHEMA = "origami-nlp/pattern/3"
     ALSO = ("lattices",)
     pattern: Pattern
     dof: int

@@ -14,6 +14,7 @@ import pytest
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.display import Flags
 from origami_nlp.minima import ResultFlags, StateFlags
+from origami_nlp.pattern_states.mobility import PatternFlags
 
 PAGE = Path(__file__).parents[2] / "docs" / "flags.md"
 HEAD = """# Flags: what can be bad about a result
@@ -28,8 +29,8 @@ the docstrings.
 def page():
     """What `docs/flags.md` has to be."""
     parts = [HEAD]
-    for kind in (ResultFlags, StateFlags):
-        title = {"ResultFlags": "Of a result", "StateFlags": "Of a state"}[kind.__name__]
+    kinds = {ResultFlags: "Of a result", StateFlags: "Of a state", PatternFlags: "Of a pattern"}
+    for kind, title in kinds.items():
         words = kind.__doc__.partition("Attributes")[0].split("\n\n")
         parts += [f"## {title}\n", *(" ".join(w.split()) + "\n" for w in words if w.strip())]
         parts.append(kind.page())
@@ -40,7 +41,7 @@ def test_the_page_is_made_from_the_docstrings():
     assert PAGE.read_text() == page(), "run: python -m tests.minima.test_flags"
 
 
-@pytest.mark.parametrize("kind", [ResultFlags, StateFlags])
+@pytest.mark.parametrize("kind", [ResultFlags, StateFlags, PatternFlags])
 def test_every_flag_has_a_cause_and_a_cure(kind):
     names = [f.name for f in dataclasses.fields(kind)]
     reasons = kind.reasons()
