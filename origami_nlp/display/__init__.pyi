@@ -9,7 +9,7 @@ from .bodies import (
     Panel as Panel,
     Trajectory as Trajectory,
 )
-from .crease_figure import draw_pattern as draw_pattern
+from .crease_figure import draw_creases as draw_creases, draw_pattern as draw_pattern
 from .flags import Flags as Flags, FlagText as FlagText
 from .html import inline_image as inline_image
 from .interactive import (

@@ -16,10 +16,6 @@ from .flat_folded import (
     list_branches as list_branches,
     list_flat_folded as list_flat_folded,
 )
-from .interactive import (
-    pattern_content as pattern_content,
-    view_motion as view_motion,
-)
 from .interpolant import (
     Interpolant as Interpolant,
     halves as halves,

@@ -75,7 +75,7 @@ class PatternFlags(Flags):
         Creases are fully folded in that state. Cure: None is needed; where layers coincide it may have more degrees of
         freedom than its neighbours.
     facets_cross
-        Facets cross in that state. Cure: Do not take it for a state of paper; give fold angles of one in the file.
+        Facets cross in that folded state. Cure: It is no state of paper; give fold angles of one in the file.
     against_letters
         Creases fold against their letters in that state. Cure: Look at the assignment; mountains and valleys may be
         exchanged.
