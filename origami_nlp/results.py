@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from origami_nlp.display import InteractivePage
 
 _READ = (
-    ("minima/4", "minima", "minima", "MinimaResult"),
+    ("minima/5", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "paper", "CriticalPoints"),
     ("path/1", "legs", "paths", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),

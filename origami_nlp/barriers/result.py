@@ -29,7 +29,6 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult, points_on
-from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
@@ -188,15 +187,13 @@ class Barriers(Report, Viewable):
         """How much energy it takes to leave the minima, in a sentence."""
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
-        least: dict[int, tuple[float, str]] = {}
-        for p, floors in zip(self.passes, self._floors(), strict=True):
-            for k, energy, floor in zip(
-                (p.from_state, p.to_state), self._energies(p), floors, strict=True
-            ):
-                exact = p.known is Known.EXACT and p.energy <= floor
-                rise = p.energy - energy, "" if exact else "at most "
-                least[k] = min(least.get(k, (math.inf, "")), rise)
-        known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
+        known = []
+        for k, m in enumerate(self.result.minima, start=1):
+            mine = [p for p in self.passes if k in (p.from_state, p.to_state)]
+            if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
+                sure = least.every or all(p.known is Known.EXACT for p in mine)
+                known.append((least.energy - m.energy, "" if sure else "at most ", k))
+        known.sort()
         if not known:
             return f"{words}, no pass between minima is known"
         kept = self.scene is not None and not self.scene.group.is_trivial
@@ -209,39 +206,17 @@ class Barriers(Report, Viewable):
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
         origami = self.result.origami
-        frames = [
-            one
-            for p in self.passes
-            if len(p.path)
-            for one in path_frames(
-                partial(state_frame, origami),
-                p.path,
-                p.path_energy,
-                f"path {p.from_state} to {p.to_state}",
-            )
-        ]
+        frame, frames = partial(state_frame, origami), list[dict[str, Any]]()
+        for p in self.passes:
+            if len(p.path):
+                title = f"path {p.from_state} to {p.to_state}"
+                frames += path_frames(frame, p.path, p.path_energy, title)
         return states_to_fold(origami, frames)
 
     def _energies(self, p: Pass) -> tuple[float, float]:
         """Return the energies of the minima on either side of a pass."""
         one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
         return one, two
-
-    def _floors(self) -> list[tuple[float, float]]:
-        """Return of each pass what leaving either minimum climbs to at least: over this pass, or any other.
-
-        All paths are known where they follow curves; else each pair of minima has what bounds its own.
-        """
-        floor: dict[int, float] = {}
-        for p in self.passes:
-            known = p.energy if p.known is Known.EXACT else np.nanmax([p.least, *self._energies(p)])
-            for k in (p.from_state, p.to_state):
-                floor[k] = min(floor.get(k, math.inf), float(known))
-        near = 1 + SAME_ENERGY
-        return [
-            (p.energy,) * 2 if p.every else (floor[p.from_state] * near, floor[p.to_state] * near)
-            for p in self.passes
-        ]
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, and where they are."""

@@ -147,22 +147,14 @@ class ContactReport(Report, Viewable):
     @property
     def contacts(self) -> list[ContactRow]:
         """The contacts as tables, frames and CSV have them."""
-        return [
-            ContactRow(
-                self.result.name,
-                s.number,
-                s.energy,
-                s.kind,
-                c.text,
-                c.multiplier,
-                *c.multiplier_range,
-                "N m/length" if c.is_force else "N m",
-                s.margin.norm,
-                s.margin.status,
-            )
-            for s in self.states
-            for c in s.contacts
-        ]
+        rows = []
+        for s in self.states:
+            about = self.result.name, s.number, s.energy, s.kind
+            for c in s.contacts:
+                what = c.text, c.multiplier, *c.multiplier_range
+                unit = "N m/length" if c.is_force else "N m"
+                rows.append(ContactRow(*about, *what, unit, s.margin.norm, s.margin.status))
+        return rows
 
     def table(self) -> Table:
         """Return one row a state."""
@@ -258,18 +250,7 @@ def find_contacts(
         if one and not result.scene.group.is_trivial:
             whole = State(pose(full_scene(result.scene)), np.array(minimum.fold_angles))
             breaking = breaking_stiffnesses(whole, result.scene)
-        states.append(
-            PinnedState(
-                number,
-                minimum.energy,
-                minimum.kind,
-                minimum,
-                what.contacts,
-                stiffness,
-                breaking,
-                softness,
-                margin,
-            )
-        )
+        about = number, minimum.energy, minimum.kind, minimum, what.contacts
+        states.append(PinnedState(*about, stiffness, breaking, softness, margin))
     found = find_segments(result) if segments else None
     return ContactReport(result, tuple(states), found)

@@ -30,7 +30,7 @@ from origami_nlp.display import (
     record_table,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, find_stress
+from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
@@ -100,8 +100,8 @@ class MinimaResult(Report, Viewable):
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/4"
-    ALSO = ("model", "flags", "closure_stress", "lattices")
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/5"
+    ALSO = ("model", "flags", "lattices")
 
     def __post_init__(self) -> None:
         stated = self.origami
@@ -189,26 +189,6 @@ class MinimaResult(Report, Viewable):
             return ()
         lattice = pattern_problem.measured_cell(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
-
-    @property
-    def closure_stress(self) -> tuple[dict[str, Any], ...]:
-        """What closure of a pattern carries, a minimum each; nothing of a vertex, which says its `moment`.
-
-        Number of states of self-stress; the multipliers of closure and the torques that they balance [N m], whether
-        these are unique: where fold limits alone are closed, up to `MOST_DENSE` creases.
-        """
-        if not self.is_pattern:
-            return ()
-        found = []
-        for m in self.minima:
-            held = [c.creases[0] - 1 for c in m.contacts if c.is_limit]
-            said: dict[str, Any] = {"self_stress": self._self_stress(m)}
-            if self.pattern.creases <= pattern_problem.MOST_DENSE and len(held) == len(m.contacts):
-                stress = find_stress(self.state_of(m), held)
-                said |= {"multipliers": stress.multipliers, "closure_torques": stress.torque}
-                said["closure_torques_unique"] = stress.unique
-            found.append(said)
-        return tuple(found)
 
     def _self_stress(self, state: JudgedState) -> int:
         equations: int = self.model.equation_count

@@ -125,32 +125,15 @@ def state_rows(
 ) -> tuple[StateRow, ...]:
     """Return the minima as they are listed, in order of energy."""
     words = {"undecided": "not decided", "": "minimum", "unstable": "unstable (asymmetric)"}
-    rows = []
-    for number, m in enumerate(minima, start=1):
-        known, way = verdict(origami, m), m.escape
-        rows.append(
-            StateRow(
-                name,
-                number,
-                m.energy,
-                m.kind,
-                m.local_dimension,
-                m.closure_residual,
-                m.kkt_residual,
-                m.hits,
-                known == "stable" and not m.shallow,
-                known,
-                words.get(known, known) + ", shallow" * m.shallow,
-                held_words(m),
-                images[number][1] if number in images else "",
-                m.softest,
-                _escape(m, energy_unit(origami)),
-                way.barrier if way else None,
-                way.method if way else None,
-                m.shallow,
-                m.survival,
-            )
-        )
+    rows, unit = [], energy_unit(origami)
+    for k, m in enumerate(minima, start=1):
+        known, image = verdict(origami, m), images[k][1] if k in images else ""
+        said = words.get(known, known) + ", shallow" * m.shallow, held_words(m), image
+        found = m.energy, m.kind, m.local_dimension, m.closure_residual, m.kkt_residual, m.hits
+        barrier = (m.escape.barrier, m.escape.method) if m.escape else (None, None)
+        left = m.softest, _escape(m, unit), *barrier, m.shallow, m.survival
+        stable = known == "stable" and not m.shallow
+        rows.append(StateRow(name, k, *found, stable, known, *said, *left))
     return tuple(rows)
 
 

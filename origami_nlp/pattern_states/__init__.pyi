@@ -29,6 +29,7 @@ from .judgement import (
 )
 from .mobility import (
     Mobility as Mobility,
+    PatternFlags as PatternFlags,
     analyze_mobility as analyze_mobility,
 )
 from .motion import Motion as Motion, find_motion as find_motion

@@ -34,7 +34,7 @@ def draw_mobility(seen: Mobility) -> Figure:
         parts.append((f"folded: {seen.start}", seen.folded))
     elif not parts:
         parts.append(("as in the file", p.reference))
-    figure = Figure(figsize=(5.2 * len(parts), 5.2), layout="constrained")
+    figure, handles = Figure(figsize=(5.2 * len(parts), 5.2), layout="constrained"), crease_legend()
     for k, (title, phi) in enumerate(parts):
         axes = figure.add_subplot(1, len(parts), k + 1)
         if phi is None:
@@ -45,12 +45,14 @@ def draw_mobility(seen: Mobility) -> Figure:
             border = [s for s, n in count.items() if n == 1 and s not in creases]
             scale = min(1.0, 12 / math.sqrt(max(len(p.polygons), 1)))
             edges = np.array([*border, *p.ends.tolist()])
-            draw_creases(axes, in_plane(p), edges, "B" * len(border) + "".join(p.assignment), scale)
+            handles[:2] = draw_creases(
+                axes, in_plane(p), edges, "B" * len(border) + "".join(p.assignment), scale
+            )
         else:
             draw_state(axes, p, phi)
         axes.set_title(label_text(title), fontsize=10)
     figure.suptitle(label_text(seen.verdict), fontsize=11)
-    figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
     return figure
 
 

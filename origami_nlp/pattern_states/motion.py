@@ -75,7 +75,7 @@ class MotionRow:
     def caption(self) -> str:
         """Return what stands over a picture of it."""
         along, largest = math.degrees(self.arc), math.degrees(self.largest)
-        return f"{along:.1f} deg along, largest fold {largest:.0f} deg, {self.energy:.4g} J"
+        return f"{along:.1f} deg along, largest fold {largest:.0f} deg"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,6 +156,11 @@ class Motion(Report, Viewable):
         ----------
         most
             How many, with both ends; 0 for all.
+
+        Returns
+        -------
+        list of MotionRow
+            In order.
         """
         number, s = np.arange(len(self.arc)), self.arc
         if 0 < most < len(s):

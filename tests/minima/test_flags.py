@@ -14,7 +14,7 @@ import pytest
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.display import Flags
 from origami_nlp.minima import ResultFlags, StateFlags
-from origami_nlp.pattern_states.mobility import PatternFlags
+from origami_nlp.pattern_states import PatternFlags
 
 PAGE = Path(__file__).parents[2] / "docs" / "flags.md"
 HEAD = """# Flags: what can be bad about a result
