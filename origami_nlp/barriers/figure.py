@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.barriers.result import Barriers, Join
-from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,57 +19,41 @@ MANY = 12
 """Minima of a tree beyond which marks are smaller, and only numbers are written."""
 
 
-def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
-    """Draw the disconnectivity graph (merge tree) of one result, or of several side by side.
+def draw_barriers(barriers: Barriers) -> Figure:
+    """Draw the disconnectivity graph (merge tree) of minima and passes.
 
     Parameters
     ----------
-    several
+    barriers
         Of `find_barriers`.
-    columns
-        Trees side by side.
 
     Returns
     -------
     matplotlib.figure.Figure
-        A tree each.
+        The figure.
 
     Raises
     ------
     OptionError
-        If there is nothing to draw.
+        If `barriers` are none of `find_barriers`.
     """
-    if not several:
-        raise OptionError("several = () must be at least one result of find_barriers")
-
     from matplotlib.figure import Figure
 
     from origami_nlp.display import minima_legend, passes_legend
     from origami_nlp.minima import judged
 
-    columns = min(columns, len(several))
-    rows = math.ceil(len(several) / columns)
-    most = max(len(b.result.minima) for b in several)
-    width = 4.2 * columns if columns > 1 else max(5.2, min(0.13 * most + 2, 24.0))
-    figure = Figure(figsize=(width, 3.1 * rows + 0.6), dpi=110, layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False)
-    for ax in axes.flat[len(several) :]:
-        ax.axis("off")
-    for k, (ax, one) in enumerate(zip(axes.flat, several, strict=False)):
-        merge_tree_axes(ax, one)
-        if k % columns == 0:
-            ax.set_ylabel("energy [J]")
-    found = [(m.kind, judged(b.result.origami, m)) for b in several for m in b.result.minima]
-    kept = any(b.scene is not None and not b.scene.group.is_trivial for b in several)
-    handles = minima_legend(found, STAR, kept)
-    handles += passes_legend((j.pass_kind for b in several for j in b.merges), STAR)
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=min(len(handles), 4 if columns > 1 else 2),
-        fontsize=9,
-        frameon=False,
-    )
+    check_type("barriers", barriers, Barriers)
+    result, scene = barriers.result, barriers.scene
+    width = max(5.2, min(0.13 * len(result.minima) + 2, 24.0))
+    figure = Figure(figsize=(width, 3.7), dpi=110, layout="constrained")
+    ax = figure.add_subplot()
+    merge_tree_axes(ax, barriers)
+    ax.set_ylabel("energy [J]")
+    found = [(m.kind, judged(result.origami, m)) for m in result.minima]
+    handles = minima_legend(found, STAR, scene is not None and not scene.group.is_trivial)
+    handles += passes_legend((j.pass_kind for j in barriers.merges), STAR)
+    look: dict[str, Any] = {"loc": "outside lower center", "fontsize": 9, "frameon": False}
+    figure.legend(handles=handles, ncols=min(len(handles), 2), **look)
     return figure
 
 
