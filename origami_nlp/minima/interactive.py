@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
-from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Section, Trajectory
+from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Trajectory
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import MOST_ANGLES, letter, state_lines
 from origami_nlp.numerics import SETTLED
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Pattern
+
+if TYPE_CHECKING:
+    from origami_nlp.minima.result import MinimaResult
 
 CELLS = 161
 """Cells along each coordinate of the map."""
@@ -28,23 +31,13 @@ CROSSING = {
 """What is known of the states on a path, by the contact of the scene."""
 
 
-def view_minima(
-    origami: Scene | Pattern,
-    model: Any,
-    minima: Sequence[JudgedState],
-    reported: Sequence[Section],
-    chart: Landscape | None = None,
-) -> Content:
+def view_minima(result: MinimaResult, chart: Landscape | None = None) -> Content:
     """Return minima, what becomes of the unstable ones, and the map of the energy, for a page that can be turned.
 
     Parameters
     ----------
-    origami, model
-        What is folded, and its nonlinear program.
-    minima
-        In order of energy.
-    reported
-        The report in tables and lines.
+    result
+        Of `find_minima`.
     chart
         The energy over a scene's coordinates, if it is known already.
 
@@ -59,29 +52,25 @@ def view_minima(
     OptionError
         If a pattern has no minimum.
     """
-    poser = Poser(origami)
+    origami, minima, poser = result.origami, result.minima, Poser(result.origami)
     stations = tuple(
         Keyframe(
             m.title(k).removeprefix("state "),
             poser.folded(m.fold_angles, m.energy),
             poser.view(m.fold_angles),
-            *_contacts_and_lines(model, m),
+            *_contacts_and_lines(result.model, m),
         )
         for k, m in enumerate(minima, start=1)
     )
+    pieces = tuple(result.report_sections())
+    content = Content(result.title, poser.body, stations, pieces=pieces)
     if isinstance(origami, Pattern):
         if not minima:
             raise OptionError("no stable state was found: there is nothing to turn")
-        return Content(origami.name or "pattern", poser.body, stations, pieces=tuple(reported))
+        return content
     chart = chart or landscape(origami, CELLS)
-    content = Content(
-        origami.label or repr(origami.vertex),
-        poser.body,
-        stations,
-        panels=tuple(_panels(chart, minima)),
-        pieces=tuple(reported),
-        steps=f"Each step is a stored state that closes; {CROSSING[origami.contact]}.",
-    )
+    steps = f"Each step is a stored state that closes; {CROSSING[origami.contact]}."
+    content = replace(content, panels=tuple(_panels(chart, minima)), steps=steps)
     tracks = [*_descents(poser, minima), *_curves(poser, chart)]
     if not tracks:
         why = "No path is stored"

@@ -216,6 +216,8 @@ class MinimaResult(Report, Viewable):
             geometry_moved=bool(one and one.relations.made_exact),
             made_symmetric=bool(one and one.adjusted > 0),
             facets_may_cross=search.contact != "full",
+            panels_simplified=bool(one and one.panels),
+            copies_curl=one is None and bool((c := self.pattern.cell) and c.rolled == (0, 0)),
             stability_not_asked=any(verdict(self.origami, m) == NOT_ASKED for m in self.minima),
         )
 
@@ -410,6 +412,4 @@ class MinimaResult(Report, Viewable):
         """
         from origami_nlp.minima.interactive import view_minima  # charts are slow to import
 
-        return view_minima(
-            self.origami, self.model, self.minima, tuple(self.report_sections()), chart
-        )
+        return view_minima(self, chart)

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.display import Table, record_table, shown
 from origami_nlp.kkt import OPEN, ContactForce
-from origami_nlp.minima.minimum import JudgedState, Survival
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import ROUNDED, residual_words
 from origami_nlp.pattern import Pattern, Scene
@@ -77,7 +77,7 @@ class StateRow:
     barrier: float | None = field(metadata=shown("", "J"))
     barrier_method: str | None = field(metadata=shown())
     shallow: bool = field(metadata=shown())
-    survival: Survival | None = field(metadata=shown("survives", side="r"))
+    survival: str | None = field(metadata=shown("survives", side="r"))
 
     def listed(self, scale: float) -> StateRow:
         """Return it as it is printed: without energy that is rounding, and of an image whose image it is.
@@ -131,7 +131,13 @@ def state_rows(
         said = words.get(known, known) + ", shallow" * m.shallow, held_words(m), image
         found = m.energy, m.kind, m.local_dimension, m.closure_residual, m.kkt_residual, m.hits
         barrier = (m.escape.barrier, m.escape.method) if m.escape else (None, None)
-        left = m.softest, _escape(m, unit), *barrier, m.shallow, m.survival
+        left = (
+            m.softest,
+            _escape(m, unit),
+            *barrier,
+            m.shallow,
+            str(m.survival) if m.survival else None,
+        )
         stable = known == "stable" and not m.shallow
         rows.append(StateRow(name, k, *found, stable, known, *said, *left))
     return tuple(rows)
