@@ -88,6 +88,11 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.axis("off")
         ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
         return
+
+    def label(text: str, at: Any, off: Any, ha: str, va: str, size: float) -> None:
+        look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": size, "gid": "label"}
+        ax.annotate(text, at, off, textcoords="offset points", **look)
+
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
     top = {k + 1: m.energy for k, m in enumerate(minima)}
     branch: dict[int, tuple[int, ...]] = {k + 1: (k + 1,) for k in range(len(minima))}
@@ -108,32 +113,17 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
         text = f"{join.energy:.4g}"
         if few and not any((text, leaf) in written for leaf in leaves):
-            last = len(leaves) == len(minima)
-            ax.annotate(
-                text,
-                (middle, join.energy),
-                (0, 7) if last else (-6, 4),  # beside the branch that goes on upwards
-                textcoords="offset points",
-                ha="center" if last else "right",
-                va="bottom",
-                fontsize=8.5,
-                gid="label",
-            )
+            if len(leaves) == len(minima):
+                label(text, (middle, join.energy), (0, 7), "center", "bottom", 8.5)
+            else:  # beside the branch that goes on upwards
+                label(text, (middle, join.energy), (-6, 4), "right", "bottom", 8.5)
         written |= {(text, leaf) for leaf in leaves}
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
         mark_minimum(ax, (place[k], m.energy), m.kind, verdicts[k - 1], star)
-        ax.annotate(
-            f"#{k}\n{m.energy:.4g}" if few else f"{k}",
-            (place[k], m.energy),
-            (0, -8 if few else -5),
-            textcoords="offset points",
-            ha="center",
-            va="top",
-            fontsize=8.5 if few else 6.5,
-            gid="label",
-        )
+        text, size = (f"#{k}\n{m.energy:.4g}", 8.5) if few else (f"{k}", 6.5)
+        label(text, (place[k], m.energy), (0, -8 if few else -5), "center", "top", size)
     ax.set_xlim(-0.6, len(minima) - 0.4)
     ax.set_ylim(min(reach) - (0.28 if few else 0.08) * span, max(reach) + 0.18 * span)
     ax.set_xticks([])

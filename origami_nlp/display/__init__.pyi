@@ -73,13 +73,11 @@ from .table import (
     Words as Words,
     field_table as field_table,
     pieces_html as pieces_html,
-    plain_text as plain_text,
     record_table as record_table,
 )
 from .text import (
     angle_ticks as angle_ticks,
     label_text as label_text,
-    pi_label as pi_label,
     short_label as short_label,
     subscript as subscript,
 )

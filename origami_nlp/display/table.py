@@ -1,14 +1,14 @@
 """Tables of words, and results that print themselves: on screens, in plain text, as Markdown and as HTML.
 
 Nothing here knows a result: rooms make tables of texts, and this writes them down.  A text may carry a style of
-rich for the screen and a colour for HTML (`Words`); both are dropped where they cannot be shown.
+rich for the screen (`Words`), which is dropped where it cannot be shown.
 """
 
 from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from html import escape
 from textwrap import shorten
@@ -32,13 +32,10 @@ class Words(NamedTuple):
         The text.
     style
         Of rich, such as ``"bold"``.
-    colour
-        Of a small square before the text in HTML, such as ``"#D55E00"``.
     """
 
     text: str
     style: str = ""
-    colour: str = ""
 
 
 Cell: TypeAlias = str | Words
@@ -222,7 +219,12 @@ class Report(PrettyRepr, Result, ABC):
         str
             Plain text.
         """
-        return plain_text(self.WIDTH, lambda console: self.print_to(console, verbose)).rstrip()
+        from rich.console import Console
+
+        text = io.StringIO()  # in Jupyter a console would display instead of writing to its file
+        look: dict[str, Any] = {"color_system": None, "force_jupyter": False}
+        self.print_to(Console(file=text, width=self.WIDTH, **look), verbose)
+        return text.getvalue().rstrip()
 
     def __str__(self) -> str:
         return self.report()
@@ -264,30 +266,6 @@ def pieces_html(pieces: Iterable[Section]) -> str:
             yield f"<p><b>{title}</b></p>\n{piece.html()}" if title else piece.html()
 
     return "\n".join(["<div>", *parts(), "</div>"])
-
-
-def plain_text(width: int, print_to: Callable[[Console], None]) -> str:
-    """Return what a function prints as plain text.
-
-    In Jupyter a console would display instead of writing to its file.
-
-    Parameters
-    ----------
-    width
-        Columns.
-    print_to
-        Prints on a console of rich, such as `Report.print_to`.
-
-    Returns
-    -------
-    str
-        The text.
-    """
-    from rich.console import Console
-
-    text = io.StringIO()
-    print_to(Console(file=text, width=width, color_system=None, force_jupyter=False))
-    return text.getvalue()
 
 
 def record_table(
@@ -382,6 +360,4 @@ def _markdown(cell: Cell) -> str:
 
 
 def _html(cell: Cell) -> str:
-    text, colour = (cell, "") if isinstance(cell, str) else (cell.text, cell.colour)
-    square = f"<span style='color:{colour}'>&#9632;</span> " if colour else ""
-    return square + escape(text).replace("\n", "<br>")
+    return escape(cell if isinstance(cell, str) else cell.text).replace("\n", "<br>")

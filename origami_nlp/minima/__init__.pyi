@@ -32,6 +32,7 @@ from .interactive import (
     CELLS as CELLS,
     images as images,
     points_on as points_on,
+    view_minima as view_minima,
 )
 from .marks import (
     Drawn as Drawn,

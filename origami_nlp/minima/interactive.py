@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,9 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import MOST_ANGLES, letter, state_lines
+from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Pattern
-
-if TYPE_CHECKING:
-    from origami_nlp.minima.result import MinimaResult
 
 CELLS = 161
 """Cells along each coordinate of the map."""

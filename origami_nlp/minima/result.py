@@ -410,6 +410,5 @@ class MinimaResult(Report, Viewable):
         Content
             What a page shows.
         """
-        from origami_nlp.minima.interactive import view_minima  # charts are slow to import
-
-        return view_minima(self, chart)
+        content: Content = self._from_room("view_minima")(self, chart)  # charts are slow to import
+        return content

@@ -283,19 +283,20 @@ def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobilit
     )
 
 
+def _closed(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Return the closed state within +-pi that a state projects to, if there is one."""
+    new, residual = problem.project(phi)
+    closes = residual <= CLOSURE_TOL and (np.abs(new) <= math.pi).all()
+    return new if closes and problem.closure.lifts_to_one(new) else None
+
+
 def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
     """Return the closed state in which most creases are folded, and what it was reached from."""
     best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")
     for phi, start in _starts(problem.pattern, rng):
-        new, residual = problem.project(phi)
-        if (
-            residual > CLOSURE_TOL
-            or (np.abs(new) > math.pi).any()
-            or not problem.closure.lifts_to_one(new)
-        ):
-            continue
-        moved = int((np.abs(new) > MOVES).sum())
-        if moved < max(best[0][0], 1):
+        new = _closed(problem, phi)
+        moved = 0 if new is None else int((np.abs(new) > MOVES).sum())
+        if new is None or moved < max(best[0][0], 1):
             continue
         crossed = len(problem.crossings.find(new))
         if (moved, -crossed) > best[0] or best[1] is None:
@@ -317,14 +318,8 @@ def _regular(
     for _ in range(NEIGHBOURS):
         z = problem.kernel(phi)
         inwards = np.clip(phi, OFFSET - math.pi, math.pi - OFFSET)
-        new, residual = problem.project(inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
-        if (
-            residual > CLOSURE_TOL
-            or (np.abs(new) > math.pi).any()
-            or not problem.closure.lifts_to_one(new)
-        ):
-            continue
-        if (more := problem.rank(new)) > rank:
+        new = _closed(problem, inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
+        if new is not None and (more := problem.rank(new)) > rank:
             phi, rank, start = new, more, start.removeprefix("near: ").join(("near: ", ""))
     return phi, start
 
