@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from origami_nlp.display import InteractivePage
 
 _READ = (
-    ("minima/4", "minima", "minima", "MinimaResult"),
+    ("minima/5", "minima", "minima", "MinimaResult"),
     ("landscape/2", "points", "paper", "CriticalPoints"),
     ("path/1", "legs", "paths", "LoadPath"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("path/1", "branches", "paths", "Atlas"),
     ("path/1", "curves", "paths", "BifurcationSet"),
-    ("pattern/2", "motion", "pattern_states", "Motion"),
-    ("pattern/2", "arc", "pattern_states", "Motion"),
-    ("pattern/2", "facets", "pattern_states", "Mobility"),
+    ("pattern/3", "motion", "pattern_states", "Motion"),
+    ("pattern/3", "arc", "pattern_states", "Motion"),
+    ("pattern/3", "facets", "pattern_states", "Mobility"),
     ("hinge/1", "law", "hinges", "MeasuredHinge"),
     ("layers/1", "components", "validity", "LayerOrders"),
     ("validity/1", "tests", "validity", "Validity"),

@@ -16,6 +16,9 @@ SHOWN = (
     "the lowest path that is known, on traced curves, by descents, straight, or over a saddle: an upper bound; "
     "contact may be missed between its states, and lower ones are not excluded"
 )
+FOLLOWED = (
+    "no lower path: motions from the first state follow traced curves, up to where others meet them"
+)
 NONE = "no admissible path is known"
 PROVED = "proved: admissible states above and below the flat state meet there only"
 NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.barriers.result import Barriers, Join
-from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,74 +17,10 @@ STAR = 13.0
 """Size of a star [points]."""
 MANY = 12
 """Minima of a tree beyond which marks are smaller, and only numbers are written."""
-Tree = tuple[Any, ...]
-"""A branch of a merge tree: () is a leaf, otherwise kind of pass, its energy as written, and its branches."""
 
 
-def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
-    """Draw the disconnectivity graph (merge tree) of one result, or of several each tree of another shape once.
-
-    Two trees have one shape if the same kinds of passes join as many minima in the same way.
-
-    Parameters
-    ----------
-    several
-        Of `find_barriers`.
-    columns
-        Trees side by side.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The first scene of each shape; the title says how many others share it.
-
-    Raises
-    ------
-    OptionError
-        If there is nothing to draw.
-    """
-    if not several:
-        raise OptionError("several = () must be at least one result of find_barriers")
-
-    from matplotlib.figure import Figure
-
-    from origami_nlp.display import minima_legend, passes_legend
-
-    shapes: dict[Tree, list[Barriers]] = {}
-    for barriers in several:
-        shapes.setdefault(shape_of(barriers), []).append(barriers)
-    columns = min(columns, len(shapes))
-    rows = math.ceil(len(shapes) / columns)
-    most = max(len(b.result.minima) for b in several)
-    width = 4.2 * columns if columns > 1 else max(5.2, min(0.13 * most + 2, 24.0))
-    figure = Figure(figsize=(width, 3.1 * rows + 0.6), dpi=110, layout="constrained")
-    axes = figure.subplots(rows, columns, squeeze=False)
-    for ax in axes.flat[len(shapes) :]:
-        ax.axis("off")
-    for k, (ax, alike) in enumerate(zip(axes.flat, shapes.values(), strict=False)):
-        merge_tree_axes(ax, alike[0])
-        if len(alike) > 1:
-            more = f"and {len(alike) - 1} more with this tree"
-            ax.set_title(f"{ax.get_title()}\n{more}", fontsize=9)
-        if k % columns == 0:
-            ax.set_ylabel("energy [J]")
-    drawn = [alike[0] for alike in shapes.values()]
-    found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
-    kept = any(b.scene is not None and not b.scene.group.is_trivial for b in drawn)
-    handles = minima_legend(found, STAR, kept)
-    handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=min(len(handles), 4 if columns > 1 else 2),
-        fontsize=9,
-        frameon=False,
-    )
-    return figure
-
-
-def shape_of(barriers: Barriers) -> Tree:
-    """Return what scenes with the same merge tree have in common.
+def draw_barriers(barriers: Barriers) -> Figure:
+    """Draw the disconnectivity graph (merge tree) of minima and passes.
 
     Parameters
     ----------
@@ -95,31 +29,32 @@ def shape_of(barriers: Barriers) -> Tree:
 
     Returns
     -------
-    tuple
-        Trees as sorted nested tuples; passes of one kind and, as written, one height join their branches at once.
+    matplotlib.figure.Figure
+        The figure.
+
+    Raises
+    ------
+    OptionError
+        If `barriers` are none of `find_barriers`.
     """
-    trees: dict[int, Tree] = {k: () for k in range(1, len(barriers.result.minima) + 1)}
-    for join in barriers.merges:
-        height = f"{join.energy:.4g}"
-        branches: list[Tree] = []
-        for side in (join.first, join.second):
-            tree = trees[side[0]]
-            branches += tree[2] if tree[:2] == (join.pass_kind, height) else [tree]
-        whole = (join.pass_kind, height, tuple(sorted(branches, key=repr)))
-        for leaf in (*join.first, *join.second):
-            trees[leaf] = whole
+    from matplotlib.figure import Figure
 
-    def bare(tree: Tree) -> Tree:
-        return (tree[0], *sorted(map(bare, tree[2]), key=repr)) if tree else ()
+    from origami_nlp.display import minima_legend, passes_legend
+    from origami_nlp.minima import judged
 
-    groups = {id(tree): tree for tree in trees.values() if tree}
-    alone = sum(not tree for tree in trees.values())
-    return (*sorted(map(bare, groups.values()), key=repr), *[()] * alone)
-
-
-def _judged(minimum: Any) -> str | None:
-    full = getattr(minimum, "full_space", None)
-    return full.verdict if full else None
+    check_type("barriers", barriers, Barriers)
+    result, scene = barriers.result, barriers.scene
+    width = max(5.2, min(0.13 * len(result.minima) + 2, 24.0))
+    figure = Figure(figsize=(width, 3.7), dpi=110, layout="constrained")
+    ax = figure.add_subplot()
+    merge_tree_axes(ax, barriers)
+    ax.set_ylabel("energy [J]")
+    found = [(m.kind, judged(result.origami, m)) for m in result.minima]
+    handles = minima_legend(found, STAR, scene is not None and not scene.group.is_trivial)
+    handles += passes_legend((j.pass_kind for j in barriers.merges), STAR)
+    look: dict[str, Any] = {"loc": "outside lower center", "fontsize": 9, "frameon": False}
+    figure.legend(handles=handles, ncols=min(len(handles), 2), **look)
+    return figure
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
@@ -140,10 +75,12 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     from matplotlib.axes import Axes
 
     from origami_nlp.display import INK, label_text, mark_minimum, pass_look
+    from origami_nlp.minima import judged
 
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)
     minima = barriers.result.minima
+    verdicts = [judged(barriers.result.origami, m) for m in minima]
     few = len(minima) <= MANY
     star = STAR if few else 0.6 * STAR
     ax.set_title(label_text(barriers.label), fontsize=9.5)
@@ -151,6 +88,11 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.axis("off")
         ax.text(0.5, 0.5, "no minimum is known", transform=ax.transAxes, ha="center", fontsize=9)
         return
+
+    def label(text: str, at: Any, off: Any, ha: str, va: str, size: float) -> None:
+        look: dict[str, Any] = {"ha": ha, "va": va, "fontsize": size, "gid": "label"}
+        ax.annotate(text, at, off, textcoords="offset points", **look)
+
     place = {k: float(i) for i, k in enumerate(leaf_order(len(minima), barriers.merges))}
     top = {k + 1: m.energy for k, m in enumerate(minima)}
     branch: dict[int, tuple[int, ...]] = {k + 1: (k + 1,) for k in range(len(minima))}
@@ -171,32 +113,17 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         ax.plot(middle, join.energy, **look, zorder=3, gid="mark")
         text = f"{join.energy:.4g}"
         if few and not any((text, leaf) in written for leaf in leaves):
-            last = len(leaves) == len(minima)
-            ax.annotate(
-                text,
-                (middle, join.energy),
-                (0, 7) if last else (-6, 4),  # beside the branch that goes on upwards
-                textcoords="offset points",
-                ha="center" if last else "right",
-                va="bottom",
-                fontsize=8.5,
-                gid="label",
-            )
+            if len(leaves) == len(minima):
+                label(text, (middle, join.energy), (0, 7), "center", "bottom", 8.5)
+            else:  # beside the branch that goes on upwards
+                label(text, (middle, join.energy), (-6, 4), "right", "bottom", 8.5)
         written |= {(text, leaf) for leaf in leaves}
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), star)
-        ax.annotate(
-            f"#{k}\n{m.energy:.4g}" if few else f"{k}",
-            (place[k], m.energy),
-            (0, -8 if few else -5),
-            textcoords="offset points",
-            ha="center",
-            va="top",
-            fontsize=8.5 if few else 6.5,
-            gid="label",
-        )
+        mark_minimum(ax, (place[k], m.energy), m.kind, verdicts[k - 1], star)
+        text, size = (f"#{k}\n{m.energy:.4g}", 8.5) if few else (f"{k}", 6.5)
+        label(text, (place[k], m.energy), (0, -8 if few else -5), "center", "top", size)
     ax.set_xlim(-0.6, len(minima) - 0.4)
     ax.set_ylim(min(reach) - (0.28 if few else 0.08) * span, max(reach) + 0.18 * span)
     ax.set_xticks([])

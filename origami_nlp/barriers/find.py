@@ -1,6 +1,6 @@
 """Barriers: for each pair of minima the lowest pass between them that is known, and a path through it.
 
-With one degree of freedom of a vertex along traced curves (`traced`).  Else along curves where there are some, and
+Along traced curves where there are some, exactly with one degree of freedom (`graph`), and
 along ways on one terrain (`search.DescentTerrain`): escape paths, straight walks, and descents from saddles, which
 Newton on the KKT system finds where the lowest ways are highest (`passes`).  `bounds` says what lies below.
 """
@@ -19,10 +19,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_type, check_until, check_whole
 from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
-from origami_nlp.barriers.graph import PathDown, graph_of, passes_over
+from origami_nlp.barriers.graph import PathDown, graph_of, passes_over, pattern_passes
 from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.barriers.walks import Walks, number_of
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.kkt import (
@@ -129,9 +128,12 @@ def find_barriers(
         stated = stated.of_one_winding
     if result is None:
         left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
-        told = None if progress is None else partial(_told, progress)
+
+        def told(starts: int, minima: int, at: object) -> None:
+            say(f"{starts} starts, {minima} minima, {at}")
+
         result = find_states(
-            stated, seed=seed, prove=False, escape=False, seconds=left, progress=told
+            stated, seed=seed, prove=False, escape=False, seconds=left, progress=progress and told
         )
     check_type("result", result, MinimaResult)
     if isinstance(stated, Scene):
@@ -145,10 +147,6 @@ def find_barriers(
         return unless_stopped(found, found.stopped)
     finally:
         problem.until = before
-
-
-def _told(progress: Callable[[str], object], starts: int, minima: int, at: object) -> None:
-    progress(f"{starts} starts, {minima} minima, {at}")
 
 
 class _Paths:
@@ -192,12 +190,11 @@ class _Paths:
             w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
         ]
         graph, cut = graph_of(self._stated, self.minima, ways, self.traced)
-        whole = passes_over(self._stated, result, graph, self._stated.scale, _unknown, cut)
+        whole = passes_over(self._stated, result, graph, self._stated.scale, cut=cut)
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
-        before = (
-            {} if on_curves is None else {(p.from_state, p.to_state): p for p in on_curves.passes}
-        )
+        curved = on_curves.passes if on_curves else ()
+        before = {(p.from_state, p.to_state): p for p in curved}
         passes, bound = [], flat_bound(posed.problem)
         bound = posed.unit * bound[0], bound[1]
         for p in whole.passes:
@@ -212,10 +209,7 @@ class _Paths:
         self, heights: np.ndarray, energies: np.ndarray, level: float
     ) -> MinimaResult:
         """Return the minima with what passes of some heights [M, M] say of leaving them, where no less is known."""
-        scale, listed = (
-            energy_scale(np.array(self.result.origami.stiffness)),
-            list(self.result.minima),
-        )
+        scale, listed = energy_scale(np.array(self.result.origami.stiffness)), [*self.result.minima]
         np.fill_diagonal(heights, math.inf)
         beyond = self.posed.unit * self.beyond
         for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
@@ -312,7 +306,3 @@ class _Paths:
             # of an unrefined way more than two digits hang on where its steps were cut
             rise = high + float(rounded_up(rise - high))
             yield PathDown(dense, to, start, terrain.problem.energy(terrain.minima[to]) + rise)
-
-
-def _unknown(i: int, j: int, height: float) -> str:
-    return ""

@@ -1,7 +1,8 @@
 """Graphs of states that paths pass: traced curves and explicit ways, their merge tree, and the passes between minima.
 
 Ways, and curves where some are traced, meet at minima and at states from which several go down; the merge tree of this
-graph has the lowest pass that they show between every two minima.
+graph has the lowest pass that they show between every two minima.  With one degree of freedom a motion follows its
+curve, and leaves it at states where curves meet alone.
 """
 
 from __future__ import annotations
@@ -13,14 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.barriers.bounds import NONE, SHOWN
+from origami_nlp.barriers.bounds import FOLLOWED, NONE, SHOWN
 from origami_nlp.barriers.passes import Known, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OutOfTime
-from origami_nlp.kkt import State, project
+from origami_nlp.kkt import State, energy_scale, level_of, project
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED, merge_tree
-from origami_nlp.pattern_states import TracedPasses
+from origami_nlp.pattern_states import TracedPasses, curve_passes
 
 APART = 0.2
 """Length of a step of a path [rad]."""
@@ -107,7 +108,7 @@ def passes_over(
     result: MinimaResult,
     found: TracedPasses,
     unit: float,
-    why: Callable[[int, int, float], str],
+    why: Callable[[int, int, float], str] = lambda *_: "",
     cut: np.ndarray | None = None,
 ) -> Barriers:
     """Return the passes over a graph of states.
@@ -225,3 +226,24 @@ def _made_exact(
     if at.regular:
         return at, otherwise, math.nan
     return at, "flat state" if np.abs(top).max() <= SETTLED else "singular", math.nan
+
+
+def pattern_passes(result: MinimaResult) -> tuple[Barriers, TracedPasses] | None:
+    """Return the barriers of a pattern on its traced curves, and these curves; None where none are known."""
+    problem = result.model
+    states = np.array([problem.reduce(m.phi) for m in result.minima])
+    traced = curve_passes(problem, result.curves, states) if len(states) else None
+    if traced is None:
+        return None
+    scale = energy_scale(problem.pattern.stiffness)
+    level = level_of(problem.energies(states), scale) / problem.scale
+
+    def why(i: int, j: int, height: float) -> str:
+        if result.minima[i].dof > 1:
+            return ""
+        sure = traced.sure.tree.barrier(i, j)
+        known = sure is not None and sure.height <= height + level
+        # over states at which other curves may leave, no more is known than that energy
+        return FOLLOWED if known and traced.least(i, [j], level) >= height - level else ""
+
+    return passes_over(problem, result, traced.passes, problem.scale, why), traced.passes

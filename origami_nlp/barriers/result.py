@@ -22,29 +22,47 @@ from origami_nlp.display import (
     Table,
     Viewable,
     angle_columns,
+    record_row,
+    record_table,
+    shown,
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult, points_on
-from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
-HEADS = (
-    "from",
-    "to",
-    "barrier [J]",
-    "and back [J]",
-    "energy at the pass [J]",
-    "kind",
-    "fold angles at the pass [deg]",
-)
 MOST_NAMED = 4
 """Minima whose barriers the verdict names."""
 MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
-"""Minima whose energies, and pairs whose bounds, are printed below the passes."""
+"""Pairs whose bounds are printed below the passes."""
+
+
+@dataclass(frozen=True)
+class PassRow:
+    """A pass as it is listed.
+
+    Attributes
+    ----------
+    scene
+        Name of what is folded.
+    from_state, to_state, energy, kind, known, least
+        As of `Pass`; None for what is not known.
+    rises, back
+        What the pass is above either minimum.
+    """
+
+    scene: str = field(metadata=shown())
+    from_state: int = field(metadata=shown("from", spec="#{}".format, side="r"))
+    to_state: int = field(metadata=shown("to", spec="#{}".format, side="r"))
+    rises: float = field(metadata=shown("barrier", "J", ".6g"))
+    back: float = field(metadata=shown("and back", "J", ".6g"))
+    energy: float = field(metadata=shown("energy at the pass", "J", ".9g"))
+    least: float | None = field(metadata=shown("at least", "J", ".9g"))
+    kind: str = field(metadata=shown("kind"))
+    known: str = field(metadata=shown("known"))
 
 
 @dataclass(frozen=True)
@@ -148,28 +166,34 @@ class Barriers(Report, Viewable):
                 graph.add_edge(p.from_state, p.to_state, energy=p.energy, **more)
         return graph
 
+    @property
+    def rows(self) -> list[PassRow]:
+        """The passes as tables, frames and CSV have them."""
+        rows = []
+        for p in self.passes:
+            one, two = self._energies(p)
+            least = None if math.isnan(p.least) else p.least
+            kind = "no path" if math.isinf(p.energy) and p.known is Known.EXACT else p.pass_kind
+            numbers, rises = (p.from_state, p.to_state), (p.energy - one, p.energy - two)
+            rows.append(PassRow(self.label, *numbers, *rises, p.energy, least, kind, p.known.value))
+        return rows
+
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
-        rows = [self._cells(p)[:-1] for p in self.passes]
-        return self._table(rows)
-
-    def _table(self, rows: list[tuple[str, ...]]) -> Table:
-        return Table(HEADS[:-1], rows, self.verdict, "rrrrrL", framed=False, narrow=True)
+        return record_table(self.rows, self.verdict, narrow=True)
 
     @property
     def verdict(self) -> str:
         """How much energy it takes to leave the minima, in a sentence."""
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
-        least: dict[int, tuple[float, str]] = {}
-        for p, floors in zip(self.passes, self._floors(), strict=True):
-            for k, energy, floor in zip(
-                (p.from_state, p.to_state), self._energies(p), floors, strict=True
-            ):
-                exact = p.known is Known.EXACT and p.energy <= floor
-                rise = p.energy - energy, "" if exact else "at most "
-                least[k] = min(least.get(k, (math.inf, "")), rise)
-        known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
+        known = []
+        for k, m in enumerate(self.result.minima, start=1):
+            mine = [p for p in self.passes if k in (p.from_state, p.to_state)]
+            if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
+                sure = least.every or all(p.known is Known.EXACT for p in mine)
+                known.append((least.energy - m.energy, "" if sure else "at most ", k))
+        known.sort()
         if not known:
             return f"{words}, no pass between minima is known"
         kept = self.scene is not None and not self.scene.group.is_trivial
@@ -182,17 +206,11 @@ class Barriers(Report, Viewable):
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
         origami = self.result.origami
-        frames = [
-            one
-            for p in self.passes
-            if len(p.path)
-            for one in path_frames(
-                partial(state_frame, origami),
-                p.path,
-                p.path_energy,
-                f"path {p.from_state} to {p.to_state}",
-            )
-        ]
+        frame, frames = partial(state_frame, origami), list[dict[str, Any]]()
+        for p in self.passes:
+            if len(p.path):
+                title = f"path {p.from_state} to {p.to_state}"
+                frames += path_frames(frame, p.path, p.path_energy, title)
         return states_to_fold(origami, frames)
 
     def _energies(self, p: Pass) -> tuple[float, float]:
@@ -200,54 +218,14 @@ class Barriers(Report, Viewable):
         one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
         return one, two
 
-    def _floors(self) -> list[tuple[float, float]]:
-        """Return of each pass what leaving either minimum climbs to at least: over this pass, or any other.
-
-        All paths are known where they follow curves; else each pair of minima has what bounds its own.
-        """
-        floor: dict[int, float] = {}
-        for p in self.passes:
-            known = p.energy if p.known is Known.EXACT else np.nanmax([p.least, *self._energies(p)])
-            for k in (p.from_state, p.to_state):
-                floor[k] = min(floor.get(k, math.inf), float(known))
-        near = 1 + SAME_ENERGY
-        return [
-            (p.energy,) * 2 if p.every else (floor[p.from_state] * near, floor[p.to_state] * near)
-            for p in self.passes
-        ]
-
-    def _cells(self, p: Pass) -> tuple[str, ...]:
-        pair = (f"#{p.from_state}", f"#{p.to_state}")
-        if math.isinf(p.energy):
-            known = not math.isnan(p.least)
-            ends = self._energies(p)
-            least = (f">= {max(p.least, *ends) - end:.6g}" if known else "-" for end in ends)
-            return (
-                *pair,
-                *(("no path",) * 2 if p.known is Known.EXACT else least),
-                "-",
-                "none",
-                p.why,
-            )
-        rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
-        angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
-        angles = "all 0" if p.pass_kind == "flat state" else angles
-        return (*pair, *rises, f"{p.energy:.9g}", p.pass_kind, angles)
-
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, and where they are."""
-        some = [p for p in self.passes if math.isfinite(p.energy) or not math.isnan(p.least)]
-        some.sort(key=lambda p: not math.isfinite(p.energy))
-        shown = self.passes if len(self.passes) <= MOST_PAIRS else some
-        table = self._table([self._cells(p)[:-1] for p in shown])
-        yield replace(table, rows=table.rows[:MOST_PAIRS])
-        if rest := table.rows[MOST_PAIRS:]:
+        many = len(self.passes) > MOST_PAIRS
+        some = [r for r in self.rows if math.isfinite(r.energy) or r.least or not many]
+        some.sort(key=lambda r: many and not math.isfinite(r.energy))
+        yield (record_table(some[:MOST_PAIRS], self.verdict, narrow=True) if some else self.verdict)
+        if rest := some[MOST_PAIRS:]:
             yield f"... {len(rest):,} more pairs: --verbose, or -o FILE.json"
-        energies = [f"#{k} {m.energy:.6g} J" for k, m in enumerate(self.result.minima, start=1)]
-        if energies:
-            yield f"states as minima lists them: {', '.join(energies[:MOST_STATES])}" + (
-                f" and {len(energies) - MOST_STATES} more" if len(energies) > MOST_STATES else ""
-            )
         reasons: dict[str, list[str]] = {}
         for p in self.passes:
             reasons.setdefault(p.why, []).append(f"#{p.from_state} - #{p.to_state}")
@@ -263,21 +241,21 @@ class Barriers(Report, Viewable):
                 for vertex, _ in signs.crossed(p.path):
                     pair = f"#{p.from_state} - #{p.to_state}"
                     yield f"alarm: {pair}: facets cross round vertex {vertex} on the path, which is none of paper"
-        if rest:
-            yield Details((replace(table, rows=rest, title=""),), "Further pairs")
-        if known := [p for p in self.passes if math.isfinite(p.energy)]:
-            rows = [(*(c := self._cells(p))[:2], f"{p.energy:.12g}", c[-1]) for p in known]
-            heads = ("from", "to", "pass [J]", HEADS[-1])
-            where = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
-            yield Details((where,), "Fold angles at the passes")
+        places = [
+            f"{p.from_state} - {p.to_state}: "
+            + " ".join(f"{a:.2f}" for a in np.round(np.degrees(p.fold_angles), 2) + 0.0)
+            for p in self.passes
+            if p.fold_angles
+        ]
+        further = [record_table(rest, "further pairs", narrow=True)] if rest else []
+        if places:
+            yield Details(
+                (*further, "fold angles at the passes [deg]", *places), "Where passes are"
+            )
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        for p in self.passes:
-            rises = [p.energy - end for end in self._energies(p)]
-            row = {"scene": self.label, "from": p.from_state, "to": p.to_state}
-            row |= {"energy_J": p.energy, "rises_J": rises[0], "back_J": rises[1]}
-            row["kind"] = p.pass_kind
-            yield row | angle_columns(p.fold_angles)
+        for row, p in zip(self.rows, self.passes, strict=True):
+            yield record_row(row) | angle_columns(p.fold_angles)
 
     def view_content(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""

@@ -37,9 +37,8 @@ def _search_panels(clock: Clock, seed: int, full: bool) -> list[Any]:
 @writes()
 def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
-    from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
-    from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
+    from origami_nlp.minima import draw_minima, scenes_table
     from origami_nlp.pattern import examples
 
     folder = make_folder(folder, "--folder")
@@ -55,7 +54,7 @@ def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.
         out.say("")
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    out.say(rows_table(DEMO_HEADS, demo_rows(results), title))
+    out.say(scenes_table(results, title))
     write_json([r.to_dict() for r in results], files[0])
     for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)
@@ -65,17 +64,11 @@ def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.
 @writes("json")
 def panels(out: Output, clock: Clock, full: bool | None = o.FULL, seed: int = o.SEED) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
-    from origami_nlp.display import rows_table
-    from origami_nlp.minima import table
+    from origami_nlp.minima import scenes_table
 
     results = _search_panels(clock, seed, bool(full))
-    heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
-    rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
-    if full:
-        totals = [str(sum(int(row[k]) for row in rows)) for k in range(1, 5)]
-        rows.append(("total", *totals, ""))
     seconds = sum(r.search.seconds for r in results)
-    out.say(rows_table(heads, rows, f"all panels of the paper, {seconds:.1f} s in total"))
+    out.say(scenes_table(results, f"all panels of the paper, {seconds:.1f} s in total"))
     out.write("json", lambda: [r.to_dict() for r in results])
 
 

@@ -20,12 +20,13 @@ rigidity (paper, introduction: Dorn, Li, Pellegrino): below it the contacts stay
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.contact.force_cone import distance_to_boundary
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import (
     Multipliers,
@@ -45,7 +46,6 @@ from origami_nlp.numerics import (
     DUPLICATE_TOL,
     NEAR_CONTACT,
     NONZERO,
-    ROUNDED,
     null_space,
 )
 from origami_nlp.pattern import most_torque
@@ -65,35 +65,6 @@ Ending = Literal["opens", "closes", "softens", "cap", "lost"]
 
 
 @dataclass(frozen=True)
-class MarginCheck:
-    """One re-solve with a load, from a state with the contact slightly open.
-
-    Attributes
-    ----------
-    factor
-        Of the critical load.
-    by
-        ``IPOPT`` (and polish), or, where IPOPT jumps to another basin because the loaded state is shallow,
-        ``descent`` (`kkt.follow`, which cannot jump).
-    gap
-        Opening of the contact in question [rad].
-    multiplier
-        What it carries [N m per rad, at each single contact].
-    moved
-        Distance of the state from the unloaded one [rad, 2-norm over all creases].
-    closed
-        Whether the contact is closed there.
-    """
-
-    factor: float
-    by: Literal["IPOPT", "descent"]
-    gap: float
-    multiplier: float
-    moved: float
-    closed: bool
-
-
-@dataclass(frozen=True)
 class CreaseMargin:
     """Largest moment on each crease of one orbit alone, in either direction [N m].
 
@@ -105,17 +76,14 @@ class CreaseMargin:
         Towards valley; inf where no contact opens up to `LoadMargin.cap`.
     negative
         Towards mountain (given as a positive number); inf likewise.
-    first_order
-        The same two numbers from the sensitivities.
     ends
         What happens at the two loads, see `LoadMargin.ends`.
     """
 
-    creases: tuple[int, ...]
-    positive: float
-    negative: float
-    first_order: tuple[float, float]
-    ends: tuple[Ending, Ending]
+    creases: tuple[int, ...] = field(metadata=shown("creases", side="L"))
+    positive: float = field(metadata=shown("towards valley", "N m", ".4g"))
+    negative: float = field(metadata=shown("towards mountain", "N m", ".4g"))
+    ends: tuple[Ending, Ending] = field(metadata=shown("ends", side="L"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -139,8 +107,8 @@ class LoadMargin(ShortRepr):
     opens
         The contact that opens, in words.
     ends
-        What happens at `moments`: ``opens``, or earlier than any opening another contact ``closes`` or the
-        state ``softens`` (its tangential stiffness reaches zero); ``cap`` or ``lost`` (no Newton
+        What happens at `moments`, if there are any: ``opens``, or earlier than any opening another contact
+        ``closes`` or the state ``softens`` (its tangential stiffness reaches zero); ``cap`` or ``lost`` (no Newton
         solution) where the search ended.
     creases
         Margins for loads on one orbit of creases alone.
@@ -148,27 +116,27 @@ class LoadMargin(ShortRepr):
         Loads on single orbits are tried up to this 2-norm [N m]: 2 pi times the sum of all stiffnesses.
     symmetry
         Group that the loads keep; ``none`` means that all loads are covered.
-    below, above
-        Re-solves at `moments` times 1 - 1e-3 and 1 + 1e-3.
     checked
-        Whether these found the contact closed and loaded below, and open above.
+        Whether re-solves at `moments` times 1 - 1e-3 and 1 + 1e-3 found the contact closed and loaded below, and open
+        above.
     reason
         Words on how the number came about, or why there is none.
     """
 
     status: Status
-    norm: float
-    first_order: float
-    moments: tuple[float, ...]
-    opens: str
-    ends: Ending
-    creases: tuple[CreaseMargin, ...]
-    cap: float
+    norm: float = field(metadata=shown("norm", "N m", ".5g"))
+    first_order: float = field(metadata=shown("first order", "N m", ".5g"))
+    cap: float = field(metadata=shown())
     symmetry: str
-    below: MarginCheck | None
-    above: MarginCheck | None
-    checked: bool
     reason: str
+    moments: tuple[float, ...] = ()
+    opens: str = ""
+    ends: Ending | None = None
+    creases: tuple[CreaseMargin, ...] = ()
+    checked: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.norm:.5g}" if math.isfinite(self.norm) else self.status
 
 
 def load_margin(state: State, *, check: bool = True) -> LoadMargin:
@@ -211,16 +179,12 @@ def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
     """Combine the margins of one orbit over pieces of the feasible set."""
     up = min(margins, key=lambda m: m.positive)
     down = min(margins, key=lambda m: m.negative)
-    first = (min(m.first_order[0] for m in margins), min(m.first_order[1] for m in margins))
-    return CreaseMargin(up.creases, up.positive, down.negative, first, (up.ends[0], down.ends[1]))
+    return CreaseMargin(up.creases, up.positive, down.negative, (up.ends[0], down.ends[1]))
 
 
 def _nothing(model: Problem, status: Status, reason: str, opens: str = "") -> LoadMargin:
     norm = {"zero": 0.0, "unbounded": math.inf}.get(status, math.nan)
-    return LoadMargin(
-        status, norm, norm, (), opens, "lost", (), _cap(model), model.symmetry,
-        None, None, False, reason,
-    )  # fmt: skip
+    return LoadMargin(status, norm, norm, _cap(model), model.symmetry, reason, opens=opens)
 
 
 def _cap(model: Problem) -> float:
@@ -257,27 +221,19 @@ def _regular(piece: Stratum, check: bool) -> LoadMargin:
     _, load, event = best
     ending, i = event.ending, event.row
     cap = _cap(model)
-    creases = tuple(_orbit(piece, v, response, cap) for v in range(model.size))
-    below = above = None
+    creases = tuple(_orbit(piece, v, cap) for v in range(model.size))
+    checked = False
     if check and ending == "opens":
-        below = _resolve(piece, event.state, i, (1 - ASIDE) * load, 1 - ASIDE)
-        above = _resolve(piece, event.state, i, (1 + ASIDE) * load, 1 + ASIDE)
-    checked = (
-        below is not None
-        and above is not None
-        and below.closed
-        and below.multiplier > 0
-        and not above.closed
-    )
-    norm = float(model.scale * np.linalg.norm(load))
+        (closed, pushes), (still_closed, _) = (
+            _resolve(piece, event.state, i, share * load) for share in (1 - ASIDE, 1 + ASIDE)
+        )
+        checked = closed and pushes > 0 and not still_closed
+    norm, first = (float(model.scale * v) for v in (np.linalg.norm(load), margins.min()))
     reason = "smallest load with a vanishing multiplier, found by re-solving under load"
     if ending != "opens":
         reason = f"the load path ends before a contact opens: {ending}"
-    return LoadMargin(
-        "exact", norm, float(model.scale * margins.min()),
-        moments_of(model, load), model.name(rows[i]), ending, creases, cap,
-        model.symmetry, below, above, checked, reason,
-    )  # fmt: skip
+    about = norm, first, cap, model.symmetry, reason, moments_of(model, load), model.name(rows[i])
+    return LoadMargin("exact", *about, ending, creases, checked)
 
 
 def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
@@ -366,32 +322,27 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
     return _Event(high, ending, row, near)
 
 
-def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMargin:
+def _orbit(piece: Stratum, v: int, cap: float) -> CreaseMargin:
     """Return the margins for moments on the creases of variable v alone."""
     model = piece.state.problem
     root = math.sqrt(model.multiplicity[v])
-    values, linear, ends = [], [], []
+    values, ends = [], []
     for sign in (1.0, -1.0):
         direction = np.zeros(model.size)
         direction[v] = sign
-        # dmu/dtau
-        slope = response @ direction
-        falls = slope < -ROUNDED
-        predicted = np.min(-piece.forces[falls] / slope[falls]) if falls.any() else math.inf
         event = _critical(piece, direction, cap / model.scale)
         tau = math.inf if event.ending == "cap" else event.load
         values.append(float(model.scale * tau / root))
-        linear.append(float(model.scale * predicted / root))
         ends.append(event.ending)
-    return CreaseMargin(
-        model.creases_of(v), values[0], values[1], (linear[0], linear[1]), (ends[0], ends[1])
-    )
+    return CreaseMargin(model.creases_of(v), values[0], values[1], (ends[0], ends[1]))
 
 
-def _resolve(
-    piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float
-) -> MarginCheck:
-    """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
+def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray) -> tuple[bool, float]:
+    """Solve the loaded scene from a state beside `near` with row i slightly open: is it closed, its multiplier.
+
+    By IPOPT (and polish), or, where that jumps to another basin because the loaded state is shallow, by `kkt.follow`,
+    which cannot jump.
+    """
     model, rows = piece.state.problem, piece.contacts
     loaded = under_load(model, load)
     _, jac = model.constraints(near, rows)
@@ -399,32 +350,21 @@ def _resolve(
     wanted[model.equation_count + i] = NEAR_CONTACT
     start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
     start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
-    by: Literal["IPOPT", "descent"] = "IPOPT"
     dead = loaded.parameters.dead is not None  # forces in space have no symbols
     y = start if dead else polish(loaded, *solve_with(loaded, start, rows)[:2]).x
     if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
-        by, y = "descent", follow(loaded, start).end
+        y = follow(loaded, start).end
     there = State(loaded, y).on(rows)
-    gap = abs(
-        float(there.openings[i])
-    )  # on another piece of the feasible set it opens to the other side
-    multiplier = 0.0
-    if (
-        gap <= CONTACT_TOL
-    ):  # the same touch may have been described by another row: read it as row i
-        multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
-    moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
-    return MarginCheck(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
+    # on another piece of the feasible set it opens to the other side
+    closed = abs(float(there.openings[i])) <= CONTACT_TOL
+    # another row may have described the same touch: read it as row i
+    return closed, float(there.forces[i]) if closed else 0.0
 
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces."""
-    model, rows, z, pull = (
-        piece.state.problem,
-        piece.contacts,
-        piece.state.kernel,
-        piece.state.gradient,
-    )
+    state, rows = piece.state, piece.contacts
+    model, z, pull = state.problem, state.kernel, state.gradient
     gradients = piece.slopes @ z  # in the tangent space of closure
     # the pull is balanced while it lies in the cone {A' mu: mu >= 0}; leaving that, some contact would have to pull
     found = distance_to_boundary(gradients.T, z.T @ pull)
@@ -452,7 +392,5 @@ def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     still = "the state is a corner and does not move" if held else "with the state held still"
     reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
     norm = float(model.scale * distance)
-    return LoadMargin(
-        "bound", norm, norm, moments_of(model, load), names, "opens", (),
-        _cap(model), model.symmetry, None, None, checked, reason,
-    )  # fmt: skip
+    about = norm, norm, _cap(model), model.symmetry, reason, moments_of(model, load), names
+    return LoadMargin("bound", *about, "opens", (), checked)

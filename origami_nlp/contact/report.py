@@ -13,25 +13,25 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.contact.margin import CreaseMargin, LoadMargin, MarginCheck, load_margin
+from origami_nlp.contact.margin import LoadMargin, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments, find_segments
 from origami_nlp.contact.symmetry_blocks import breaking_stiffnesses
-from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
+from origami_nlp.display import (
+    Content,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    field_table,
+    record_table,
+    shown,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, State, classify
-from origami_nlp.minima import CELLS, MinimaResult, full_scene
+from origami_nlp.minima import CELLS, KINDS, MinimaResult, full_scene
 from origami_nlp.pattern_problem import pose
 
-HEADS = (
-    "#",
-    "energy [J]",
-    "kind",
-    "contacts",
-    "tangential stiffness [N m/rad]",
-    "load margin [N m]",
-)
-CREASE_HEADS = ("creases", "towards valley [N m]", "towards mountain [N m]")
 SOFT = STIFFNESS
 """A state is soft along its contact where its smallest tangential stiffness / (sum k) is at most this."""
 
@@ -42,8 +42,8 @@ class PinnedState(ShortRepr):
 
     Attributes
     ----------
-    number
-        Of the minimum (1-based).
+    number, energy, kind
+        Number of the minimum (1-based), and of it.
     minimum
         The minimum, of a vertex or a pattern.
     contacts
@@ -63,30 +63,49 @@ class PinnedState(ShortRepr):
 
     ALSO = ("soft",)
 
-    number: int
+    number: int = field(metadata=shown("#"))
+    energy: float = field(metadata=shown("energy", "J", ".6g"))
+    kind: str = field(metadata=shown("kind", styles=KINDS))
     minimum: Any = field(metadata={"plain": False})
     contacts: tuple[ContactForce, ...]
-    stiffness: tuple[float, ...]
-    breaking: tuple[Unbounded, ...]
-    softness: Unbounded
-    margin: LoadMargin
+    stiffness: tuple[float, ...] = field(metadata=shown("stiffness\n", "N m/rad", ".4g", side="r"))
+    breaking: tuple[Unbounded, ...] = field(
+        metadata=shown("breaking the symmetry\n", "N m/rad", ".4g", side="r")
+    )
+    softness: Unbounded = field(metadata=shown("/ sum k", spec=".3g"))
+    margin: LoadMargin = field(metadata=shown("load margin\n", "N m", "", side="r"))
 
     @property
     def soft(self) -> bool:
         """Whether the state is soft along its contact (scale-free, see `SOFT`)."""
         return self.softness <= SOFT
 
-    def stiffness_words(self) -> str:
-        """Give the tangential stiffness, and whether it is soft."""
-        if not self.stiffness:
-            return "none: no motion keeps the contacts closed"
-        values = ", ".join(f"{v:.4g}" for v in self.stiffness)
-        flag = f"soft, at most {SOFT:g}" if self.soft else f"not soft, above {SOFT:g}"
-        return f"{values} (smallest / sum k = {self.softness:.3g}: {flag})"
 
-    def creases_table(self) -> Table:
-        """Return the margins under moments on one orbit of creases alone."""
-        return Table(CREASE_HEADS, [crease_cells(c) for c in self.margin.creases], columns="LLL")
+@dataclass(frozen=True)
+class ContactRow:
+    """A closed contact as it is listed.
+
+    Attributes
+    ----------
+    scene, state, energy, kind
+        What is folded, number of the minimum, and of it.
+    contact, moment_N_m, least_N_m, most_N_m, unit
+        What touches, and what it carries, as of `ContactForce`: where facets of a pattern touch a force.
+    margin, margin_is
+        Norm and status of the state's `LoadMargin`.
+    """
+
+    scene: str = field(metadata=shown())
+    state: int = field(metadata=shown("#"))
+    energy: float = field(metadata=shown("", "J"))
+    kind: str = field(metadata=shown())
+    contact: str = field(metadata=shown("contact"))
+    moment_N_m: float = field(metadata=shown("moment or force", spec=".4g"))
+    least_N_m: float = field(metadata=shown("at least", spec=".4g"))
+    most_N_m: float = field(metadata=shown("at most", spec=".4g"))
+    unit: str = field(metadata=shown("unit"))
+    margin: float = field(metadata=shown("", "N m"))
+    margin_is: str = field(metadata=shown())
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,7 +133,7 @@ class ContactReport(Report, Viewable):
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
-    SCHEMA, READS = "origami-nlp/contacts/3", False
+    SCHEMA, READS, ROWS = "origami-nlp/contacts/4", False, "contacts"
 
     @property
     def headline(self) -> str:
@@ -126,54 +145,30 @@ class ContactReport(Report, Viewable):
         return f"{self.result.title}: {many}; symmetry {scene.group.name}, contact {scene.contact}"
 
     @property
-    def _label(self) -> str:
-        """Name of the scene or the pattern."""
-        return self.result.name
+    def contacts(self) -> list[ContactRow]:
+        """The contacts as tables, frames and CSV have them."""
+        rows = []
+        for s in self.states:
+            about = self.result.name, s.number, s.energy, s.kind
+            for c in s.contacts:
+                what = c.text, c.multiplier, *c.multiplier_range
+                unit = "N m/length" if c.is_force else "N m"
+                rows.append(ContactRow(*about, *what, unit, s.margin.norm, s.margin.status))
+        return rows
 
     def table(self) -> Table:
-        """Return one row a state, for the terminal."""
-        rows = [
-            (
-                str(state.number),
-                f"{state.minimum.energy:.6g}",
-                state.minimum.kind,
-                ", ".join(f"{v:.4g}" for v in state.stiffness) or "none",
-                f"{state.softness:.3g}" + (" soft" if state.soft else ""),
-                margin_number(state.margin).replace(" (dependent contacts)", ""),
-            )
-            for state in self.states
-        ]
-        heads = ("#", "energy [J]", "kind", "stiffness [N m/rad]", "/ sum k", "margin [N m]")
-        return Table(heads, rows, self.headline, "lllLll")
-
-    def full_table(self) -> Table:
-        """Return one row a state, with its contacts and in more words."""
-        rows = [
-            (
-                str(state.number),
-                f"{state.minimum.energy:.6g}",
-                state.minimum.kind,
-                "\n".join(c.words() for c in state.contacts),
-                state.stiffness_words(),
-                margin_number(state.margin),
-            )
-            for state in self.states
-        ]
-        return Table(HEADS, rows, columns="LLLLLL")
+        """Return one row a state."""
+        return record_table(self.states, self.headline, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table, what holds each state, and the metastable segments."""
-        yield self.table()
-        for state in self.states:
-            yield Words(f"#{state.number}", "bold")
-            yield from (f"   contact {c.words()}" for c in state.contacts)
-            if state.breaking:
-                values = ", ".join(f"{v:.4g}" for v in state.breaking)
-                yield f"   stiffness against motions that break the symmetry [N m/rad]: {values}"
-            yield from (f"   {line}" for line in margin_lines(state.margin))
-            for crease in state.margin.creases:
-                names, up, down = crease_cells(crease)
-                yield f"   moment on creases {names} alone: valley {up}; mountain {down}"
+        """Return the states, what holds each, what it bears, and the metastable segments."""
+        yield self.table() if self.states else self.headline
+        if self.states:
+            yield record_table(self.contacts, "what contacts carry", narrow=True)
+        for s in self.states:
+            yield field_table(s.margin, f"#{s.number}: load margin")
+            if s.margin.creases:
+                yield record_table(s.margin.creases, f"#{s.number}: moment on some creases alone")
         if self.segments is not None:
             yield from self.segments.report_sections()
 
@@ -183,86 +178,17 @@ class ContactReport(Report, Viewable):
 
         one = not self.result.is_pattern
         chart: Any = landscape(self.result.scene, CELLS) if one else None
-        content = self.result.view_content(chart) if one else self.result.view_content()
+        content = self.result.view_content(chart)
         stations = list(content.stations)
-        for state in self.states:
-            old = stations[state.number - 1]
-            stiff = f"tangential stiffness: {state.stiffness_words()}"
-            lines = (*old.lines, stiff, *margin_lines(state.margin))
-            stations[state.number - 1] = replace(old, lines=lines)
-        content = replace(content, stations=tuple(stations), pieces=tuple(self._pieces()))
+        for s in self.states:
+            old = stations[s.number - 1]
+            lines = (
+                f"load margin: {name}: {said}" for name, said in field_table(s.margin, "").rows
+            )
+            stations[s.number - 1] = replace(old, lines=(*old.lines, *lines))
+        pieces = tuple(self.report_sections())
+        content = replace(content, stations=tuple(stations), pieces=pieces)
         return content if self.segments is None else add_segments(content, chart, self.segments)
-
-    def _pieces(self) -> Iterator[Section]:
-        """Return the report with the margins of single creases as tables."""
-        yield replace(self.full_table(), title=self.headline)
-        for state in self.states:
-            if state.margin.creases:
-                title = f"State {state.number}: largest moment on the creases of one orbit alone"
-                yield replace(state.creases_table(), title=title)
-        if self.segments is not None:
-            yield from self.segments.report_sections()
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for state in self.states:
-            row = {"scene": self._label, "state": state.number}
-            row |= {"energy_J": state.minimum.energy, "kind": state.minimum.kind}
-            last = {"margin_N_m": state.margin.norm, "margin_is": state.margin.status}
-            for c in state.contacts:
-                least, most = c.multiplier_range
-                own = {"contact": c.text, "moment_N_m": c.multiplier}
-                own |= {"least_N_m": least, "most_N_m": most}
-                yield row | own | last
-
-
-def margin_number(margin: LoadMargin) -> str:
-    """Give the margin as one number, or the reason for none."""
-    if margin.status == "exact":
-        return f"{margin.norm:.5g}" if margin.ends == "opens" else f"at least {margin.norm:.5g}"
-    if margin.status == "bound":
-        return f"{margin.norm:.5g} (dependent contacts)"
-    return {"zero": "0", "unbounded": "unbounded", "none": "not given"}[margin.status]
-
-
-def margin_lines(margin: LoadMargin) -> list[str]:
-    """Explain the margin: what opens, the worst load, first order, the re-solves."""
-    loads = "every load" if margin.symmetry == "none" else f"loads with symmetry {margin.symmetry}"
-    lines = [f"load margin {margin_number(margin)}: {margin.reason} ({loads})"]
-    if margin.opens:
-        lines.append(f"{'opens first' if margin.status == 'exact' else 'contacts'}: {margin.opens}")
-    if margin.moments:
-        worst = ", ".join(f"{m:.4g}" for m in margin.moments)
-        lines.append(f"worst load on creases 1..{len(margin.moments)} [N m]: {worst}")
-    if margin.status == "exact":
-        lines.append(f"first-order estimate {margin.first_order:.5g}")
-    for check in (margin.below, margin.above):
-        if check is not None:
-            lines.append(_check_words(check))
-    if margin.status in ("exact", "bound"):
-        lines.append("checked by re-solving" if margin.checked else "NOT confirmed by re-solving")
-    return lines
-
-
-def _check_words(check: MarginCheck) -> str:
-    head = f"re-solved at {100 * check.factor:.1f} % of it"
-    if check.closed:
-        return f"{head}: contact closed, moment {check.multiplier:.3g} N m"
-    return f"{head}: contact open by {check.gap:.3g} rad"
-
-
-def crease_cells(margin: CreaseMargin) -> tuple[str, str, str]:
-    """Return creases and the two margins of one orbit in words."""
-    cells = []
-    for value, end in zip((margin.positive, margin.negative), margin.ends, strict=True):
-        why = {
-            "opens": f"{value:.4g}",
-            "cap": "never opens",
-            "closes": f"{value:.4g}, then another contact closes",
-            "softens": f"{value:.4g}, then the state goes soft",
-            "lost": f"followed to {value:.4g}",
-        }
-        cells.append(why[end])
-    return ", ".join(map(str, margin.creases)), cells[0], cells[1]
 
 
 def find_contacts(
@@ -324,8 +250,7 @@ def find_contacts(
         if one and not result.scene.group.is_trivial:
             whole = State(pose(full_scene(result.scene)), np.array(minimum.fold_angles))
             breaking = breaking_stiffnesses(whole, result.scene)
-        states.append(
-            PinnedState(number, minimum, what.contacts, stiffness, breaking, softness, margin)
-        )
+        about = number, minimum.energy, minimum.kind, minimum, what.contacts
+        states.append(PinnedState(*about, stiffness, breaking, softness, margin))
     found = find_segments(result) if segments else None
     return ContactReport(result, tuple(states), found)

@@ -16,16 +16,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, shown
+from origami_nlp.arguments import check_type
 from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary
 from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
-from origami_nlp.display import Content, Poser, Report
-from origami_nlp.errors import OptionError
-from origami_nlp.io import OneBased
+from origami_nlp.display import Content, Poser, Report, Section, record_table, shown
+from origami_nlp.io import OneBased, ShortRepr
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, points_on
 from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
@@ -43,14 +42,16 @@ FROM_AFAR = 30
 """Newton steps that take them there."""
 
 
-@dataclass(frozen=True)
-class Segment:
+@dataclass(frozen=True, repr=False)
+class Segment(ShortRepr):
     """One metastable stretch of a boundary curve.
 
     Attributes
     ----------
     curve
         Position in `SegmentReport.curves`.
+    contacts
+        That are closed on it.
     start, end
         Arclength [rad].
     states
@@ -68,15 +69,16 @@ class Segment:
 
     ALSO = ("length",)
 
-    curve: OneBased
-    start: float
-    end: float
-    states: tuple[int, ...]
-    energy_change: float
-    slope: float
-    stiffness: float
-    springs: float
-    moment: float
+    curve: OneBased = field(metadata=shown())
+    contacts: str = field(metadata=shown("contact"))
+    start: float = field(metadata=shown("from s", "rad", ".2f"))
+    end: float = field(metadata=shown("to s", "rad", ".2f"))
+    states: tuple[int, ...] = field(metadata=shown("states"))
+    energy_change: float = field(metadata=shown("energy change", "J", ".3g"))
+    slope: float = field(metadata=shown("slope", spec=".2g"))
+    stiffness: float = field(metadata=shown("stiffness", spec=".2g"))
+    springs: float = field(metadata=shown("of springs", spec=".2g"))
+    moment: float = field(metadata=shown("moment", "N m", ".3g"))
 
     @property
     def length(self) -> float:
@@ -109,41 +111,25 @@ class SegmentReport(Report):
     slope: float
     stiffness: float
 
-    PICTURE, SCHEMA, READS = "draw_segments", "origami-nlp/contacts/2", False
+    PICTURE, SCHEMA, READS, ROWS = "draw_segments", "origami-nlp/contacts/4", False, "segments"
 
     @property
     def length(self) -> float:
         """Total length of all metastable segments [rad]."""
         return sum(segment.length for segment in self.segments)
 
-    def report_sections(self) -> Iterator[str]:
-        """Return the metastable segments, or that there are none."""
-        if not self.curves:
-            yield "no contact boundary to follow"
-            return
-        yield (
-            f"{len(self.curves)} contact boundaries followed, "
-            f"{sum(c.length for c in self.curves):.2f} rad; metastable: |dU/ds| / (pi sum k) <= "
-            f"{self.slope:g}, |d2U/ds2| / (sum k) <= {self.stiffness:g}, every contact pushes"
+    @property
+    def verdict(self) -> str:
+        """How many segments there are, and what counts as one."""
+        many = len(self.segments)
+        return (
+            f"{many or 'no'} metastable segment{'s' * (many != 1)} on {len(self.curves)} contact boundaries: |dU/ds| "
+            f"/ (pi sum k) <= {self.slope:g}, |d2U/ds2| / (sum k) <= {self.stiffness:g}, every contact pushes"
         )
-        for s in self.segments:
-            where = " and ".join(self.curves[s.curve].contacts)
-            at = f", with state {', '.join(map(str, s.states))}" if s.states else ""
-            yield (
-                f"segment of {s.length:.3f} rad (s = {s.start:.3f} to {s.end:.3f}) on {where}{at}: "
-                f"energy changes by {s.energy_change:.3g} J, slope up to {s.slope:.2g}, stiffness up to "
-                f"{s.stiffness:.2g} (springs alone {s.springs:.2g})"
-            )
-        if not self.segments:
-            yield "no metastable segment"
 
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for s in self.segments:
-            row: dict[str, object] = {"scene": self.scene.label}
-            row["contacts"] = "; ".join(self.curves[s.curve].contacts)
-            row |= {"length_rad": s.length, "start_rad": s.start, "end_rad": s.end}
-            row |= {"moment_N_m": s.moment, "energy_change_J": s.energy_change}
-            yield row | {"slope": s.slope}
+    def report_sections(self) -> Iterator[Section]:
+        """Return the metastable segments, or that there are none."""
+        yield record_table(self.segments, self.verdict) if self.segments else self.verdict
 
 
 def find_segments(
@@ -191,13 +177,8 @@ def find_segments(
     >>> [curve.contacts for curve in o.find_segments(result).curves]
     [('phi = -pi at crease 1',), ('phi = -pi at crease 4',)]
     """
-    if isinstance(result, MinimaResult) and result.is_pattern:
-        raise OptionError(
-            f"result = {shown(result)}: metastable segments are those of one vertex: find_contacts takes a pattern, "
-            "find_minima(read_fold_scene(file, vertex=K)) one vertex of it"
-        )
     check_type("result", result, MinimaResult)
-    model = result.model
+    scene, model = result.scene, result.model
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []
 
@@ -219,25 +200,22 @@ def find_segments(
             keep(curve, number)
     # lines that no stable state lies on: of the chart, then through states drawn at random
     if every_boundary:
-        for line in _chart_lines(result.scene):
+        for line in _chart_lines(scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
             for held in _held(State(model, middle, NEAR_CONTACT), one_at_a_time=True):
                 if _on_known(held, curves) is None:
                     keep(follow_boundary(held, stop_at_release=False))
         for held in _boundary_states(model, np.random.default_rng(seed)):
-            if _on_known(held, curves) is not None:
-                continue
-            keep(follow_boundary(held, stop_at_release=False))
-    total = sum(result.scene.stiffness)
+            if _on_known(held, curves) is None:
+                keep(follow_boundary(held, stop_at_release=False))
+    total = sum(scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
     segments = [
         segment
         for number, curve in enumerate(curves)
         for segment in flat_parts(curve, number, total, slope, stiffness, angles)
     ]
-    return SegmentReport(
-        result.scene, tuple(curves), tuple(states), tuple(segments), slope, stiffness
-    )
+    return SegmentReport(scene, tuple(curves), tuple(states), tuple(segments), slope, stiffness)
 
 
 def _held(state: State, *, one_at_a_time: bool) -> list[Stratum]:
@@ -332,14 +310,12 @@ def flat_parts(
             continue
         inside = slice(first, last + 1)
         energy = curve.energy[inside]
-        on = []
-        for state, phi in enumerate(angles, start=1):
-            distance = np.linalg.norm(curve.fold_angles[inside] - phi, axis=1).min()
-            if distance <= NEAR_CONTACT:
-                on.append(state)
+        near = [np.linalg.norm(curve.fold_angles[inside] - phi, axis=1).min() for phi in angles]
+        on = [number for number, far in enumerate(near, start=1) if far <= NEAR_CONTACT]
         out.append(
             Segment(
                 number,
+                "; ".join(curve.contacts),
                 float(start),
                 float(end),
                 tuple(on),

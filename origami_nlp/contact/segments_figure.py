@@ -38,10 +38,8 @@ def draw_segments(report: SegmentReport) -> Figure:
     columns = max(1, len(shown))
     width = 2.0 + 2.3 * columns
     figure = Figure(figsize=(width, 7.4 if shown else 2.0), dpi=110, layout="constrained")
-    name = report.scene.label or f"degree {report.scene.degree}"
-    count = len(report.segments)
-    title = f"{name}: {count or 'no'}\u00a0metastable segment{'s' * (count != 1)}"
-    if count:
+    title = f"{report.scene.title}: {report.verdict.partition(':')[0]}"
+    if report.segments:
         title += f", {report.length:.2f} rad"
     if left_out:
         title += f" ({left_out} more boundar{'y' if left_out == 1 else 'ies'} not drawn)"

@@ -9,7 +9,7 @@ from .bodies import (
     Panel as Panel,
     Trajectory as Trajectory,
 )
-from .crease_figure import draw_pattern as draw_pattern
+from .crease_figure import draw_creases as draw_creases, draw_pattern as draw_pattern
 from .flags import Flags as Flags, FlagText as FlagText
 from .html import inline_image as inline_image
 from .interactive import (
@@ -71,16 +71,13 @@ from .table import (
     Section as Section,
     Table as Table,
     Words as Words,
-    folding_table as folding_table,
+    field_table as field_table,
     pieces_html as pieces_html,
-    plain_text as plain_text,
     record_table as record_table,
-    rows_table as rows_table,
 )
 from .text import (
     angle_ticks as angle_ticks,
     label_text as label_text,
-    pi_label as pi_label,
     short_label as short_label,
     subscript as subscript,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +29,39 @@ LOOKS: dict[str, tuple[str, str, Any, float]] = {
 """Name, colour, dashes and width of the lines of each letter; others look like ``?``."""
 MOST_NUMBERS = 150
 """Vertices whose numbers are written; more could not be read."""
+
+
+def draw_creases(
+    axes: Axes, xy: np.ndarray, edges: np.ndarray, assignment: Sequence[str], scale: float = 1.0
+) -> list[Line2D]:
+    """Draw lines of a crease pattern by their letters into bare axes; return what they mean, for a legend.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    xy
+        Places, [V, 2].
+    edges
+        Ends of each line, [E, 2].
+    assignment
+        Letter of each, as in a FOLD file.
+    scale
+        Of widths.
+    """
+    letters = np.array([a if a in LOOKS else "B" if a == "C" else "?" for a in assignment])
+    handles = []
+    for letter, (name, colour, dashes, width) in LOOKS.items():
+        lines = xy[np.asarray(edges)[letters == letter]]
+        if len(lines):
+            look: dict[str, Any] = {"linestyles": [dashes], "linewidths": width * scale}
+            axes.add_collection(LineCollection(list(lines), colors=colour, capstyle="butt", **look))
+            handles.append(Line2D([], [], color=colour, linestyle=dashes, lw=width, label=name))
+    axes.set_aspect("equal")
+    axes.margins(0.04)
+    axes.autoscale_view()
+    axes.set_axis_off()
+    return handles
 
 
 def draw_pattern(frame: Frame, *, axes: Axes | None = None) -> Figure:
@@ -63,23 +97,12 @@ def draw_pattern(frame: Frame, *, axes: Axes | None = None) -> Figure:
         here = figure.add_subplot()
     else:
         here, figure = axes, axes.get_figure(root=True)  # type: ignore[assignment]
-    letters = np.array([a if a in LOOKS else "B" if a == "C" else "?" for a in frame.assignment])
-    handles = []
-    for letter, (name, colour, dashes, width) in LOOKS.items():
-        lines = xy[frame.edges[letters == letter]]
-        if len(lines):
-            look: dict[str, Any] = {"linestyles": [dashes], "linewidths": width, "colors": colour}
-            here.add_collection(LineCollection(list(lines), capstyle="butt", **look))
-            handles.append(Line2D([], [], color=colour, linestyle=dashes, lw=width, label=name))
+    handles = draw_creases(here, xy, frame.edges, frame.assignment)
     numbers = [v.number for v in fold_vertices(frame)[0]]
     around = [withStroke(linewidth=2.5, foreground="white")]
     for number in numbers if len(numbers) <= MOST_NUMBERS else ():
         x, y = xy[number]
         here.text(x, y, str(number), ha="center", va="center", fontsize=7, path_effects=around)
-    here.set_aspect("equal")
-    here.margins(0.04)
-    here.autoscale_view()
-    here.set_axis_off()
     if axes is None:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
     return figure

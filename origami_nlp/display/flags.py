@@ -85,15 +85,16 @@ class Flags(Report):
         rows = [(f"`{name}`", *reason) for name, reason in cls.reasons().items()]
         return Table(("flag", "cause", "cure"), rows).markdown()
 
+    def table(self) -> Table:
+        """Return the flags that are up with cause and cure."""
+        rows = [(name, *self.reasons()[name]) for name in self.up]
+        title = f"{len(rows) or 'none'} of {len(fields(self))} flags up"  # type: ignore[arg-type]
+        return Table(("flag", "cause", "cure"), rows, title, "lLL", framed=False)
+
     def report_sections(self) -> Iterator[Section]:
         """Return the flags that are up with cause and cure, or that there are none."""
-        reasons = self.reasons()
-        rows = [(name, *reasons.get(name, ("", ""))) for name in self.up]
-        count = f"{len(rows)} of {len(fields(self))} flags"  # type: ignore[arg-type]
-        if rows:
-            yield Table(("flag", "cause", "cure"), rows, f"{count} up", "lLL", framed=False)
-        else:
-            yield f"no flag up, {count}"
+        table = self.table()
+        yield table if table.rows else table.title
 
     def to_dict(self) -> dict[str, Any]:
         """Return the flags by name, as plain JSON data."""

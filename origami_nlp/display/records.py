@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 
@@ -15,25 +16,34 @@ class Shown:
     Attributes
     ----------
     title
-        Head of its column.
+        Head of its column; "" for what only frames and CSV have.
     unit
         Of its values; angles [rad] are read in degrees.
     spec
-        Format of numbers.
+        Format of numbers, or a function of a number.
     missing
-        What stands for None.
+        What stands for None; nan and inf are "-".
+    styles
+        Of rich, by value.
+    between
+        Of several values.
+    side
+        Letter of its column in a `Table`; by default words stand to the left and wrap, numbers to the right.
     """
 
-    title: str
+    title: str = ""
     unit: str = ""
-    spec: str = ""
+    spec: str | Callable[[float], str] = ""
     missing: str = "-"
+    styles: Mapping[Any, str] = field(default_factory=dict)
+    between: str = ", "
+    side: str = ""
 
     @property
     def head(self) -> str:
         """Title and unit."""
         unit = "deg" if self.unit == "rad" else self.unit
-        return f"{self.title} [{unit}]" if unit else self.title
+        return f"{self.title} [{unit}]".replace("\n ", "\n") if unit else self.title
 
     def text(self, value: Any) -> str:
         """Write a value."""
@@ -41,19 +51,23 @@ class Shown:
             return self.missing
         if isinstance(value, bool):
             return "yes" if value else "no"
-        if isinstance(value, str):
-            return value
+        if not isinstance(value, int | float | tuple):
+            return str(value)
         if isinstance(value, tuple):
-            return " to ".join(map(self.text, value))
+            return self.between.join(map(self.text, value)) or self.missing
+        if isinstance(value, float) and not math.isfinite(value):
+            return "-"
+        if callable(self.spec):
+            return self.spec(value)
         return format(math.degrees(value) if self.unit == "rad" else value, self.spec)
 
 
-def shown(title: str, unit: str = "", spec: str = "", missing: str = "-") -> dict[str, Any]:
+def shown(title: str = "", unit: str = "", spec: Any = "", **more: Any) -> dict[str, Any]:
     """Return the metadata of a field of a record that is shown.
 
     Parameters
     ----------
-    title, unit, spec, missing
+    title, unit, spec, **more
         As of `Shown`.
 
     Returns
@@ -76,7 +90,7 @@ def shown(title: str, unit: str = "", spec: str = "", missing: str = "-") -> dic
     >>> record_row(Fold(1, 0.5))
     {'crease': 1, 'angle_rad': 0.5}
     """
-    return {"shown": Shown(title, unit, spec, missing)}
+    return {"shown": Shown(title, unit, spec, **more)}
 
 
 def record_row(record: Any) -> dict[str, object]:

@@ -31,10 +31,10 @@ class Spring:
 
     crease: int = field(metadata=shown("crease"))
     sector: float | None = field(metadata=shown("sector to the next", "rad", ".7g"))
-    stiffness: float | None = field(metadata=shown("stiffness", "N m/rad", ".5g", ""))
-    rest_angle: float | None = field(metadata=shown("rest angle", "rad", ".7g", ""))
+    stiffness: float | None = field(metadata=shown("stiffness", "N m/rad", ".5g", missing=""))
+    rest_angle: float | None = field(metadata=shown("rest angle", "rad", ".7g", missing=""))
     preload: float | None = field(metadata=shown("preload", "N m", ".5g"))
-    stops: tuple[float, float] | None = field(metadata=shown("stops", "rad", ".7g"))
+    stops: tuple[float, float] | None = field(metadata=shown("stops", "rad", ".7g", between=" to "))
     law: str | None = field(metadata=shown("law", missing=""))
 
 

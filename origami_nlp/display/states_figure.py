@@ -172,7 +172,6 @@ def draw_states(
     origami: Scene | Pattern,
     states: Sequence[tuple[str, np.ndarray]],
     title: str,
-    path: Any = None,
     named: Sequence[int] = (),
     contacts: Sequence[Sequence[ContactForce]] = (),
 ) -> Figure:
@@ -186,8 +185,6 @@ def draw_states(
         Title and fold angles [n] [rad] of each; the first `MOST_DRAWN` are drawn.
     title
         Above all.
-    path
-        Where to save the picture, if anywhere.
     named
         Facets whose numbers are written into the last picture, from 0.
     contacts
@@ -215,8 +212,4 @@ def draw_states(
     heading = [label_text(title + more)] if title else []
     stack = StackedFigure(drawn.width, drawn.height, heading, drawn.legend())
     drawn.draw(stack)
-    if path is not None:
-        from origami_nlp.io import save_figure
-
-        save_figure(stack.figure, path)
     return stack.figure

@@ -1,15 +1,15 @@
 """Tables of words, and results that print themselves: on screens, in plain text, as Markdown and as HTML.
 
 Nothing here knows a result: rooms make tables of texts, and this writes them down.  A text may carry a style of
-rich for the screen and a colour for HTML (`Words`); both are dropped where they cannot be shown.
+rich for the screen (`Words`), which is dropped where it cannot be shown.
 """
 
 from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from html import escape
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -32,13 +32,10 @@ class Words(NamedTuple):
         The text.
     style
         Of rich, such as ``"bold"``.
-    colour
-        Of a small square before the text in HTML, such as ``"#D55E00"``.
     """
 
     text: str
     style: str = ""
-    colour: str = ""
 
 
 Cell: TypeAlias = str | Words
@@ -222,7 +219,12 @@ class Report(PrettyRepr, Result, ABC):
         str
             Plain text.
         """
-        return plain_text(self.WIDTH, lambda console: self.print_to(console, verbose)).rstrip()
+        from rich.console import Console
+
+        text = io.StringIO()  # in Jupyter a console would display instead of writing to its file
+        look: dict[str, Any] = {"color_system": None, "force_jupyter": False}
+        self.print_to(Console(file=text, width=self.WIDTH, **look), verbose)
+        return text.getvalue().rstrip()
 
     def __str__(self) -> str:
         return self.report()
@@ -266,50 +268,9 @@ def pieces_html(pieces: Iterable[Section]) -> str:
     return "\n".join(["<div>", *parts(), "</div>"])
 
 
-def plain_text(width: int, print_to: Callable[[Console], None]) -> str:
-    """Return what a function prints as plain text.
-
-    In Jupyter a console would display instead of writing to its file.
-
-    Parameters
-    ----------
-    width
-        Columns.
-    print_to
-        Prints on a console of rich, such as `Report.print_to`.
-
-    Returns
-    -------
-    str
-        The text.
-    """
-    from rich.console import Console
-
-    text = io.StringIO()
-    print_to(Console(file=text, width=width, color_system=None, force_jupyter=False))
-    return text.getvalue()
-
-
-def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
-    """Return rows as a table; the first column and long texts to the left, numbers to the right.
-
-    Parameters
-    ----------
-    heads, rows, title
-        Of the table.
-
-    Returns
-    -------
-    Table
-        Without frame.
-    """
-    words = ["L" if head.startswith(("kinds", "how")) else "r" for head in heads]
-    if words[0] == "r":
-        words[0] = "l"
-    return Table(heads, rows, title, "".join(words), framed=False)
-
-
-def record_table(records: Sequence[Any], title: str) -> Table:
+def record_table(
+    records: Sequence[Any], title: str, names: Sequence[str] = (), *, narrow: bool = False
+) -> Table:
     """Return records as a table; columns without a value are left out.
 
     Parameters
@@ -318,6 +279,10 @@ def record_table(records: Sequence[Any], title: str) -> Table:
         Of one class, whose shown fields are the columns.
     title
         Above the table.
+    names
+        Of the fields that are shown, if not all that have a title.
+    narrow
+        With less room between columns.
 
     Returns
     -------
@@ -326,34 +291,59 @@ def record_table(records: Sequence[Any], title: str) -> Table:
     """
     heads, cells, letters = [], [], ""
     for f in fields(records[0]) if records else ():
+        how: Shown = f.metadata.get("shown", Shown())
         values = [getattr(record, f.name) for record in records]
-        if "shown" in f.metadata and any(value is not None for value in values):
-            how: Shown = f.metadata["shown"]
-            heads.append(how.head)
-            cells.append([how.text(value) for value in values])
-            letters += "L" if any(isinstance(value, str) for value in values) else "r"
-    return Table(heads, [*zip(*cells, strict=True)], title, letters, framed=False)
+        if (
+            not how.title
+            or (names and f.name not in names)
+            or all(v is None or v == () for v in values)
+        ):
+            continue
+        heads.append(how.head)
+        cells.append([Words(how.text(v), how.styles.get(v, "")) for v in values])
+        letters += how.side or ("L" if any(isinstance(v, str) for v in values) else "r")
+    return Table(heads, [*zip(*cells, strict=True)], title, letters, framed=False, narrow=narrow)
 
 
-def folding_table(
-    heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
-) -> Table:
-    """Return a table some of whose columns hold words, which wrap where the terminal is narrow.
+def field_table(record: Any, title: str) -> Table:
+    """Return what a record holds, a line a field with a number or words; what is zero or empty is left out.
 
     Parameters
     ----------
-    heads, rows, title
-        Of the table.
-    wrap
-        Numbers of those columns, from 0.
+    record
+        Of a dataclass.
+    title
+        Above the table.
 
     Returns
     -------
     Table
-        Without frame.
+        Names, and values; of counts by name a line each.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> from origami_nlp.display import field_table
+    >>> @dataclass
+    ... class Work:
+    ...     starts: int
+    ...     lost: int
+    ...     by_family: dict
+    >>> field_table(Work(7, 0, {"drawn": 5}), "work").rows
+    [('starts', '7'), ('by family: drawn', '5')]
     """
-    columns = "".join("L" if k in wrap else "r" for k in range(len(heads)))
-    return Table(heads, rows, title, columns, framed=False)
+    rows = []
+    for f in fields(record):
+        value, name = getattr(record, f.name), f.name.replace("_", " ")
+        how: Shown = f.metadata.get("shown", Shown(name))
+        each = value.items() if isinstance(value, dict) else [("", value)]
+        for key, one in each if how.title else ():
+            if (isinstance(one, str | int | float) and one) or (one and "shown" in f.metadata):
+                spec = how.spec or (".4g" if isinstance(one, float) else "")
+                rows.append(
+                    (f"{how.head}: {key}" if key else how.head, replace(how, spec=spec).text(one))
+                )
+    return Table((title, ""), rows, "", "LL", framed=False, narrow=True)
 
 
 def _rich(cell: Cell) -> Text:
@@ -370,6 +360,4 @@ def _markdown(cell: Cell) -> str:
 
 
 def _html(cell: Cell) -> str:
-    text, colour = (cell, "") if isinstance(cell, str) else (cell.text, cell.colour)
-    square = f"<span style='color:{colour}'>&#9632;</span> " if colour else ""
-    return square + escape(text).replace("\n", "<br>")
+    return escape(cell if isinstance(cell, str) else cell.text).replace("\n", "<br>")

@@ -48,33 +48,6 @@ def short_label(text: str) -> str:
     return text.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", "")
 
 
-def pi_label(numerator: int, denominator: int = 1) -> str:
-    """Write a multiple of pi for the tick of an axis.
-
-    Parameters
-    ----------
-    numerator, denominator
-        Of the multiple.
-
-    Returns
-    -------
-    str
-        Such as ``−3π/4``.
-
-    Examples
-    --------
-    >>> from origami_nlp.display import pi_label
-    >>> pi_label(-3, 4)
-    '−3π/4'
-    """
-    common = math.gcd(numerator, denominator) or 1
-    top, below = abs(numerator) // common, denominator // common
-    if not top:
-        return "0"
-    sign = "−" if numerator < 0 else ""
-    return f"{sign}{'' if top == 1 else top}π{'' if below == 1 else f'/{below}'}"
-
-
 def subscript(number: int) -> str:
     """Write a number below the line.
 

@@ -84,15 +84,7 @@ def contact_places(
         p, q, r, s = (c - 1 for c in contact.corners)
         if contact.type == "vertex-face":
             end = point(p, b)
-            ring, own = (
-                [
-                    v
-                    for q, g in zip(pattern.polygons, pattern.facet_of, strict=True)
-                    if g == f
-                    for v in q
-                ]
-                for f in (a, b)
-            )
+            ring, own = (_corners(pattern, f) for f in (a, b))
             shared = sorted(set(ring) & set(own))
             if shared:
                 start = point(shared[0], a)
@@ -104,6 +96,12 @@ def contact_places(
             share = np.linalg.lstsq(np.column_stack([u, -v]), off, rcond=None)[0][0]
             places.append(point(p, a) + share * u)
     return np.array(places).reshape(-1, 3)
+
+
+def _corners(pattern: Pattern, facet: int) -> list[int]:
+    """Return the corners of the polygons of a facet, from 0."""
+    each = zip(pattern.polygons, pattern.facet_of, strict=True)
+    return [v for polygon, f in each if f == facet for v in polygon]
 
 
 def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> float:

@@ -247,7 +247,7 @@ class Design(Report):
         if known:
             yield from known.open_lines()
         if self.minima and not (known and known.proved):
-            yield from self.minima.search.open_words()
+            yield from self.minima.search.open_lines()
         yield Details(tuple(self._details()), "Margin, solver, search")
 
     def _details(self) -> Iterator[Table | Words]:
@@ -260,7 +260,7 @@ class Design(Report):
             yield Words(f"{s.name}: the search found it within {s.found:.0e} rad: {s.certificate}")
         yield Words(f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}")
         if self.minima and self.minima.completeness:
-            yield from map(Words, self.minima.completeness.lines())
+            yield from self.minima.completeness.report_sections()
 
     def table(self) -> Table:
         """The states, one a row."""

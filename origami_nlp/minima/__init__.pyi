@@ -1,4 +1,3 @@
-from . import table as table
 from .account import (
     ESCAPE_PATHS as ESCAPE_PATHS,
     MEETINGS as MEETINGS,
@@ -11,7 +10,6 @@ from .completeness import (
     Open as Open,
     check_prove as check_prove,
 )
-from .figure import draw_minima as draw_minima
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     Part as Part,
@@ -34,6 +32,7 @@ from .interactive import (
     CELLS as CELLS,
     images as images,
     points_on as points_on,
+    view_minima as view_minima,
 )
 from .marks import (
     Drawn as Drawn,
@@ -53,12 +52,12 @@ from .noise import (
     is_overdetermined as is_overdetermined,
     with_survival as with_survival,
 )
+from .picture import draw_minima as draw_minima
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
 )
-from .stability import (
-    barrier_words as barrier_words,
-)
+from .rows import KINDS as KINDS, StateRow as StateRow
+from .stability import judged as judged
 from .stopping import chao1 as chao1, chao1_error as chao1_error
-from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
+from .table import scenes_table as scenes_table

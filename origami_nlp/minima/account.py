@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
+from origami_nlp.display import shown
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import OMIT
@@ -110,7 +109,7 @@ class SearchReport(ShortRepr):
     expected_undiscovered: Unbounded = math.inf
     expected_error: float = 0.0
     stopped_by: str = ""
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, metadata=shown())
     seed: int = 0
     effort: str = "normal"
     by_source: dict[str, int] = field(default_factory=dict)
@@ -211,99 +210,40 @@ class SearchReport(ShortRepr):
         why = f"{type(failure).__name__}: {failure}"
         self.failed[why] = self.failed.get(why, 0) + 1
 
-    def words(self) -> list[str]:
-        """Describe how the search went, and what is known of what it did not find."""
-        return [*self._done(), *self.open_words()]
-
-    def _done(self) -> Iterator[str]:
-        if self.lines or self.families:
-            what = "family" if self.families == 1 else "families"
-            more = f" and {self.families} {what} with more degrees of freedom" * bool(self.families)
-            yield f"branch directions of the flat state: all enumerated, {self.lines} with one degree of freedom{more}"
-        if self.flat_folded > 1:
-            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branch directions of each"
-            yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
-        if self.branch_points:
-            ways = "" if MEETINGS in self.left_out else ", and the branch directions of each"
-            yield f"branch points: {self.branch_points} found along curves{ways}"
-        if self.curves:
-            yield from self._of_curves()
-        yield (
-            f"{self.starts} starts: {self.flat} converged to the flat state, "
-            f"{self.open + self.stalled + sum(self.stopped.values())} to no stationary state"
-        )
-        yield from (f"{n} of them: {why}" for why, n in self.stopped.items())
-        for family, starts in self.by_source.items():
-            found, own = self.reached.get(family, 0), self.alone.get(family, 0)
-            alone = f", {own} of them by no other family" if own else ""
-            many = f"{found} minim{'um' if found == 1 else 'a'}"
-            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}"
-
-    def open_words(self) -> list[str]:
-        """Say in a few lines what is not proved or not decided."""
-        return [*self._refused(), *self._open()]
-
-    def _refused(self) -> Iterator[str]:
-        for r in self.refused:
-            angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
-            yield f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}"
+    @property
+    def every_well(self) -> bool:
+        """Whether every well of the energy along the curves that are known was judged; others are sampled only."""
+        lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
+        return bool(self.curves) and not (lost or self.left_out or self.failed)
 
     @property
-    def completeness_line(self) -> str:
-        """What is known of minima that were not found, in a line."""
-        quiet = list(self._quiet())
-        return quiet[0] if quiet and self.is_open else [*self._open()][-1]
+    def open_words(self) -> str:
+        """What is known of minima that were not found, in a few words."""
+        if not self.is_open:
+            return "completeness not proved"
+        new = self.new_per_thousand
+        return f"open: {new:.3g} new ones a thousand starts at the end" if new else "open"
 
-    def unfinished(self) -> list[str]:
-        """Say what the time, or an interruption, ended."""
-        return [*self._refused(), *list(self._open())[: int(bool(self.left_out))]]
-
-    def _open(self) -> Iterator[str]:
+    def open_lines(self) -> Iterator[str]:
+        """Say what is not decided, and what other seeds would add, at most a line each."""
+        if self.undecided:
+            energies = [r.energy for r in self.undecided]
+            span = " to ".join(f"{e:.6g}" for e in sorted({min(energies), max(energies)}))
+            yield f"states not decided: {len(energies)}, energy {span} J: --verbose says why"
+        if self.refused:
+            yield f"guesses at which there is no minimum: {len(self.refused)}: --verbose says why"
         if self.left_out:
             why = "interrupted" if self.interrupted else OUT_OF_TIME
             yield f"{why}, not through with: {', '.join(self.left_out)}"
-        if self.not_enumerated:
-            yield self.not_enumerated
-        if self.unclear:
-            yield "contact cannot be excluded on some sub-intervals of the curves"
-        for why, many in self.failed.items():
-            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
-        if self.resolved < self.wells:
-            open_ = self.wells - self.resolved
-            yield f"not decided: {open_} of {self.wells} wells of the energy along the curves"
-        lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
-        if self.curves and not (lost or self.left_out or self.failed):
+        elif self.is_open and self.drawn and math.isfinite(self.expected_undiscovered):
             yield (
-                f"every well of the energy along the curves that are known was judged, {self.wells} in all; other "
-                "curves are sampled only: completeness is not proved"
+                f"open: other seeds would add at least {self.expected_undiscovered:.0f} +- "
+                f"{self.expected_error:.0f} minima (Chao's estimate, a lower bound)"
             )
-        else:
-            yield "Each state is certified; completeness is not proved: states were sampled."
-        yield from self._quiet()
-
-    def _quiet(self) -> Iterator[str]:
-        """State what was seen, and what other seeds would add."""
-        if self.drawn and math.isfinite(self.expected_undiscovered):
+        elif self.every_well:
+            yield f"wells of the energy along known curves: all {self.wells} judged"
+        elif self.quiet >= FEW_QUIET:
             yield (
-                f"{'open: ' * self.is_open}{self.seen_once} minima reached by one start, {self.seen_twice} by two; "
-                f"{self.new_per_thousand:.3g} new ones a thousand starts at the end; other seeds would add at least "
-                f"{self.expected_undiscovered:.0f} +- {self.expected_error:.0f} (Chao's estimate, a lower bound)"
+                f"no new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
+                f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)"
             )
-        if self.quiet >= FEW_QUIET:
-            yield (
-                f"No new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
-                f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)."
-            )
-        elif self.drawn and not self.quiet:
-            yield "the last random start found another minimum or curve: use more starts"
-
-    def _of_curves(self) -> Iterator[str]:
-        lost = self.curves - self.ended
-        yield (
-            f"one degree of freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
-            + (
-                f", {lost} of them lost on the way"
-                if lost
-                else (", each to its ends" if self.curves != 1 else " to its ends")
-            )
-        )

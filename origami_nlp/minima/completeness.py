@@ -12,8 +12,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_number
+from origami_nlp.display import Table, field_table, record_table, shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.proof import ProofOptions
+
+MOST_REGIONS = 8
+"""Regions of each kind that are printed."""
 
 
 def check_prove(name: str, value: object) -> None:
@@ -48,9 +52,9 @@ class Open(ShortRepr):
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
-    energy: float
-    reason: str
-    verdict: str = ""
+    energy: float = field(metadata=shown("energy", "J", ".6g"))
+    reason: str = field(metadata=shown("why"))
+    verdict: str = field(default="", metadata=shown("judged otherwise"))
     isolated: str = ""
 
 
@@ -66,7 +70,7 @@ class Added(ShortRepr):
         All N [rad].
     """
 
-    energy: float
+    energy: float = field(metadata=shown("energy", "J", ".9g"))
     fold_angles: tuple[float, ...]
 
 
@@ -115,7 +119,7 @@ class Completeness(ShortRepr):
     status: str
     reason: str = ""
     boxes: int = 0
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, metadata=shown())
     critical_points: dict[str, int] = field(default_factory=dict)
     held: int = 0
     minima: int = 0
@@ -130,74 +134,23 @@ class Completeness(ShortRepr):
         return self.status == "proved"
 
     def open_lines(self) -> Iterator[str]:
-        """Say what is not proved in a line each; `lines` say where."""
+        """Say what is not proved, in a line."""
         if self.status == "not-proved":
             yield f"not proved that the list is complete: {self.reason}"
-        if open_ := [s for s in self.singular if not s.isolated]:
-            energies = [s.energy for s in open_]
-            judged = ", each judged by another argument" * all(s.verdict for s in open_)
-            yield (
-                f"not proved near {_states(len(open_))}{judged}, energies {min(energies):.6g} to "
-                f"{max(energies):.6g} J"
-            )
+        elif open_ := self._open:
+            yield f"singular states near which nothing is proved: {len(open_)}"
 
-    def lines(self) -> Iterator[str]:
-        """Say it, a few lines."""
-        work = f"{self.boxes:,} boxes, {self.seconds:.1f} s"
-        if self.status == "not-proved":
-            yield f"not proved: {self.reason}" + (f" ({work})" if self.boxes else "")
-        else:
-            alone = [s for s in self.singular if s.isolated]
-            but = (
-                ""
-                if self.proved
-                else f" but for {_states(len(self.singular) - len(alone))}, judged by their cones (below)"
-            )
-            listed = "the one minimum is" if self.minima == 1 else f"all {self.minima} minima are"
-            yield f"complete: proved{but}: {listed} listed ({work})"
-            if self.over:
-                yield f"  {self.over}"
-            many = ", ".join(
-                f"{n} judged by its cone" if k == "unclear" else _of_index(n, k)
-                for k, n in self.critical_points.items()
-            )
-            still = sum(self.critical_points.values())
-            yield (
-                f"  {still} regular critical point{'s' * (still != 1)} ({many}), {self.held} more with active contacts"
-            )
-            if alone:
-                apart = max(u - v for s in alone for u, v in zip(s.upper, s.lower, strict=True)) / 2
-                beyond = f" beyond {apart:.0e} rad" * (apart > 0)
-                yield f"  {_states(len(alone))}, each shown to stand alone{beyond} and judged by its cone"
-        for new in self.added:
-            angles = " ".join(f"{a:.3f}" for a in np.round(np.degrees(new.fold_angles), 3) + 0.0)
-            yield f"a minimum that the search had missed, found by the proof: {new.energy:.9g} J at {angles} deg"
-        if not self.proved:
-            yield from self._regions()
+    @property
+    def _open(self) -> list[Open]:
+        return [s for s in self.singular if not s.isolated]
 
-    def _regions(self, most: int = 8) -> Iterator[str]:
-        open_ = [s for s in self.singular if not s.isolated]
-        for name, regions in (("singular", open_), ("left open", self.undecided)):
-            for r in regions[:most]:
-                middle = 0.5 * (np.array(r.lower) + np.array(r.upper))
-                width = float(np.max(np.array(r.upper) - np.array(r.lower)))
-                angles = " ".join(f"{a:.4f}" for a in np.round(np.degrees(middle), 4) + 0.0)
-                verdict = f"; judged: {r.verdict}" * bool(r.verdict)
-                yield f"  {name}: within {width:.1g} rad of {angles} deg, {r.energy:.6g} J: {r.reason}{verdict}"
-            if len(regions) > most:
-                energies = [r.energy for r in regions]
-                yield (
-                    f"  and {len(regions) - most} more {name}, energies {min(energies):.6g} to {max(energies):.6g} J"
-                )
-
-
-def _of_index(many: int, index: str) -> str:
-    """Name critical points by how many directions lower the energy to second order."""
-    return f"{many} " + {
-        "0": "minim" + ("um" if many == 1 else "a"),
-        "1": "saddle" + "s" * (many != 1),
-    }.get(index, f"of index {index}")
-
-
-def _states(many: int) -> str:
-    return f"{many} singular state{'s' * (many != 1)}"
+    def report_sections(self) -> Iterator[Table]:
+        """Return what was examined, minima that the search had missed, and regions that are left open."""
+        yield field_table(self, "proof of completeness")
+        for title, some in (
+            ("minima that the search had missed", self.added),
+            ("singular states, proved but for their neighbourhood", self._open),
+            ("regions left open", self.undecided),
+        ):
+            if some and not (self.proved and some is not self.added):
+                yield record_table(some[:MOST_REGIONS], title)

@@ -64,6 +64,13 @@ class ResultFlags(Flags):
     facets_may_cross
         Contact between facets that are no neighbours is not modelled, so that a listed state may pass through itself.
         Cure: contact="full", or `check_admissible` each state.
+    panels_simplified
+        Panels are thick and tapered beside their hinges, which is a stop at each crease. Cure: None in this model;
+        contact of panels that share no crease, corners at the vertex and shifted hinges (another kinematics) are not
+        in it.
+    copies_curl
+        Copies of the cell curl freely: these are states of a piece of the sheet, in which contact is with copies a few
+        lattice vectors away alone. Cure: None is needed for a piece; else state how the sheet is rolled.
     stability_not_asked
         Only states with the symmetry were compared; a minimum among them may be unstable when the symmetry breaks.
         Cure: full=True, or ``--full``.
@@ -83,6 +90,8 @@ class ResultFlags(Flags):
     geometry_moved: bool = False
     made_symmetric: bool = False
     facets_may_cross: bool = False
+    panels_simplified: bool = False
+    copies_curl: bool = False
     stability_not_asked: bool = False
 
 

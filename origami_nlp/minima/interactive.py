@@ -10,19 +10,17 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
-from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Section, Trajectory
+from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Trajectory
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.report_lines import MOST_ANGLES, full_space_lines, moment_words
-from origami_nlp.minima.stability import asked
-from origami_nlp.numerics import INPUT_TOL, NONZERO, SETTLED, residual_words
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.minima.report_lines import MOST_ANGLES, letter, state_lines
+from origami_nlp.minima.result import MinimaResult
+from origami_nlp.numerics import SETTLED
+from origami_nlp.pattern import Pattern
 
 CELLS = 161
 """Cells along each coordinate of the map."""
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-"""Names of the contacts of a state, in the picture and beside it."""
 CROSSING = {
     "full": "no facets of it cross",
     "fold-limits": "neighbouring facets do not cross, others may (contact fold-limits)",
@@ -31,23 +29,13 @@ CROSSING = {
 """What is known of the states on a path, by the contact of the scene."""
 
 
-def view_minima(
-    origami: Scene | Pattern,
-    model: Any,
-    minima: Sequence[JudgedState],
-    reported: Sequence[Section],
-    chart: Landscape | None = None,
-) -> Content:
+def view_minima(result: MinimaResult, chart: Landscape | None = None) -> Content:
     """Return minima, what becomes of the unstable ones, and the map of the energy, for a page that can be turned.
 
     Parameters
     ----------
-    origami, model
-        What is folded, and its nonlinear program.
-    minima
-        In order of energy.
-    reported
-        The report in tables and lines.
+    result
+        Of `find_minima`.
     chart
         The energy over a scene's coordinates, if it is known already.
 
@@ -62,35 +50,31 @@ def view_minima(
     OptionError
         If a pattern has no minimum.
     """
-    poser = Poser(origami)
+    origami, minima, poser = result.origami, result.minima, Poser(result.origami)
     stations = tuple(
         Keyframe(
             m.title(k).removeprefix("state "),
             poser.folded(m.fold_angles, m.energy),
             poser.view(m.fold_angles),
-            *_contacts_and_lines(model, m),
+            *_contacts_and_lines(result.model, m),
         )
         for k, m in enumerate(minima, start=1)
     )
+    pieces = tuple(result.report_sections())
+    content = Content(result.title, poser.body, stations, pieces=pieces)
     if isinstance(origami, Pattern):
         if not minima:
             raise OptionError("no stable state was found: there is nothing to turn")
-        return Content(origami.name or "pattern", poser.body, stations, pieces=tuple(reported))
+        return content
     chart = chart or landscape(origami, CELLS)
-    content = Content(
-        origami.label or repr(origami.vertex),
-        poser.body,
-        stations,
-        panels=tuple(_panels(chart, minima)),
-        pieces=tuple(reported),
-        steps=f"Each step is a stored state that closes; {CROSSING[origami.contact]}.",
-    )
+    steps = f"Each step is a stored state that closes; {CROSSING[origami.contact]}."
+    content = replace(content, panels=tuple(_panels(chart, minima)), steps=steps)
     tracks = [*_descents(poser, minima), *_curves(poser, chart)]
     if not tracks:
         why = "No path is stored"
         if not origami.group.is_trivial:
             why += ": no descent from any state was found"
-            if not asked(minima):
+            if not any(m.full_space for m in minima):
                 why = "No path is stored; --full follows unstable states down when the symmetry breaks"
         return replace(content, note=f"{why}.")
     return content.with_tracks(tracks, points_on(content, chart, tracks))
@@ -132,32 +116,18 @@ def images(model: Any, contact: ContactForce) -> tuple[tuple[int, ...], tuple[in
 
 def _contacts_and_lines(model: Any, m: JudgedState) -> tuple[tuple[Mark, ...], tuple[str, ...]]:
     """Return the marks of a state's contacts, and what is known of it."""
-    letters = [LETTERS[n % len(LETTERS)] for n in range(len(m.contacts))]
-    many = len(m.fold_angles)
-    shown = [
-        (x, c)
-        for x, c in zip(letters, m.contacts, strict=True)
-        if many <= MOST_ANGLES or not c.is_limit
-    ]
+    few = len(m.fold_angles) <= MOST_ANGLES
+    marks = [_mark(model, letter(k), c) for k, c in enumerate(m.contacts) if few or not c.is_limit]
     angles = ", ".join(f"{a:.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
-    lines = [
-        *[f"fold angles of creases 1..{many} [deg]: {angles}"] * (many <= MOST_ANGLES),
-        *(f"contact {x}: {c.words()}" for x, c in shown),
-        m.certificate,
-        f"residuals: closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}; hits {m.hits}",
-    ]
-    if m.moment is not None:
-        lines.append(moment_words(m.moment, m.moment_residual, many))
-    if m.full_space:
-        lines += full_space_lines(m.full_space)
-    return tuple(_mark(model, x, c) for x, c in shown), tuple(lines)
+    lines = (f"fold angles [deg]: {angles}",) * few
+    return tuple(marks), (*lines, *state_lines(m))
 
 
 def _mark(model: Any, letter: str, contact: ContactForce) -> Mark:
     creases, facets = images(model, contact)
     low, high = contact.multiplier_range
     moment = f"{contact.multiplier:.3g} N m"
-    if not math.isclose(low, high, rel_tol=INPUT_TOL, abs_tol=NONZERO):
+    if not contact.unique:
         moment = f"{low:.3g} to {high:.3g} N m" if math.isfinite(high) else f"≥ {low:.3g} N m"
     at = (tuple(c - 1 for c in creases), tuple(f - 1 for f in facets))
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)

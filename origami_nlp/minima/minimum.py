@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr, to_plain
 from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.flags import StateFlags
@@ -120,10 +121,10 @@ class JudgedState(ShortRepr):
 
     ALSO = ("flags", "softest")
 
-    energy: float
+    energy: float = field(metadata=shown("energy", "J", ".9g"))
     fold_angles: tuple[float, ...]
-    verdict: Verdict
-    certificate: str
+    verdict: Verdict = field(metadata=shown("verdict"))
+    certificate: str = field(metadata=shown("why"))
     kind: Literal[Kind, ""] = ""
     local_dimension: int = 0
     dof: int = field(default=-1, metadata=OMIT)
@@ -197,10 +198,6 @@ class JudgedState(ShortRepr):
         full = f", {self.full_space.verdict}" if self.full_space else ""
         kind = f"{self.kind or self.verdict}{', shallow' * self.shallow}"
         return f"state {number}: {kind}, {self.energy:.6g} J{full}"
-
-    def lines(self) -> tuple[str, ...]:
-        """Describe what is proved, and which facets touch."""
-        return self.certificate, *(c.words() for c in self.contacts if not c.is_limit)
 
     def frame_entries(self) -> dict[str, Any]:
         """Return what a frame of a FOLD file holds of it besides coordinates and fold angles, by our own keys."""

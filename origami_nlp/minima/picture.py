@@ -8,18 +8,20 @@ matplotlib's object interface only: no global state, any backend.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any
 
 from matplotlib.figure import Figure
 
+from origami_nlp.arguments import check_path, check_type
 from origami_nlp.chart import (
-    UNIT,
     Landscape,
     Place,
     area_legend,
     colour_bar,
     draw_area,
     draw_curves,
+    landscape,
     norm_of,
     outline_of,
 )
@@ -30,12 +32,13 @@ from origami_nlp.display import (
     StackedFigure,
     StatesDrawn,
     label_text,
-    subscript,
 )
+from origami_nlp.errors import OptionError
+from origami_nlp.io import save_figure
 from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import barrier_words, count_words, verdict
-from origami_nlp.minima.summary import energy_unit, energy_words
+from origami_nlp.minima.result import MinimaResult
+from origami_nlp.minima.rows import energy_unit
 from origami_nlp.pattern import Pattern, Scene
 
 STAR, FONT = 16.0, 11.0
@@ -61,28 +64,67 @@ class _Panels:
         return len(self.groups) * (self.left + self.width) + self.right, self.height + self.below
 
 
-def compose(
-    origami: Scene | Pattern,
-    minima: tuple[JudgedState, ...],
-    chart: Landscape | None,
+def draw_minima(
+    result: MinimaResult, path: str | PathLike[str] | None = None, *, size: int = 257
 ) -> Figure:
-    """Draw minima folded, and on the landscape of their scene.
+    """Draw the minima of a search, and save the figure if a path is given.
 
-    chart: None where there is no landscape to draw, as of a
-    pattern.
+    On the landscape, white is excluded; with full contact its border is traced, not a matter of cells.  States that
+    exist only at a fold angle of +-pi exactly (1-handles) take no area.  Where a scene has two panels, they are the two
+    solutions of loop closure; an elevation above 0 lowers the crease that the axis names.  A ring marks a point of the
+    chart that a family of states shares.  Curves of one degree of freedom are named by the folds of their creases.
+
+    In the drawings mountain creases are red and solid, valleys blue and dashed, both wider and darker for larger
+    |phi|; the upper side of the paper is warm, the lower side cool; numbers of hidden creases are pale, and facets that
+    lie on each other are drawn apart.  Where facets of a pattern touch there is a ring, filled where they push, half
+    filled where how they share it is open; these facets are tinted.  A red title: a symmetric minimum that is not
+    stable when the symmetry may break.  Energies are in the units of the springs, J for stiffness in N m/rad.
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    path
+        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
+    size
+        Cells along each coordinate of the landscape, of a vertex.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The folded states, and their places on the landscape where the scene has one.
+
+    Raises
+    ------
+    OptionError
+        If the ending of `path` names no known picture format, an argument is not what it must be, or a pattern has no
+        minimum.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
+    >>> len(o.draw_minima(result, size=21).axes) > 1
+    True
     """
-    shown = minima[:MOST_DRAWN]
-    panels = _panels(chart)
+    check_type("result", result, MinimaResult)
+    origami, minima = result.origami, result.minima
+    if not (minima or isinstance(origami, Scene)):
+        raise OptionError("no stable state was found: there is nothing to draw")
+    if path is not None:
+        check_path("path", path)
+    chart = landscape(origami, size) if isinstance(origami, Scene) else None
+    panels, shown = _panels(chart), minima[:MOST_DRAWN]
     places = (
         [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels.groups else []
     )
-    unit = energy_unit(origami)
+    rows, unit = result.rows[:MOST_DRAWN], energy_unit(origami)
     states = StatesDrawn(
         origami,
-        [_state_title(k, m, unit) for k, m in enumerate(shown, start=1)],
+        [row.caption(unit) for row in rows],
         [m.phi for m in shown],
         [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
-        colours=[WARNING if verdict(origami, m) == "unstable" else "black" for m in shown],
+        colours=[WARNING if row.full_space == "unstable" else "black" for row in rows],
         beside=panels.total,
     )
     drawn, handles = drawn_minima(origami, shown, places), []
@@ -90,11 +132,13 @@ def compose(
         handles = _draw_curve_names(chart) + marks_legend(drawn, STAR)
         handles += area_legend(chart, outline_of(chart.scene)) if chart.kind == "area" else []
     notes = _notes(minima, chart, places)
-    body = max(states.width, 6.0), states.height
-    stack = StackedFigure(*body, _title(origami, minima), handles + states.legend(), notes)
+    body, title = (max(states.width, 6.0), states.height), [label_text(result.verdict)]
+    stack = StackedFigure(*body, title, handles + states.legend(), notes)
     if chart is not None:
         _draw_panels(stack, chart, panels, drawn, [m.energy for m in shown])
     states.draw(stack)
+    if path is not None:
+        save_figure(stack.figure, path)
     return stack.figure
 
 
@@ -140,31 +184,6 @@ def _draw_panels(
     if image is not None:
         x = MARGIN + panels.total[0] - panels.right + 0.12
         colour_bar(image, stack.axes(x, 0.1, 0.14, panels.height - 0.2))
-
-
-def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[str]:
-    count = count_words(origami, minima, "no")
-    if isinstance(origami, Pattern):
-        return [label_text(": ".join(filter(None, (origami.name, count))))]
-    who = origami.label or f"degree {origami.degree}"
-    group = f"{origami.group.kind}{subscript(origami.group.order)}"
-    symmetry = "" if origami.group.is_trivial else f"symmetry {group}, "
-    contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
-    return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
-
-
-def _state_title(number: int, minimum: JudgedState, unit: float) -> str:
-    kind: str = minimum.kind
-    if minimum.local_dimension < minimum.dof:
-        kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
-            minimum.local_dimension, f", local dimension {minimum.local_dimension}"
-        )
-    known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
-    if minimum.shallow:
-        kind = f"{minimum.kind}, shallow"
-    energy = energy_words(minimum.energy, unit, 4)
-    head = f"{number}:  U = {energy} {UNIT}{known}\n{kind}"
-    return f"{head}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
 
 
 def _notes(

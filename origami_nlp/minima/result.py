@@ -22,46 +22,25 @@ from origami_nlp.display import (
     Section,
     Table,
     Viewable,
-    Words,
     angle_columns,
+    field_table,
     inline_image,
     pieces_html,
+    record_row,
+    record_table,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, find_stress
+from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Faces, Part, minima_to_fold, state_mesh, state_parts
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.report_lines import (
-    angle_lines,
-    flag_lines,
-    kinds_table,
-    lattice_table,
-    residual_cells,
-    scene_lines,
-    state_lines,
-    survival_lines,
-    touching_cells,
-    undecided_line,
-    undecided_lines,
-)
-from origami_nlp.minima.stability import (
-    NOT_ASKED,
-    imposed_words,
-    isolated_foldings,
-    not_asked_words,
-    verdict,
-)
-from origami_nlp.minima.summary import (
-    MOST_LINES,
-    energy_unit,
-    find_images,
-    summary_table,
-    verdict_words,
-)
-from origami_nlp.numerics import STATIONARY, rank
+from origami_nlp.minima.report_lines import angle_lines, lattice_table, state_lines
+from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_table, state_rows
+from origami_nlp.minima.stability import NOT_ASKED, verdict
+from origami_nlp.minima.summary import find_images, verdict_words
+from origami_nlp.numerics import rank
 from origami_nlp.pattern import Pattern, Relations, Scene
 
 if TYPE_CHECKING:
@@ -70,6 +49,9 @@ if TYPE_CHECKING:
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
+MOST_LINES = 30
+"""States of which the report has a line; the others are in its details."""
+MODELLED = "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 SIZE, DPI = 301, 72
 """Cells along each coordinate, and dots an inch, of a picture in HTML: to keep notebooks small."""
 
@@ -97,9 +79,7 @@ class MinimaResult(Report, Viewable):
 
     Notes
     -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension,
-    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest_N_m_per_rad, barrier_J,
-    barrier_method, shallow, phi_1_rad .. phi_N_rad.
+    `to_frame` has a row a minimum: the fields of `StateRow`, with their units, and phi_1_rad .. phi_N_rad.
 
     Examples
     --------
@@ -120,8 +100,8 @@ class MinimaResult(Report, Viewable):
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/4"
-    ALSO = ("model", "flags", "closure_stress", "lattices")
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/5"
+    ALSO = ("model", "flags", "lattices")
 
     def __post_init__(self) -> None:
         stated = self.origami
@@ -210,26 +190,6 @@ class MinimaResult(Report, Viewable):
         lattice = pattern_problem.measured_cell(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
-    @property
-    def closure_stress(self) -> tuple[dict[str, Any], ...]:
-        """What closure of a pattern carries, a minimum each; nothing of a vertex, which says its `moment`.
-
-        Number of states of self-stress; the multipliers of closure and the torques that they balance [N m], whether
-        these are unique: where fold limits alone are closed, up to `MOST_DENSE` creases.
-        """
-        if not self.is_pattern:
-            return ()
-        found = []
-        for m in self.minima:
-            held = [c.creases[0] - 1 for c in m.contacts if c.is_limit]
-            said: dict[str, Any] = {"self_stress": self._self_stress(m)}
-            if self.pattern.creases <= pattern_problem.MOST_DENSE and len(held) == len(m.contacts):
-                stress = find_stress(self.state_of(m), held)
-                said |= {"multipliers": stress.multipliers, "closure_torques": stress.torque}
-                said["closure_torques_unique"] = stress.unique
-            found.append(said)
-        return tuple(found)
-
     def _self_stress(self, state: JudgedState) -> int:
         equations: int = self.model.equation_count
         return equations - self.pattern.creases + state.dof
@@ -256,6 +216,8 @@ class MinimaResult(Report, Viewable):
             geometry_moved=bool(one and one.relations.made_exact),
             made_symmetric=bool(one and one.adjusted > 0),
             facets_may_cross=search.contact != "full",
+            panels_simplified=bool(one and one.panels),
+            copies_curl=one is None and bool((c := self.pattern.cell) and c.rolled == (0, 0)),
             stability_not_asked=any(verdict(self.origami, m) == NOT_ASKED for m in self.minima),
         )
 
@@ -339,10 +301,6 @@ class MinimaResult(Report, Viewable):
 
     # ------------------------------------------------------------ printed
 
-    @cached_property
-    def _images(self) -> dict[int, tuple[int, str]]:
-        return find_images(self.origami, self.minima)
-
     @property
     def verdict(self) -> str:
         """How many states are stable, under which assumptions, and whether the list is complete."""
@@ -362,105 +320,59 @@ class MinimaResult(Report, Viewable):
         >>> len(found.minima), len(found.stable)
         (4, 3)
         """
-        each = (m for m in self.minima if not m.shallow)
-        return tuple(m for m in each if verdict(self.origami, m) == "stable")
+        return tuple(m for m, row in zip(self.minima, self.rows, strict=True) if row.stable)
+
+    @cached_property
+    def rows(self) -> tuple[StateRow, ...]:
+        """The minima as tables, frames and captions of pictures have them."""
+        images = find_images(self.origami, self.minima)
+        return state_rows(self.origami, self.name, self.minima, images)
 
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
-        about = self.origami, self.minima, self._images, self.verdict, energy_unit(self.origami)
-        return summary_table(*about)
+        return listed_table(self.rows, self.verdict, energy_unit(self.origami))
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
-        table = self.table()
+        table, proof = self.table(), self.completeness
         rest = table.rows[MOST_LINES:]
         yield replace(table, rows=table.rows[:MOST_LINES]) if self.minima else self.verdict
         if rest:
             yield f"... {len(rest)} more states: --verbose, or -o FILE.json"
         if self.lattices:
             yield lattice_table(self.lattices[:MOST_LINES])
-        shown = self._shown
-        yield from angle_lines(self.minima, shown)
-        if isinstance(self.origami, Scene):
-            yield from scene_lines(self.origami)
-        lies = not self.is_pattern or self.model.flattened is not None
-        yield from survival_lines(self.minima, self.is_pattern, lies)
-        said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
-        yield from filter(None, said)
-        yield from self._open_lines
+        shown = [row.number for row in self.rows if not row.image]
+        yield from angle_lines(self.minima, shown[:MOST_LINES])
+        yield from getattr(self.origami, "load_lines", ())
+        yield from proof.open_lines() if proof else ()
+        yield from () if proof and proof.proved else self.search.open_lines()
         more = replace(table, rows=rest, title="further states") if rest else None
-        yield Details(tuple(self._details(more, shown)))
+        yield Details(tuple(self._details(more, shown[:MOST_LINES])))
 
-    @property
-    def _open_lines(self) -> list[str]:
-        """What is not decided, and what is not proved, a line each."""
-        unfinished, proof = self.search.unfinished(), self.completeness
-        missing = list(proof.open_lines()) if proof else []
-        if not (unfinished or (proof and proof.proved)):
-            missing.append(self.search.completeness_line)
-        return [*filter(None, (undecided_line(self.search), *unfinished, *missing[:1]))]
-
-    @property
-    def _shown(self) -> list[int]:
-        """Numbers of the states whose fold angles are printed, which are no images of others."""
-        grouped = isolated_foldings(self.minima)
-        some = range(1, len(self.minima) + 1)
-        return [k for k in some if k not in self._images and k not in grouped][:MOST_LINES]
-
-    def _details(self, more: Table | None, shown: Sequence[int]) -> Iterator[Table | Words | str]:
-        """Return certificates, residuals, the record of the search, and what is modelled."""
+    def _details(self, more: Table | None, shown: Sequence[int]) -> Iterator[Table | str]:
+        """Return certificates, residuals, flags, the proof, the record of the search, and what is modelled."""
         if more:
             yield more
-        grouped = isolated_foldings(self.minima)
-        listed = [k for k in range(1, len(self.minima) + 1) if k not in grouped]
-        yield from angle_lines(self.minima, [k for k in listed if k not in shown])
-        if listed:
-            some = [self.minima[k - 1] for k in listed]
-            heads = ("contacts",) if self.is_pattern else ("closure", "KKT", "hits")
-            free = [m.dof for m in some]
-            cells = [touching_cells(m) if self.is_pattern else residual_cells(m) for m in some]
-            yield kinds_table(listed, some, free, heads, cells)
-        yield from state_lines(self.minima)
-        if self.is_pattern:
-            yield from (
-                f"rejected: energy {s.energy:.6g} J: {s.certificate}" for s in self.crossing
-            )
-        if isinstance(self.origami, Scene):
-            yield from flag_lines(self.flags)
+        numbers = range(1, len(self.minima) + 1)
+        yield from angle_lines(self.minima, [k for k in numbers if k not in shown])
+        if self.minima:
+            yield record_table(self.rows, "", CERTIFIED, narrow=True)
+        for k, m in enumerate(self.minima, start=1):
+            yield "\n   ".join([f"#{k}", *state_lines(m)])
+        yield self.flags.table()
         if self.completeness:
-            yield from (Words(line) for line in self.completeness.lines())
-        yield from undecided_lines(self.search)
-        if self.completeness and not self.completeness.proved:
-            yield from self.completeness.open_lines()
-        yield from (Words(line, "dim") for line in self.search.words())
+            yield from self.completeness.report_sections()
+        if others := (*self.undecided, *self.search.refused, *self.crossing):
+            yield record_table(others[:MOST_LINES], "states that are not listed")
+        yield field_table(self.search, "search")
         if self.is_pattern:
-            yield from self._modelled()
-
-    def _modelled(self) -> Iterator[str]:
-        """Say what closure of a pattern leaves open, and what is not modelled."""
-        balanced = [s for s in self.minima if s.kkt_residual <= 10 * STATIONARY]
-        spare = sorted({self._self_stress(s) for s in balanced})
-        if spare and spare[-1]:
-            many = " or ".join(map(str, spare))
-            where = " where closure balances the springs" * (len(balanced) < len(self.minima))
-            yield (
-                f"states of self-stress{where}: {many}; torques about creases are unique, moments across creases "
-                "are not (rigid facets leave them open)"
-            )
-        yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
+            stress = sorted({self._self_stress(s) for s in self.minima})
+            yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
+        yield MODELLED
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        for number, m in enumerate(self.minima, start=1):
-            row: dict[str, object] = {"scene": self.name, "number": number}
-            row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
-            row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
-            known = verdict(self.origami, m)
-            settled = known in ("stable", "unstable") or m.shallow
-            row["stable"] = known == "stable" and not m.shallow if settled else None
-            row["full_space"] = known
-            row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}
-            row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
-            yield row | angle_columns(m.fold_angles)
+        for row, m in zip(self.rows, self.minima, strict=True):
+            yield record_row(row) | angle_columns(m.fold_angles)
 
     def to_html(self, *, picture: bool = True) -> str:
         """Return a piece of HTML, static and without links: the report, and a picture.
@@ -498,8 +410,5 @@ class MinimaResult(Report, Viewable):
         Content
             What a page shows.
         """
-        from origami_nlp.minima.interactive import view_minima  # charts are slow to import
-
-        return view_minima(
-            self.origami, self.model, self.minima, tuple(self.report_sections()), chart
-        )
+        content: Content = self._from_room("view_minima")(self, chart)  # charts are slow to import
+        return content

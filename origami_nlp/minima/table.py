@@ -1,92 +1,66 @@
-"""Many results in one table: a row a scene."""
+"""Many results in one table: a record a scene."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
-from origami_nlp.display import short_label
+from origami_nlp.display import Table, record_table, short_label, shown
 from origami_nlp.minima.result import SUCCESS, MinimaResult
-from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import residual_words
 
-SUMMARY_HEADS = (
-    "scene",
-    "symmetric minima",
-    "kinds",
-    "starts",
-    "failed",
-    "closure",
-    "KKT",
-    "seconds",
-)
-DEMO_HEADS = ("scene", "stable", "kinds of the symmetric minima", "KKT", "seconds")
-FULL_HEADS = (
-    "scene",
-    "symmetric minima",
-    "stable",
-    "unstable",
-    "undecided",
-    "how each was decided",
-)
+
+@dataclass(frozen=True)
+class SceneRow:
+    """One scene, or all of them.
+
+    Attributes
+    ----------
+    scene
+        Its name.
+    minima, kinds
+        How many it has, and how many of each kind.
+    stable, unstable, undecided
+        Of them in the full space, where that was asked for.
+    starts, failed, kkt
+        Of the search; where IPOPT did not converge; the largest residual.
+    """
+
+    scene: str = field(metadata=shown("scene"))
+    minima: int = field(metadata=shown("symmetric minima"))
+    stable: int | None = field(metadata=shown("stable"))
+    unstable: int | None = field(metadata=shown("unstable"))
+    undecided: int | None = field(metadata=shown("undecided"))
+    kinds: str = field(default="", metadata=shown("kinds"))
+    starts: int | None = field(default=None, metadata=shown("starts", missing=""))
+    failed: int | None = field(default=None, metadata=shown("failed", missing=""))
+    kkt: float | None = field(default=None, metadata=shown("KKT", spec=residual_words, missing=""))
 
 
-def summary_row(r: MinimaResult) -> tuple[str, ...]:
-    """Return one scene's counts by kind, starts, failed solves, worst residuals and seconds."""
-    kinds = [
-        f"{m.kind.removeprefix('contact-')} on a 1-handle"
-        if m.local_dimension == 1 < m.dof
-        else m.kind.removeprefix("contact-")
-        for m in r.minima
-    ]
-    failed = sum(bool(m.solver and m.solver.status != SUCCESS) for m in r.minima)
-    return (
+def scene_row(r: MinimaResult) -> SceneRow:
+    """Return the counts of one scene."""
+    kinds = [m.kind.removeprefix("contact-") for m in r.minima]
+    known = [m.full_space.verdict for m in r.minima if m.full_space]
+
+    def count(v: str) -> int | None:
+        return known.count(v) if len(known) == len(r.minima) else None  # type: ignore[arg-type]
+
+    return SceneRow(
         short_label(r.scene.label or repr(r.scene.vertex)),
-        str(len(kinds)),
+        len(kinds),
+        count("stable"),
+        count("unstable"),
+        count("undecided"),
         ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)),
-        str(r.search.starts),
-        str(failed),
-        residual_words(max((m.closure_residual for m in r.minima), default=0)),
-        residual_words(
-            max((m.kkt_residual for m in r.minima if not math.isnan(m.kkt_residual)), default=0)
-        ),
-        f"{r.search.seconds:.2f}",
+        r.search.starts,
+        sum(bool(m.solver and m.solver.status != SUCCESS) for m in r.minima),
+        max((m.kkt_residual for m in r.minima if m.kkt_residual >= 0), default=None),
     )
 
 
-def demo_rows(results: Sequence[MinimaResult]) -> list[tuple[str, ...]]:
-    """Return one row a scene: how many of its symmetric minima are stable in the full space, kinds, and the sums."""
-    rows = []
-    known = [verdict(r.scene, m) for r in results for m in r.minima]
-    for r in results:
-        name, _, kinds, *_, kkt, seconds = summary_row(r)
-        rows.append(
-            (name, _stable_of([verdict(r.scene, m) for m in r.minima]), kinds, kkt, seconds)
-        )
-    return [*rows, ("total", _stable_of(known), "", "", "")]
-
-
-def _stable_of(verdicts: Sequence[str]) -> str:
-    """Say "3 of 4", with the undecided ones where there are any."""
-    words = f"{verdicts.count('stable')} of {len(verdicts)}"
-    undecided = verdicts.count("undecided")
-    return words + (f", {undecided} undecided" if undecided else "")
-
-
-def full_space_row(r: MinimaResult) -> tuple[str, ...]:
-    """Return one scene's verdicts in the full space, and the certificates by state."""
-    found = [m.full_space for m in r.minima if m.full_space]
-    verdicts = [f.verdict for f in found]
-    how = []
-    for number, f in enumerate(found, start=1):
-        words = f.certificate.split(":")[0] if f.verdict == "stable" else f.verdict
-        if f.lands_on:
-            target = f"#{f.lands_on.symmetric}" if f.lands_on.symmetric else "an asymmetric state"
-            words += f", descends to {target} at {f.lands_on.energy:.4g} J"
-        how.append(f"#{number} {words}")
-    return (
-        short_label(r.scene.label or repr(r.scene.vertex)),
-        str(len(r.minima)),
-        *(str(verdicts.count(v)) for v in ("stable", "unstable", "undecided")),
-        "; ".join(how),
-    )
+def scenes_table(results: Sequence[MinimaResult], title: str) -> Table:
+    """Return one row a scene, and their sums, of what is known of all."""
+    rows = [scene_row(r) for r in results]
+    counts = zip(*((r.minima, r.stable, r.unstable, r.undecided) for r in rows), strict=True)
+    sums = [None if None in some else sum(filter(None, some)) for some in counts]
+    return record_table([*rows, SceneRow("total", sums[0] or 0, *sums[1:])], title)  # type: ignore[arg-type]

@@ -16,10 +16,6 @@ from .flat_folded import (
     list_branches as list_branches,
     list_flat_folded as list_flat_folded,
 )
-from .interactive import (
-    pattern_content as pattern_content,
-    view_motion as view_motion,
-)
 from .interpolant import (
     Interpolant as Interpolant,
     halves as halves,
@@ -33,6 +29,7 @@ from .judgement import (
 )
 from .mobility import (
     Mobility as Mobility,
+    PatternFlags as PatternFlags,
     analyze_mobility as analyze_mobility,
 )
 from .motion import Motion as Motion, find_motion as find_motion

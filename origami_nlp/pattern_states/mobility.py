@@ -1,28 +1,20 @@
-"""What a pattern is: how much there is of it, how many degrees of freedom it has flat and folded, and what is odd.
-
-In JSON vertices and edges are numbered from 0 as in the file, angles in radians.
-"""
+"""What a pattern is: how much there is of it, how many degrees of freedom it has flat and folded, and what is odd."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.display import Details, Report, Section, Table
-from origami_nlp.io import from_plain, to_plain
+from origami_nlp.display import Flags, Report, Section, Table
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NOISE, RANK
-from origami_nlp.pattern import Pattern, as_pattern, listed, pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import MOVES, Layers, PatternProblem, angle_sums, check_orders
-
-if TYPE_CHECKING:
-    from typing import Self
 
 SIZES = (0.3, 0.5, 1.0)
 """Fold angles from which mountains and valleys are folded [rad]."""
@@ -36,10 +28,68 @@ OFFSET = 0.1
 """How far from it they start [rad]."""
 MOST_VALUES = 1_000
 """Creases up to which states beside a folded one are looked at."""
-MODELLED = (
-    "modelled: rigid facets without thickness, springs at creases, every loop closed; a state is judged, not the way "
-    "to it"
+COUNTS = (
+    "facets",
+    "creases",
+    "interior_vertices",
+    "holes",
+    "dof",
+    "redundant",
+    "closure_rows",
+    "rank_flat",
+    "rank_folded",
 )
+"""Of a `Mobility`, in the order of its table."""
+LABELS = {
+    "dof": "degrees of freedom",
+    "redundant": "states of self-stress",
+    "closure_rows": "closure equations",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class PatternFlags(Flags):
+    """Of a `Mobility`: what is odd about the pattern.
+
+    Attributes
+    ----------
+    few_creases
+        A vertex has fewer than four creases: where the paper round it is flat it folds along a straight line only.
+        Cure: None is needed if that is meant; else draw the creases that are missing.
+    not_flat
+        The sector angles round a vertex do not sum to 360 degrees. Cure: None is needed for paper that is meant not to
+        lie flat; else `check` names the vertices and the error of the drawing.
+    noisy_angles
+        Sums of sector angles miss 360 degrees by the noise of coordinates, with which redundant equations need not have
+        a common solution. Cure: Write coordinates with more digits, or use --snap.
+    rigid
+        No degree of freedom is left: with rigid facets the sheet does not move. Cure: None with rigid facets; patterns
+        such as Kresling's and the hypar bend their facets (--bend).
+    nothing_folded
+        No folded state was found: there may be none, or none of its assignment. Cure: Another `seed`, or fold angles
+        in the file.
+    creases_stay_flat
+        Creases are flat in the folded state at which degrees of freedom are counted. Cure: None is needed; other
+        branches may have fewer.
+    fully_folded
+        Creases are fully folded in that state. Cure: None is needed; where layers coincide it may have more degrees of
+        freedom than its neighbours.
+    facets_cross
+        Facets cross in that folded state. Cure: It is no state of paper; give fold angles of one in the file.
+    against_letters
+        Creases fold against their letters in that state. Cure: Look at the assignment; mountains and valleys may be
+        exchanged.
+    """
+
+    few_creases: bool = False
+    not_flat: bool = False
+    noisy_angles: bool = False
+    rigid: bool = False
+    nothing_folded: bool = False
+    creases_stay_flat: bool = False
+    fully_folded: bool = False
+    facets_cross: bool = False
+    against_letters: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +124,8 @@ class Mobility(Report):
     """
 
     PICTURE = "draw_mobility"
-    SCHEMA = "origami-nlp/pattern/2"
+    SCHEMA = "origami-nlp/pattern/3"
+    ALSO = (*COUNTS[:6], "flags")
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None
@@ -83,6 +134,26 @@ class Mobility(Report):
     start: str
     crossed: int
     layers: Layers | None = None
+
+    @property
+    def facets(self) -> int:
+        """Number of facets."""
+        return self.pattern.facets
+
+    @property
+    def creases(self) -> int:
+        """Number of creases."""
+        return self.pattern.creases
+
+    @property
+    def interior_vertices(self) -> int:
+        """Number of vertices with paper all round."""
+        return len(self.pattern.vertices)
+
+    @property
+    def holes(self) -> int:
+        """Number of holes."""
+        return len(self.pattern.holes)
 
     @property
     def dof(self) -> int | None:
@@ -110,148 +181,54 @@ class Mobility(Report):
         return f"{self.pattern.title}: {said}{', but facets cross where it was folded' if through else ''}"
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the verdict over a table of what there is, what is odd, and the ranks behind it."""
+        """Return the verdict over a table of what there is, and what is odd."""
         p = self.pattern
         degrees = Counter(len(loop.creases) for loop in p.vertices)
-        which = ", ".join(f"{many} of degree {d}" for d, many in sorted(degrees.items()))
         letters = Counter(p.assignment)
-        kinds = ", ".join(f"{letters[a]} {a}" for a in "MVUF" if letters[a])
-        pieces = f"of {len(p.polygons)} polygons" if len(p.polygons) > p.facets else ""
-        at = f"counted at one folded state: {self.start}" if self.folded is not None else ""
-        flat = "" if self.stress_flat is None else f", flat {self.stress_flat}"
+        remarks = {
+            "interior_vertices": ", ".join(
+                f"{n} of degree {d}" for d, n in sorted(degrees.items())
+            ),
+            "creases": ", ".join(f"{letters[a]} {a}" for a in "MVUF" if letters[a]),
+            "dof": f"counted at one folded state: {self.start}" * (self.folded is not None),
+            "closure_rows": "3 a vertex, 6 a hole",
+        }
+        values = ((name, getattr(self, name)) for name in COUNTS)
         rows = [
-            ("facets", str(p.facets), pieces),
-            ("creases", str(p.creases), kinds),
-            ("interior vertices", str(len(p.vertices)), which),
-            ("holes", str(len(p.holes)), ""),
-            ("degrees of freedom", _number(self.dof), at),
-            ("states of self-stress", _number(self.redundant), f"there{flat}" if at else ""),
+            (
+                LABELS.get(name, name.replace("_", " ")),
+                "-" if n is None else f"{n}",
+                remarks.get(name, ""),
+            )
+            for name, n in values
         ]
         if self.layers is not None and (self.layers.pairs or p.orders):
             rows.append(("pairs of layers", str(self.layers.pairs), self.layers.words()))
-        yield _table(rows, self.verdict)
-        for note in self.oddities():
-            yield f"note: {note}"
-        ranks = [
-            ("closure equations", str(self.closure_rows), "3 a vertex, 6 a hole"),
-            (
-                "rank, flat",
-                _number(self.rank_flat),
-                "" if p.lies_flat else "reference: folded form",
-            ),
-            ("rank, folded", _number(self.rank_folded), "degrees of freedom: creases less this"),
-        ]
-        yield Details((_table(ranks, ""), MODELLED), "Closure equations, ranks, model")
+        yield Table(("", "number", ""), rows, self.verdict, "lrL", framed=False)
+        yield from (f"note: {note}" for note in p.notes)
+        if self.flags:
+            yield self.flags.table()
 
     @property
-    def stress_flat(self) -> int | None:
-        """Number of states of self-stress of the flat sheet, which is equations less rank."""
-        return None if self.rank_flat is None else self.closure_rows - self.rank_flat
-
-    def oddities(self) -> list[str]:
-        """Return what is odd about the pattern, one sentence each."""
-        p = self.pattern
-        said = [*p.notes]
-        few = [loop.vertex for loop in p.vertices if len(loop.creases) < 4]
-        if few:
-            said.append(
-                f"vertices {listed(few)} have fewer than four creases: flat ones fold along a straight line only"
-            )
-        sums = angle_sums(p)
-        bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > NOISE}
-        if bent:
-            worst = max(bent, key=lambda v: abs(bent[v] - 2 * math.pi))
-            said.append(
-                f"{_many(len(bent), 'vertex is', 'vertices are')} not flat ("
-                f"angle sum {math.degrees(bent[worst]):.6g} degrees at vertex "
-                f"{worst})"
-            )
-        noise = max((abs(a - 2 * math.pi) for v, a in sums.items() if v not in bent), default=0.0)
-        if noise > INPUT_TOL:
-            said.append(
-                f"angle sums miss 360 degrees by up to {math.degrees(noise):.1e}: noise in coordinates, with which "
-                "redundant equations need not have a common solution"
-            )
-        if self.dof == 0 and p.creases:
-            said.append(
-                "no degree of freedom is left: with rigid facets it does not move; patterns such as Kresling's and the "
-                "hypar bend their facets, which is not modelled"
-            )
-        if self.folded is None and self.dof is None:
-            said.append("no folded state was found: there may be none, or none of its assignment")
-        elif self.folded is not None:
-            still = np.flatnonzero(np.abs(self.folded) <= MOVES)
-            if len(still):
-                said.append(
-                    f"{_many(len(still), 'crease stays', 'creases stay')} flat in that state (edges "
-                    f"{listed(p.numbers[still].tolist())}); "
-                    "other branches may have fewer degrees of freedom"
-                )
-            if (np.abs(self.folded) >= math.pi).any():
-                said.append(
-                    "creases are fully folded in that state: where layers coincide it may have more degrees of freedom "
-                    "than its neighbours"
-                )
-            if self.crossed:
-                said.append(f"{_many(self.crossed, 'pair', 'pairs')} of facets cross in that state")
-            against = np.flatnonzero(p.signs * self.folded < -MOVES)
-            if len(against):
-                said.append(
-                    f"{_many(len(against), 'crease folds', 'creases fold')} against the letters there (edges "
-                    f"{listed(p.numbers[against].tolist())})"
-                )
-        return said
-
-    def _to_plain(self) -> dict[str, Any]:
-        p = self.pattern
-        return {
-            "name": p.name,
-            "pattern": pattern_to_dict(p),
-            "facets": p.facets,
-            "creases": p.creases,
-            "interior_vertices": len(p.vertices),
-            "holes": len(p.holes),
-            "closure_rows": self.closure_rows,
-            "rank_flat": self.rank_flat,
-            "rank_folded": self.rank_folded,
-            "dof": self.dof,
-            "redundant": self.redundant,
-            "self_stress": {"flat": self.stress_flat, "folded": self.redundant},
-            "layers": to_plain(self.layers),
-            "edges": p.numbers.tolist(),
-            "assignment": p.assignment,
-            "stiffness": p.stiffness.tolist(),
-            "rest_angles": p.rest.tolist(),
-            "vertices": [loop.vertex for loop in p.vertices],
-            "folded": None
-            if self.folded is None
-            else {
-                "fold_angles": self.folded.tolist(),
-                "start": self.start,
-                "crossings": self.crossed,
-            },
-            "notes": self.oddities(),
-        }
-
-    @classmethod
-    def _from_plain(cls, data: dict[str, Any]) -> Self:
-        folded, layers = data["folded"], data["layers"]
-        return cls(
-            pattern_from_dict(data["pattern"]),
-            int(data["closure_rows"]),
-            data["rank_flat"],
-            data["rank_folded"],
-            None if folded is None else np.array(folded["fold_angles"], float),
-            "" if folded is None else str(folded["start"]),
-            0 if folded is None else int(folded["crossings"]),
-            None if layers is None else from_plain(Layers, layers),
+    def flags(self) -> PatternFlags:
+        """What is odd about the pattern, each with cause and cure."""
+        p, sums = self.pattern, angle_sums(self.pattern).values()
+        phi = np.zeros(p.creases) if self.folded is None else self.folded
+        off = np.array([abs(a - 2 * math.pi) for a in sums])
+        return PatternFlags(
+            few_creases=any(len(loop.creases) < 4 for loop in p.vertices),
+            not_flat=bool((off > NOISE).any()),
+            noisy_angles=bool(((off > INPUT_TOL) & (off <= NOISE)).any()),
+            rigid=self.dof == 0 and p.creases > 0,
+            nothing_folded=self.folded is None and self.dof is None,
+            creases_stay_flat=self.folded is not None and bool((np.abs(phi) <= MOVES).any()),
+            fully_folded=bool((np.abs(phi) >= math.pi).any()),
+            facets_cross=self.crossed > 0,
+            against_letters=bool((p.signs * phi < -MOVES).any()),
         )
 
     def _rows(self) -> Iterable[dict[str, object]]:
-        names = ["name", "facets", "creases", "interior_vertices", "holes", "closure_rows"]
-        names += ["rank_flat", "rank_folded", "dof", "redundant"]
-        data = self.to_dict()
-        yield {name: data[name] for name in names}
+        yield {"name": self.pattern.name, **{name: getattr(self, name) for name in COUNTS}}
 
 
 def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobility:
@@ -306,19 +283,20 @@ def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobilit
     )
 
 
+def _closed(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Return the closed state within +-pi that a state projects to, if there is one."""
+    new, residual = problem.project(phi)
+    closes = residual <= CLOSURE_TOL and (np.abs(new) <= math.pi).all()
+    return new if closes and problem.closure.lifts_to_one(new) else None
+
+
 def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
     """Return the closed state in which most creases are folded, and what it was reached from."""
     best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")
     for phi, start in _starts(problem.pattern, rng):
-        new, residual = problem.project(phi)
-        if (
-            residual > CLOSURE_TOL
-            or (np.abs(new) > math.pi).any()
-            or not problem.closure.lifts_to_one(new)
-        ):
-            continue
-        moved = int((np.abs(new) > MOVES).sum())
-        if moved < max(best[0][0], 1):
+        new = _closed(problem, phi)
+        moved = 0 if new is None else int((np.abs(new) > MOVES).sum())
+        if new is None or moved < max(best[0][0], 1):
             continue
         crossed = len(problem.crossings.find(new))
         if (moved, -crossed) > best[0] or best[1] is None:
@@ -340,14 +318,8 @@ def _regular(
     for _ in range(NEIGHBOURS):
         z = problem.kernel(phi)
         inwards = np.clip(phi, OFFSET - math.pi, math.pi - OFFSET)
-        new, residual = problem.project(inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
-        if (
-            residual > CLOSURE_TOL
-            or (np.abs(new) > math.pi).any()
-            or not problem.closure.lifts_to_one(new)
-        ):
-            continue
-        if (more := problem.rank(new)) > rank:
+        new = _closed(problem, inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
+        if new is not None and (more := problem.rank(new)) > rank:
             phi, rank, start = new, more, start.removeprefix("near: ").join(("near: ", ""))
     return phi, start
 
@@ -365,15 +337,3 @@ def _starts(p: Pattern, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, 
     for k in range(max(1, min(MOST_DRAWN, 3_000 // max(p.creases, 1)))):
         size = DRAWN[k % len(DRAWN)]
         yield rng.uniform(-size, size, p.creases), f"a random start, number {k + 1}"
-
-
-def _table(rows: Sequence[tuple[str, str, str]], title: str) -> Table:
-    return Table(("", "number", ""), rows, title, "lrL", framed=False)
-
-
-def _number(value: int | None) -> str:
-    return "-" if value is None else str(value)
-
-
-def _many(count: int, one: str, more: str) -> str:
-    return f"{count} {one if count == 1 else more}"

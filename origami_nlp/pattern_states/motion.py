@@ -8,13 +8,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from origami_nlp.display import Content, Report, Section, Table, Viewable, angle_columns
+from origami_nlp.display import (
+    Content,
+    Keyframe,
+    Poser,
+    Report,
+    Section,
+    Viewable,
+    angle_columns,
+    record_row,
+    record_table,
+    shown,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.io import OneBased
 from origami_nlp.kkt import State
@@ -40,6 +51,31 @@ BISECTED = 45
 """Halvings of a step on which facets begin to cross."""
 PRINTED = 9
 """States of a motion in its table."""
+
+
+@dataclass(frozen=True)
+class MotionRow:
+    """A state of a motion as it is listed.
+
+    Attributes
+    ----------
+    state
+        Its number, from 1.
+    arc, energy
+        As of `Motion`.
+    largest
+        Of its fold angles [rad].
+    """
+
+    state: int = field(metadata=shown("state"))
+    arc: float = field(metadata=shown("along", "rad", ".1f"))
+    largest: float = field(metadata=shown("largest fold angle", "rad", ".2f"))
+    energy: float = field(metadata=shown("energy", "J", ".6g"))
+
+    def caption(self) -> str:
+        """Return what stands over a picture of it."""
+        along, largest = math.degrees(self.arc), math.degrees(self.largest)
+        return f"{along:.1f} deg along, largest fold {largest:.0f} deg"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +110,7 @@ class Motion(Report, Viewable):
     """
 
     PICTURE = "draw_motion"
-    SCHEMA = "origami-nlp/pattern/2"
+    SCHEMA = "origami-nlp/pattern/3"
     ALSO = ("lattices",)
     pattern: Pattern
     dof: int
@@ -104,63 +140,56 @@ class Motion(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return the motion as plain data, see `view`."""
-        content: Content = self._from_room("view_motion")(self)  # slow to import
-        return content
+        poser, phi = Poser(self.pattern), self.fold_angles
+        end = Keyframe(
+            f"end: {self.end}", poser.folded(phi[-1], self.energy[-1]), poser.view(phi[-1])
+        )
+        label = "along the motion [rad]"
+        track = poser.track("folding motion", phi, self.energy, parameter=self.arc, label=label)
+        name, pieces = self.pattern.name or "pattern", tuple(self.report_sections())
+        return Content(name, poser.body, (end,), (track,), pieces=pieces)
+
+    def rows(self, most: int = 0) -> list[MotionRow]:
+        """Return states as tables, frames and captions have them, evenly along the motion.
+
+        Parameters
+        ----------
+        most
+            How many, with both ends; 0 for all.
+
+        Returns
+        -------
+        list of MotionRow
+            In order.
+        """
+        number, s = np.arange(len(self.arc)), self.arc
+        if 0 < most < len(s):
+            number = np.unique([0, *np.searchsorted(s, np.linspace(0.0, s[-1], most))])
+        largest = np.abs(self.fold_angles).max(axis=1)
+        each = zip(number + 1, s[number], largest[number], self.energy[number], strict=True)
+        return [MotionRow(int(k), *map(float, more)) for k, *more in each]
 
     def report_sections(self) -> Iterator[Section]:
         """Return where it ends over a table of some of its states, and what it leaves open."""
-        shown = self.shown(PRINTED)
-        largest = np.degrees(np.abs(self.fold_angles).max(axis=1))
-        rows = [
-            (f"{k + 1}", f"{self.arc[k]:.4f}", f"{largest[k]:.2f}", f"{self.energy[k]:.6g}")
-            for k in shown
-        ]
-        heads = "state", "along [rad]", "largest fold angle [deg]", "energy [J]"
-        yield Table(heads, rows, self.verdict, "rrrr", framed=False)
+        shown = self.rows(PRINTED)
+        yield record_table(shown, self.verdict)
         if self.lattices:
-            numbers = [k + 1 for k in shown]
-            yield lattice_table([self.lattices[k] for k in shown], numbers, "state")
+            numbers = [row.state for row in shown]
+            yield lattice_table([self.lattices[k - 1] for k in numbers], numbers, "state")
         yield from PopSigns(self.pattern).alarms(self.fold_angles)
         if self.layers:
             yield f"folded flat there: {self.layers}"
-        if self.dof > 1:
-            yield f"{self.dof} degrees of freedom: one of many motions, as straight as closure lets it go"
-        if self.touching is not None:
-            yield (
-                "the one degree of freedom is blocked by that contact"
-                if self.dof == 1
-                else "past that contact facets may slide along each other: not followed"
-            )
 
     @property
     def verdict(self) -> str:
         """Where the motion ends, in a sentence."""
         last = math.degrees(np.abs(self.fold_angles[-1]).max())
-        return f"{self.pattern.title}: folds until the largest fold angle is {last:.5g} deg: {self.end}"
-
-    def shown(self, most: int) -> list[int]:
-        """Return numbers of at most so many states, evenly along the motion, with both ends.
-
-        Parameters
-        ----------
-        most
-            How many, at least 2.
-
-        Returns
-        -------
-        list of int
-            Increasing, from 0.
-        """
-        if len(self.fold_angles) <= most:
-            return list(range(len(self.fold_angles)))
-        even = np.searchsorted(self.arc, np.linspace(0.0, self.arc[-1], most))
-        found: list[int] = np.unique([0, *even.clip(0, len(self.arc) - 1)]).tolist()
-        return found
+        many = f"one of many motions ({self.dof} degrees of freedom) " * (self.dof > 1)
+        return f"{self.pattern.title}: {many}folds until the largest fold angle is {last:.5g} deg: {self.end}"
 
     def _rows(self) -> Iterable[dict[str, object]]:
-        for k, phi in enumerate(self.fold_angles):
-            row = {"state": k + 1, "arc_rad": self.arc[k], "energy_J": self.energy[k]}
-            yield row | angle_columns(phi)
+        for row, phi in zip(self.rows(), self.fold_angles, strict=True):
+            yield record_row(row) | angle_columns(phi)
 
 
 def find_motion(

@@ -104,7 +104,8 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
 def _counted(states: list[dict[str, Any]]) -> dict[str, float]:
     """Return what is said of the states of one scene."""
     kinds, stable = [s["kind"] for s in states], [s["stable"] for s in states]
-    known = np.nan if None in stable else 1.0
+    settled = (s["shallow"] or s["full_space"] in ("stable", "unstable") for s in states)
+    known = 1.0 if all(settled) else np.nan
     found = {f"count_{kind.replace('-', '_')}": kinds.count(kind) for kind in KINDS}
     if sum(found.values()) < len(kinds):
         raise ValueError(f"kinds {kinds}")

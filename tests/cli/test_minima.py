@@ -21,7 +21,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     code, table, _ = run("minima", scene, "-o", out)
     assert code == 0 and "IPOPT" not in table
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/4"
+    assert data["schema"] == "origami-nlp/minima/5"
     assert {"origami", "search", "completeness", "model", "flags"} <= set(data)
     assert set(data["model"]) == {"variables", "equalities", "left_out"}
     assert {"starts", "solves", "quiet", "effort", "seconds", "seed"} <= set(data["search"])

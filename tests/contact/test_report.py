@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.contact.report import SOFT, ContactReport, margin_lines
+from origami_nlp.contact.report import SOFT, ContactReport
 from origami_nlp.minima import images
 from tests.computed_once import panel_contacts, panel_result
 
@@ -39,7 +39,7 @@ def test_states_to_turn_carry_their_loads_and_boundaries(report: ContactReport) 
     content = report.view_content()
     (state,) = report.states
     lines = content.stations[state.number - 1].lines
-    assert set(margin_lines(state.margin)) <= set(lines) and len(content.stations) == 2
+    assert f"load margin: status: {state.margin.status}" in lines and len(content.stations) == 2
     assert report.segments is not None
     for track, curve in zip(content.tracks, report.segments.curves, strict=True):
         assert np.array_equal(track.parameter, curve.s) and "; ".join(curve.contacts) in track.title

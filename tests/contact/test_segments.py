@@ -185,7 +185,7 @@ def test_no_boundary_without_contact() -> None:
 
 def test_json_is_plain_and_finite() -> None:
     data = json.loads(json.dumps(segments("fold limit").to_dict(), allow_nan=False))
-    assert data["schema"] == "origami-nlp/contacts/2"
+    assert data["schema"] == "origami-nlp/contacts/4"
     assert data["segments"][0]["curve"] == 1
     assert len(data["curves"][0]["s"]) == len(data["curves"][0]["fold_angles"])
 

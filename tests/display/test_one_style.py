@@ -115,9 +115,9 @@ def test_labels_find_room(points):
     assert sorted(map(int, numbers)) == list(range(1, len(points) + 1))
 
 
-def test_merge_trees_are_drawn_once_each_and_explained():
+def test_merge_trees_are_explained():
     found = panel_barriers()
-    figure = draw_barriers(found, found, found)
+    figure = draw_barriers(found)
     assert len([axes for axes in figure.axes if axes.lines]) == 1
     explained(figure)
     passes = {line.get_marker() for line in figure.axes[0].lines} & set(PASSES.values())

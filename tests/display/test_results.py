@@ -117,7 +117,7 @@ def test_the_frame_of_minima_says_what_they_are():
     barriers = results()["Barriers"]
     rows = barriers.to_frame()
     low = frame.set_index("number")["energy_J"]
-    assert np.allclose(rows["energy_J"] - low[rows["from"]].to_numpy(), rows["rises_J"])
+    assert np.allclose(rows["energy_J"] - low[rows["from_state"]].to_numpy(), rows["rises_J"])
     contacts = results()["ContactReport"].to_frame()
     assert (contacts["least_N_m"] <= contacts["moment_N_m"] * (1 + 1e-9)).all()
     with pytest.raises(o.OrigamiError, match="results"):

@@ -84,7 +84,7 @@ def test_contacts_are_named_with_their_moments(page: str, result: MinimaResult) 
             assert {c - 1 for c in contact.creases} <= set(mark["creases"])
             assert {f - 1 for f in contact.facets} <= set(mark["facets"])
         said = " ".join(station["lines"])
-        assert m.certificate in said and "closure <1e-11, KKT" in said
+        assert m.certificate in said
 
 
 def test_a_descent_is_a_path_of_admissible_states(page: str, result: MinimaResult) -> None:

@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.display import BORDER, MOUNTAIN, draw_state
+from origami_nlp.display import BORDER, MOUNTAIN, Poser, draw_state
 from origami_nlp.minima import write_parts
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import (
@@ -21,7 +21,7 @@ from origami_nlp.pattern_problem import (
     pattern_parts,
     pattern_to_fold,
 )
-from origami_nlp.pattern_states import analyze_mobility, find_motion, pattern_content
+from origami_nlp.pattern_states import analyze_mobility, find_motion
 from tests.patterns import miura, miura_angles
 
 
@@ -112,10 +112,10 @@ def test_what_does_not_move_is_refused():
 def test_a_page_has_every_facet_and_both_sides_of_each_crease():
     p = o.examples.pattern("waterbomb", 2, 2)
     phi = analyze_mobility(p).folded
-    content = pattern_content(p, [("folded", phi, ("a line",))])
-    body, (station,) = content.body, content.stations
+    poser = Poser(p)
+    body, folded = poser.body, poser.folded(phi, 0.0)
     assert len(body.facets) == p.facets and len(body.creases) == p.creases
-    x = station.folded.corners
+    x = folded.corners
     for crease, angle in zip(body.creases, phi, strict=True):
         normals = []
         for f in (crease.right, crease.left):

@@ -4,7 +4,7 @@ import dataclasses
 import io
 import itertools
 import math
-from html.parser import HTMLParser
+from html import escape
 
 import numpy as np
 import pytest
@@ -174,39 +174,10 @@ def test_mountains_are_red_and_valleys_blue():
     assert not picture(vertex, [0, 0, 0, 0])[1]
 
 
-class Balanced(HTMLParser):
-    """Checks that tags close in order, and collects the text."""
-
-    void = {"br", "img"}  # noqa: RUF012
-
-    def __init__(self):
-        super().__init__()
-        self.stack, self.text, self.tags = [], [], set()
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.add(tag)
-        if tag not in self.void:
-            self.stack.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.stack.pop() == tag
-
-    def handle_data(self, data):
-        self.text.append(data)
-
-
-def parse(html):
-    parser = Balanced()
-    parser.feed(html)
-    parser.close()
-    assert not parser.stack
-    return parser, " ".join(parser.text)
-
-
 def test_html_escapes_names(results):
-    result = results["no chart"]
-    scene = dataclasses.replace(result.scene, name="<script>alert(1)</script> & $x_1$")
+    result, name = results["no chart"], "<script>alert(1)</script> & $x_1$"
+    scene = dataclasses.replace(result.scene, name=name)
     result = dataclasses.replace(result, origami=scene, minima=())
-    parser, text = parse(result.to_html())
-    assert "script" not in parser.tags and "<script>alert(1)</script> & $x_1$" in text
+    html = result.to_html()
+    assert "<script" not in html and escape(name) in html
     o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula

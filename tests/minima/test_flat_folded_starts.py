@@ -242,7 +242,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
         find_states("metasheet:3x3", starts=200)
     found = end.value.result
     assert found.search.interrupted and found.search.left_out[0] == "random starts"
-    assert "interrupted, not through with: random starts" in found.report(verbose=True)
+    assert "interrupted, not through with: random starts" in str(found)
     assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
     file = tmp_path / "found.json"
     code, out, err = run("minima", "metasheet:3x3", "-o", file)

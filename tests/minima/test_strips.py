@@ -86,7 +86,7 @@ def test_a_well_half_a_degree_from_flat():
     assert max(_apart(wells, found)) < 1e-10
     assert not found.undecided and found.search.stalled == 0
     assert found.search.resolved == found.search.wells >= len(wells)
-    assert any("every well" in words for words in found.search.words())
+    assert found.search.every_well
     state = next(s for s in found.minima if np.abs(s.phi - nearest).max() < 1e-9)
     problem = PatternProblem(pattern)
     both = [judge(problem, state.phi, contact) for contact in (True, False)]
@@ -99,7 +99,7 @@ def _is_whole(pattern: Pattern, known: np.ndarray) -> bool:
     found = find_states(pattern, starts=0, contact=False, escape=False)
     wells = list(Strip(pattern).wells())
     assert min(np.abs(x - known).max() for x in wells) < 1e-3 * np.abs(known).max()
-    claims = any("every well" in words for words in found.search.words())
+    claims = found.search.every_well
     inside = [s for s in found.minima if np.abs(s.phi).max() < math.pi - 1e-9]
     if claims:
         assert max(_apart(wells, found)) < 1e-9 and len(inside) == len(wells)

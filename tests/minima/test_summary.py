@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.minima.summary import find_images, held_words
+from origami_nlp.minima.rows import held_words
+from origami_nlp.minima.summary import find_images
 from tests.computed_once import once, panel_result
 
 SCENE = o.examples.degree6("pi/3", 1)

@@ -160,8 +160,7 @@ def test_what_cannot_fold_is_said():
     p = make_pattern(np.array(corner), [(0, 1, 2), (0, 2, 3), (0, 3, 1)])
     seen = o.analyze_mobility(p)
     assert seen.folded is None and seen.dof is None
-    text = str(seen)
-    assert "fewer than four creases" in text and "no folded state was found" in text
+    assert seen.flags.few_creases and seen.flags.nothing_folded
 
 
 def test_no_dof_to_first_order_is_none_at_all():
@@ -198,7 +197,7 @@ def kresling(plates, sides=6, twist=0.7):
 def test_a_tower_between_plates_has_no_dof():
     seen = o.analyze_mobility(kresling(plates=True))
     assert seen.dof == hinge_dof(seen.pattern, seen.pattern.reference) == 0
-    assert "no degree of freedom is left" in str(seen)
+    assert seen.flags.rigid
     tube = o.analyze_mobility(kresling(plates=False))
     assert tube.dof == hinge_dof(tube.pattern, tube.pattern.reference) == 6
 

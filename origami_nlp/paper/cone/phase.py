@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
-from origami_nlp.display import Report, Section, folding_table
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
 from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.map import CountMap, count_map
@@ -54,7 +54,9 @@ class PhaseDiagram(Report):
             [f"{int(n)}/{total}", f"{int(n) / total:.6g}", f"{k / self.minima.size:.2%}"]
             for n, k in zip(numbers, often, strict=True)
         ]
-        yield folding_table(("branch minima", "normalised", "share of the map"), rows, "")
+        yield Table(
+            ("branch minima", "normalised", "share of the map"), rows, columns="Lrr", framed=False
+        )
         kinds = Counter(b.kind for b in self.boundaries)
         yield "boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items())
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.arguments import check_callback
-from origami_nlp.display import Report, Section, folding_table
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
 from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
@@ -129,7 +129,7 @@ class ConeFullSpace(Report):
             for s, reason in zip(self.states, why, strict=True)
         ]
         title = f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, nu_0 = {self.rest.elevation:g}"
-        yield folding_table(HEADS, rows, title)
+        yield Table(HEADS, rows, title, "Lrrrrrrr", framed=False)
         yield from (f"[{k}] {reason}" for k, reason in enumerate(reasons, start=1))
         words = [f"{self.count(v)} {v}" for v in VERDICTS]
         yield f"of {self.count()} branch minima: " + ", ".join(words)
