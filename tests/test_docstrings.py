@@ -55,11 +55,11 @@ KEPT: dict[str, list] = {name: [] for name in FINDERS}
 
 DEAR = (
     "origami_nlp paths.atlas chart.boundary display.result search.options "
-    "barriers.find barriers.result paths.boundary paths.survey contact.report contact.segments "
+    "barriers.find paths.boundary paths.survey contact.segments "
     "continuation.tracer inverse_design.finding inverse_design.result "
     "paths.load paths.load_result minima.completeness minima.figure minima.minimum minima.result paper.cone.phase "
-    "paper.cone.phase_curves paper.critical paper.landscape paper.morse paper.space "
-    "pattern_problem.lattice pattern_problem.tube pattern_states.find proof.quad_meshes results verbs"
+    "paper.critical paper.landscape paper.space "
+    "pattern_problem.lattice pattern_problem.tube results verbs"
 ).split()
 """Modules whose examples take seconds: they run with the long studies."""
 

@@ -120,7 +120,7 @@ def trace_boundary(scene: Scene) -> Boundary:
     >>> from origami_nlp import examples
     >>> from origami_nlp.chart import trace_boundary
     >>> [round(r.area, 2) for r in trace_boundary(examples.degree6("pi/4")).regions]
-    [12.34]
+    [19.74]
     """
     return _boundary(geometry(scene))
 

@@ -26,7 +26,7 @@ class ContactForce(ShortRepr):
     Attributes
     ----------
     type
-        ``fold-limit``; of a vertex ``mirror``, ``axis`` or ``facet-pair``; of a pattern ``vertex-face``, ``edge-edge``
+        ``fold-limit``; of a vertex ``facet-pair``; of a sheet ``vertex-face``, ``edge-edge``
         or ``face-face``.
     multiplier
         Lagrange multiplier of the contact, positive where it pushes: a moment [N m per rad of opening, in the scene's

@@ -99,7 +99,7 @@ def follow(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, full=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
     [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]

@@ -74,7 +74,7 @@ class ClosedContacts:
 class ContactWords:
     """Who touches in a contact.
 
-    type: ``fold-limit``; of a vertex ``mirror``, ``axis`` or ``facet-pair``; of a pattern ``vertex-face``,
+    type: ``fold-limit``; of a vertex ``facet-pair``; of a sheet ``vertex-face``,
     ``edge-edge`` or ``face-face``.
     creases: 1-based, all images under the symmetry included for creases at a fold limit.
     facets: 1-based; a facet pair names its two facets, a touch in a pattern that of the face first.
