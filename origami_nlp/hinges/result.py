@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.display import Report, Section, Table, Words
-from origami_nlp.pattern import HingeData, HingeLaw
+from origami_nlp.pattern import LawFit
 
 MUCH = 0.2
 """Share of the energy that the law stores, from which the area of the loop is a warning."""
@@ -47,41 +47,11 @@ class HingeRest:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredHinge(Report):
-    """A hinge law fitted to measured torques, and what is known of it.
+class MeasuredHinge(LawFit, Report):
+    """A hinge law fitted to measured torques, and what is known of it: besides its `LawFit`, where it rests.
 
     Attributes
     ----------
-    data
-        As measured.
-    fit
-        How the law was fitted: ``"spline"`` or ``"pchip"``.
-    law
-        The mean law, for `Scene(laws=)` and `Pattern.with_laws`.
-    knots
-        Inner knots of the spline, or angles of the averages that the law goes through [rad].
-    angle
-        Where the next four are stated, [g] [rad].
-    torque, band
-        Of the mean law, with the 95 % half-width at each angle, [g] [N m]; nan if the noise is not known.
-    slope_band
-        95 % half-width of the stiffness, [g] [N m/rad].
-    gap
-        Half of what torques on loading are above those on unloading, [g] [N m].
-    residual_rms, residual_max
-        Of torques less the law and the half-gap [N m].
-    noise
-        Standard deviation of a row [N m]; nan if not known.
-    correlation
-        Of residuals that follow each other, for which the band is wider.
-    falling
-        Intervals of angles in which the stiffness is negative for certain (95 % at each angle) [rad].
-    unsure
-        Share of the range in which the sign of the stiffness is not known.
-    loop_area, loop_error
-        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
-    stored
-        Largest less least energy of the mean law [J].
     rests
         Wells and ends that the hinge is pushed to, in order of angles.
     notes
@@ -91,31 +61,13 @@ class MeasuredHinge(Report):
     --------
     >>> import numpy as np, origami_nlp as o
     >>> angle = np.radians(np.linspace(-90, 90, 61))
-    >>> found = o.fit_hinge(o.HingeData(angle, 0.01 * (angle - 0.2)), fit="pchip")
+    >>> found = o.fit_hinge(o.HingeData(angle, 0.01 * (angle - 0.2)))
     >>> round(found.law.rest, 4), [round(rest.angle, 4) for rest in found.rests]
     (0.2, [0.2])
     """
 
     PICTURE = "draw_hinge"
     SCHEMA = "origami-nlp/hinge/1"
-    data: HingeData
-    fit: str
-    law: HingeLaw
-    knots: np.ndarray
-    angle: np.ndarray
-    torque: np.ndarray
-    band: np.ndarray
-    slope_band: np.ndarray
-    gap: np.ndarray
-    residual_rms: float
-    residual_max: float
-    noise: float
-    correlation: float
-    falling: tuple[tuple[float, float], ...]
-    unsure: float
-    loop_area: float
-    loop_error: float
-    stored: float
     rests: tuple[HingeRest, ...]
     notes: tuple[str, ...] = field(default=())
 
@@ -172,11 +124,7 @@ class MeasuredHinge(Report):
 
     def _known(self) -> Iterator[str]:
         rows, pieces = len(self.data.angle), len(self.law.coefficients)
-        how = (
-            f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
-            if self.fit == "spline"
-            else f"through {len(self.knots)} points (PCHIP)"
-        )
+        how = f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
         yield (
             f"{rows:,} rows, {how}: residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most; largest "
             f"torque {np.abs(self.torque).max():.4g} N m, stored {self.stored:.4g} J"
@@ -191,8 +139,6 @@ class MeasuredHinge(Report):
                     else ""
                 )
             )
-        else:
-            yield "Band: not known, each angle was measured once; fit = spline estimates it from the residuals"
         falls = ", ".join(
             f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling
         )

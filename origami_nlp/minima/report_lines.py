@@ -204,8 +204,8 @@ def scene_lines(scene: Scene) -> list[str]:
         )
     if found.made_exact:
         lines.append(
-            f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
-            "relations hold exactly (origami-nlp inspect lists them)"
+            f"sector angles moved by up to {found.moved:.1e} rad, so that {found.made_exact} nearly special "
+            "relations hold exactly"
         )
     return lines
 

@@ -129,13 +129,13 @@ def _stated(kind: str, given: Mapping[str, Any]) -> HingeLaw:
 def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> HingeLaw:
     """Fit the law to a table of measured torques."""
     from origami_nlp.pattern.hinge_data import read_hinge_data
-    from origami_nlp.pattern.hinge_fit import FITS, fit_data
+    from origami_nlp.pattern.hinge_fit import fit_data
 
-    if wrong := sorted(set(given) - {"data", "fit"}):
+    if wrong := sorted(set(given) - {"data"}):
         raise SceneError(
-            f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, fit, extrapolate"
+            f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, extrapolate"
         )
-    file, fit = given["data"], given.get("fit", FITS[0])
+    file = given["data"]
     if not isinstance(file, str) or not file or file == "-":
         raise SceneError(f"laws.{name}: data = {shown(file)} must be the name of a file")
     # a scene of somebody else shows no file of ours
@@ -143,9 +143,7 @@ def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> Hinge
         raise SceneError(
             f"laws.{name}: data = {shown(file)} must be a file beside the scene, or in a folder there"
         )
-    if fit not in FITS:
-        raise SceneError(f"laws.{name}: fit = {shown(fit)} must be one of {', '.join(FITS)}")
-    return fit_data(read_hinge_data((folder or Path()) / file), fit, name).law
+    return fit_data(read_hinge_data((folder or Path()) / file), name).law
 
 
 def law_to_dict(law: HingeLaw) -> dict[str, Any]:

@@ -39,16 +39,14 @@ def written(folder, data, name="tape.csv"):
     return path
 
 
-@pytest.mark.parametrize(
-    ("fit", "least"), [("pchip", 0.93), pytest.param("spline", 0.93, marks=pytest.mark.slow)]
-)
-def test_the_band_covers_the_law_and_its_slope(fit, least):
+@pytest.mark.slow
+def test_the_band_covers_the_law_and_its_slope():
     """At the share of angles and measurements that it states, 95 %, over 30 measurements of one law."""
     rng = np.random.default_rng(1)
     value, steep, area, exact = [], [], [], []
     for _ in range(30):
         data = cycle(rng)
-        found = o.fit_hinge(data, fit=fit)
+        found = o.fit_hinge(data)
         value.append(np.mean(np.abs(found.torque - true(found.angle)) <= found.band))
         steep.append(
             np.mean(np.abs(found.law.slope(found.angle) - slope(found.angle)) <= found.slope_band)
@@ -59,8 +57,8 @@ def test_the_band_covers_the_law_and_its_slope(fit, least):
             0.5
             * np.sum(data.angle * np.roll(data.torque, -1) - np.roll(data.angle, -1) * data.torque)
         )
-        assert 0.82 * NOISE < found.residual_rms < 1.1 * NOISE  # 128 of 602 rows are fitted (pchip)
-    assert np.mean(value) >= least and np.mean(steep) >= least
+        assert 0.82 * NOISE < found.residual_rms < 1.1 * NOISE
+    assert np.mean(value) > 0.93 and np.mean(steep) > 0.93
     assert np.mean(value) <= 0.995
     assert np.mean(area) == pytest.approx(2 * GAP * 3.5, rel=0.03)
     assert np.corrcoef(area, np.abs(exact))[0, 1] > 0.9
@@ -88,16 +86,9 @@ def test_data_without_noise_is_the_law():
     x = np.radians(np.linspace(-120, 150, 91))
     # of a cubic spline 5/384 h^4 max |fourth derivative| at most (Hall and Meyer 1976), here of 22 intervals
     of_spline = 5 / 384 * (np.ptp(x) / 22) ** 4 * 0.03 * 3**4
-    # of averages over h, of what bends between them, and of the straight ends: |second derivative| h^2 (1/24 + 2/8)
-    through = (1 / 24 + 2 / 8) * (np.ptp(x) / 45) ** 2 * 0.03 * 3**2
-    for fit, off in (("spline", of_spline), ("pchip", through)):
-        found = o.fit_hinge(o.HingeData(x, true(x)), fit=fit)
-        assert np.abs(found.torque - true(found.angle)).max() <= off
-        assert math.isnan(found.loop_area) and "not both measured" in str(found)
-    # few points are gone through
-    few = o.HingeData(x[::10], true(x[::10]))
-    assert "measured once" in str(o.fit_hinge(few, fit="pchip"))
-    assert np.allclose(o.fit_hinge(few, fit="pchip").law.torque(few.angle), few.torque, atol=1e-15)
+    found = o.fit_hinge(o.HingeData(x, true(x)))
+    assert np.abs(found.torque - true(found.angle)).max() <= of_spline
+    assert math.isnan(found.loop_area)
 
 
 def test_a_loop_is_found_where_there_is_one():
@@ -159,8 +150,6 @@ data = "tape.csv"
         read_law({"data": "tape.csv", "extrapolate": "cubic"}, "a", tmp_path)
     with pytest.raises(SceneError, match="unknown knots"):
         read_law({"data": "tape.csv", "knots": 3}, "a", tmp_path)
-    with pytest.raises(SceneError, match="fit = 'cubic' must be one of spline, pchip"):
-        read_law({"data": "tape.csv", "fit": "cubic"}, "a", tmp_path)
     with pytest.raises(SceneFileError, match=r"nowhere\.csv"):
         read_law({"data": "nowhere.csv"}, "a", tmp_path)
 
