@@ -280,7 +280,7 @@ def test_minima_of_a_published_vertex():
             '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,9]]}',
             ["edges_vertices[0]", "0 to 1"],
         ),
-        ('{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[1,1]]}', ["to itself"]),
+        ('{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[1,1]]}', ["two different vertices"]),
         (
             '{"vertices_coords": [[0,0],[1,0]], "edges_vertices": [[0,1]], "edges_assignment": ["Q"]}',
             ["edges_assignment[0]"],
