@@ -12,7 +12,7 @@ from origami_nlp.numerics import INPUT_TOL, LEVEL
 from origami_nlp.pattern import HingeData, LawFit, fit_data, read_hinge_data, runs
 
 NOISY = 0.1
-"""Share of the largest torque, from which residuals are noted; of the half-gap, from which a crossing is."""
+"""Share of the largest torque, from which residuals are noted."""
 EMPTY = 0.25
 """Share of the range without a row that is noted."""
 
@@ -104,10 +104,9 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...]) -> list[str]:
             "stop there (limits_deg), else look whether the rig's zero was taken off"
         )
     elif len(rests) - len(wells) == 2:
-        inside = "beyond its wells " if wells else ""
         notes.append(
-            f"{inside}the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what "
-            "holds the hinge at the angle; the hinge's own moment on its panels is the opposite"
+            "the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what holds the "
+            "hinge at the angle; the hinge's own moment on its panels is the opposite"
         )
     area, error, stored = found.loop_area, found.loop_error, found.stored
     if area < 0 and not abs(area) <= error:
@@ -120,13 +119,8 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...]) -> list[str]:
             f"a cycle takes {100 * area / stored:.3g} % of the energy that the law stores: states of the mean law may "
             "be held elsewhere, by friction or yield, which no energy has"
         )
-    if area > 0 and found.gap.min() < -NOISY * found.gap.max():
-        notes.append("loading and unloading cross: their half-gap is not of one sign")
-    rms, size = found.residual_rms, float(np.abs(torque).max())
-    if rms > NOISY * size:
-        notes.append(
-            f"residuals are {100 * rms / size:.2g} % of the largest torque: the law is that of a noisy rig"
-        )
+    if found.residual_rms > NOISY * np.abs(torque).max():
+        notes.append(f"residuals are above {100 * NOISY:g} % of the largest torque: a noisy rig")
     steps = np.diff(np.unique(found.data.angle))
     if steps.max() > EMPTY * np.ptp(x):
         at = int(np.argmax(steps))

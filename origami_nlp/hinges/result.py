@@ -93,32 +93,16 @@ class MeasuredHinge(LawFit, Report):
             "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0); the hinge's own "
             "moment on its panels is the opposite."
         )
-        heads: tuple[str, ...] = (
-            "rest",
-            "phi [deg]",
-            "energy [J]",
-            "to leave [J]",
-            "stiffness [N m/rad]",
-        )
-        rows: list[tuple[str, ...]] = [
-            (
-                rest.kind,
-                f"{math.degrees(rest.angle):.4g}"
-                + (f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""),
-                f"{rest.energy:.4g}",
-                f"{rest.barrier:.4g}",
-                f"{rest.stiffness:.4g}",
-            )
-            for rest in self.rests
-        ]
-        if any(rest.held[1] > rest.held[0] for rest in self.rests):
-            heads += ("held by the loop [deg]",)
-            rows = [
-                (*row, " to ".join(f"{math.degrees(a):.4g}" for a in rest.held))
-                for row, rest in zip(rows, self.rests, strict=True)
-            ]
+        heads = "rest,phi [deg],energy [J],to leave [J],stiffness [N m/rad],held by the loop [deg]"
+        rows = []
+        for rest in self.rests:
+            known = f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""
+            numbers = (f"{v:.4g}" for v in (rest.energy, rest.barrier, rest.stiffness))
+            low, high = np.degrees(rest.held)
+            held = f"{low:.4g} to {high:.4g}" if high > low else ""
+            rows.append((rest.kind, f"{math.degrees(rest.angle):.4g}{known}", *numbers, held))
         if rows:
-            yield Table(heads, rows, framed=False)
+            yield Table(heads.split(","), rows, framed=False)
         yield from self._known()
         yield from (Words(f"Note: {note}", "bold") for note in self.notes)
 
@@ -132,37 +116,29 @@ class MeasuredHinge(LawFit, Report):
         if np.isfinite(self.band).all():
             yield (
                 f"95 % band of the law, at each angle: half-width {np.median(self.band):.2g} N m (median), "
-                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row"
-                + (
-                    f", residuals in a row hang together ({self.correlation:.2f}): the band is wider for it"
-                    if self.correlation
-                    else ""
-                )
+                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row, correlation of residuals in a row "
+                f"{self.correlation:.2f}"
             )
-        falls = ", ".join(
-            f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling
-        )
+        shown = [f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling]
+        where = f"{', '.join(shown)} degrees" if shown else "nowhere"
         yield (
-            f"Stiffness negative for certain: {falls + ' degrees' if falls else 'nowhere'}; its sign is not known on "
+            f"Stiffness negative for certain: {where}; its sign is not known on "
             f"{round(100 * self.unsure, 2):g} % of the range"
         )
-        if math.isnan(self.loop_area):
-            yield "Loading and unloading: not both measured, what a cycle takes is not known"
-        else:
-            error = f" +-{self.loop_error:.2g}" if math.isfinite(self.loop_error) else ""
+        if not math.isnan(self.loop_area):
             yield (
-                f"Loop of loading and unloading: {self.loop_area:.4g}{error} J a cycle, half-gap "
+                f"Loop of loading and unloading: {self.loop_area:.4g} +-{self.loop_error:.2g} J a cycle, half-gap "
                 f"{np.abs(self.gap).max():.3g} N m at most.  The law is the mean of both: states found with it are "
                 "those of the mean law"
             )
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        slope = self.law.slope(self.angle)
-        for k, phi in enumerate(self.angle):
-            yield {
-                "phi_rad": float(phi),
-                "torque_N_m": float(self.torque[k]),
-                "band_N_m": float(self.band[k]),
-                "half_gap_N_m": float(self.gap[k]),
-                "stiffness_N_m_per_rad": float(slope[k]),
-            }
+        columns = {
+            "phi_rad": self.angle,
+            "torque_N_m": self.torque,
+            "band_N_m": self.band,
+            "half_gap_N_m": self.gap,
+            "stiffness_N_m_per_rad": self.law.slope(self.angle),
+        }
+        for row in zip(*(v.tolist() for v in columns.values()), strict=True):
+            yield dict(zip(columns, row, strict=True))

@@ -23,7 +23,6 @@ from origami_nlp.pattern.fold_rings import (
     Oddity,
     Rings,
     check_drawing,
-    check_parts,
     check_sides,
     coincident,
     oriented,
@@ -339,7 +338,6 @@ class _Sheet:
             self.notes.append(
                 f"paper meets in points at vertices {listed(points)}: it is not joined there"
             )
-        check_parts(self.frame, self.polygons, self.origin)
 
     def _make_exact(self) -> None:
         unit, coarse = self.frame.unit, COARSE

