@@ -243,8 +243,8 @@ class Scene(PrettyRepr):
             return
         if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= self.degree:
             raise SceneError(
-                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {self.degree}: where forces pull, say "
-                "which facet is held"
+                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {self.degree}: the one that is "
+                "held where forces pull"
             )
 
     def _find_symmetry(self) -> Symmetry:

@@ -156,42 +156,28 @@ data = "tape.csv"
 
 ROWS = "\n".join(f"{a}, {0.01 * a}" for a in range(-30, 31, 5))
 BAD = {
-    "few": ("0,0\n10,1\n20,2\n", "3 rows of numbers: a law needs 6"),
-    "same": ("10,0\n" * 9, "1 different angles: a law needs 6"),
-    "nan": (ROWS + "\n35, nan", "torque of measurement 14 is not finite"),
-    "beyond": (ROWS + "\n190, 1", "measurement 14 is 190 degrees: fold angles are within"),
-    "radians": (
-        "\n".join(f"{a / 10}, {a}" for a in range(-30, 31)),
-        "end at 3 degrees: radians\\? name the column angle_rad",
-    ),
-    "comma": (ROWS.replace(",", ";") + "\n35;0,35", "line 14: '0,35' is not a number"),
-    "commas": (ROWS.replace(".", ","), "line 1: 3 columns, where 2 .*decimal commas"),
-    "thousands": (
-        "angle_deg;torque_Nmm\n" + "\n".join(f"{a};1,{500 + a}" for a in range(-30, 31, 5)),
-        "line 2: '1,470' is not a number .*thousands",
-    ),
-    "columns": (ROWS + "\n35, 1, 2, 3", "line 14: 4 columns, where 2"),
-    "names": ("angle, moment\n" + ROWS, "columns angle, moment: name them angle_deg"),
-    "twice": ("angle_deg, angle_rad, torque_Nm\n0,0,0", "name them"),
-    "same torque": (
-        "\n".join(f"{a}, 1" for a in range(-30, 31)),
-        "same everywhere: that is a preload",
-    ),
-    "weights": (
-        "angle_deg,torque_Nm,weight\n" + "\n".join(f"{a},{a},{a}" for a in range(-30, 31)),
-        "weight of measurement 1 must be positive",
-    ),
-    "empty": ("# nothing\n", "0 rows"),
+    "few": "0,0\n10,1\n20,2\n",
+    "same": "10,0\n" * 9,
+    "nan": ROWS + "\n35, nan",
+    "beyond": ROWS + "\n190, 1",
+    "radians": "\n".join(f"{a / 10}, {a}" for a in range(-30, 31)),
+    "comma": ROWS.replace(",", ";") + "\n35;0,35",
+    "commas": ROWS.replace(".", ","),
+    "thousands": "angle_deg;torque_Nmm\n"
+    + "\n".join(f"{a};1,{500 + a}" for a in range(-30, 31, 5)),
+    "columns": ROWS + "\n35, 1, 2, 3",
+    "names": "angle, moment\n" + ROWS,
+    "twice": "angle_deg, angle_rad, torque_Nm\n0,0,0",
+    "same torque": "\n".join(f"{a}, 1" for a in range(-30, 31)),
+    "weights": "angle_deg,torque_Nm,weight\n" + "\n".join(f"{a},{a},{a}" for a in range(-30, 31)),
+    "empty": "# nothing\n",
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_files_are_one_clear_line(tmp_path, case):
-    text, why = BAD[case]
     path = tmp_path / "bad.csv"
-    path.write_text(text)
-    with pytest.raises(SceneFileError, match=why):
-        o.fit_hinge(path)
+    path.write_text(BAD[case])
     done = run("hinge", path)
     assert done.code == 2 and done.err.count("\n") == 1 and "bad.csv" in done.err
 
