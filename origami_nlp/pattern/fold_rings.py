@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.drawings import half_edges
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.fold_file import FOLDS, Frame
@@ -32,7 +33,11 @@ class Rings:
             self.edge[a][b] = self.edge[b][a] = e
         self.notes: tuple[str, ...] = ()
         self.next: list[dict[int, int]] = [{} for _ in frame.coords]
-        border = self._by_faces() if frame.folded else self._by_azimuth()
+        border = self._by_faces(
+            self._oriented()
+            if frame.folded
+            else [walk for walk, area in face_walks(frame) if area > 0]
+        )
         cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
         outside = {int(v) for e in border | cut for v in frame.edges[e]}
         drawn = sorted(border - cut)
@@ -61,48 +66,6 @@ class Rings:
             here = after[here]
         return list(ring), ""
 
-    def _by_azimuth(self) -> set[int]:
-        """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
-        xy = self.frame.coords[:, :2]
-        tail = np.repeat(np.arange(len(xy)), [len(near) for near in self.edge])
-        head = np.array([b for near in self.edge for b in near], dtype=int)
-        d = xy[head] - xy[tail]
-        turn = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))  # stable: by vertex, then azimuth
-        order, begin = head[turn].tolist(), 0
-        for v, near in enumerate(self.edge):
-            others = order[begin : begin + len(near)]
-            self.next[v] = dict(zip(others, others[1:] + others[:1], strict=True))
-            begin += len(near)
-        border: set[int] = set()
-        for walk, area in self.walks():
-            if area <= 0:
-                border |= {self.edge[walk[i - 1]][v] for i, v in enumerate(walk)}
-        return border
-
-    def walks(self) -> list[tuple[tuple[int, ...], float]]:
-        """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
-
-        The outer face of a piece has a negative area.
-        """
-        xy = self.frame.coords[:, :2]
-        before = [{b: a for a, b in after.items()} for after in self.next]
-        seen: set[tuple[int, int]] = set()
-        found = []
-        for first in ((a, b) for a, near in enumerate(self.edge) for b in near):
-            step, walk = first, []
-            while step not in seen:
-                seen.add(step)
-                a, b = step
-                walk.append(a)
-                # clockwise from where one came: the face stays on the left
-                step = (b, before[b][a])
-            if walk:
-                here = xy[walk] - xy[walk[0]]
-                then = np.roll(here, -1, axis=0)
-                area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
-                found.append((tuple(walk), area))
-        return found
-
     def _open_ends(self, border: set[int], cut: set[int]) -> str:
         """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
         of = self.frame.edges.tolist()
@@ -120,11 +83,11 @@ class Rings:
             'interior: add the outline of the paper, edges with assignment "B" that join the ends'
         )
 
-    def _by_faces(self) -> set[int]:
+    def _by_faces(self, faces: Sequence[tuple[int, ...]]) -> set[int]:
         """Order by faces; edges with one face only are the border."""
         sides = np.zeros(len(self.frame.edges), dtype=int)
         missing, twisted = set(), False
-        for face in self._oriented():
+        for face in faces:
             n = len(face)
             for i, v in enumerate(face):
                 after, before = face[(i + 1) % n], face[i - 1]
@@ -147,6 +110,29 @@ class Rings:
         if against:
             self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
         return faces
+
+
+def face_walks(frame: Frame) -> list[tuple[tuple[int, ...], float]]:
+    """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
+
+    The outer face of a piece has a negative area.
+    """
+    xy, m = frame.coords[:, :2], len(frame.edges)
+    tail, _, after = half_edges(xy, frame.edges)
+    seen: set[int] = set()
+    found = []
+    for step in np.lexsort((np.tile(np.arange(m), 2), tail)).tolist():
+        walk = []
+        while step not in seen:
+            seen.add(step)
+            walk.append(int(tail[step]))
+            step = int(after[step])
+        if walk:
+            here = xy[walk] - xy[walk[0]]
+            then = np.roll(here, -1, axis=0)
+            area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
+            found.append((tuple(walk), area))
+    return found
 
 
 def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:

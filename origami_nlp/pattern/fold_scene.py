@@ -16,7 +16,6 @@ from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
-from origami_nlp.pattern.fold_rings import Rings
 from origami_nlp.pattern.fold_springs import check_fold_springs, fold_springs, spring_notes
 from origami_nlp.pattern.scene import Contact, Scene
 
@@ -199,19 +198,8 @@ def _vertex_at(frame: Frame, number: int) -> FoldVertex:
     if here is None:
         some = listed([v.number for v in found], 12) or "none"
         raise FoldFileError(
-            f"--vertex {shown(number)} {_what_it_is(frame, number)}: take an interior vertex with creases, "
+            f"--vertex {shown(number)} is no interior vertex with creases of frame {frame.number}: "
             f"there {'is' if len(found) == 1 else 'are'} {some}"
             + ("" if found else "".join(f"; {note}" for note in notes))
         )
     return here
-
-
-def _what_it_is(frame: Frame, number: int) -> str:
-    """Describe what a vertex is that is no interior one with creases."""
-    here = f"frame {frame.number}"
-    if number >= len(frame.coords):
-        return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"
-    ring = Rings(frame)
-    if not ring.edge[number]:
-        return f"has no edge in {here}"
-    return f"has no crease in {here}" if number in ring.interior else f"is on the border of {here}"

@@ -21,10 +21,10 @@ from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fo
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_rings import (
     Oddity,
-    Rings,
     check_drawing,
     check_sides,
     coincident,
+    face_walks,
     oriented,
 )
 from origami_nlp.pattern.fold_springs import (
@@ -264,7 +264,7 @@ class _Sheet:
             )
         check_drawing(frame)
         faces, holes = [], 0
-        for walk, area in Rings(frame).walks():
+        for walk, area in face_walks(frame):
             if area <= 0:
                 continue
             ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]

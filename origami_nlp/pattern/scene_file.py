@@ -6,6 +6,7 @@ The file is data: text angles go through `parse_angle`, nothing is evaluated.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -329,16 +330,13 @@ def format_scene(scene: Scene) -> str:
     """
     lines = []
     for name, content in scene_to_dict(scene).items():
-        many = isinstance(content, list)
+        tables = [(f"[{name}]", content)]
         if name == "laws":
-            for law, table in content.items():
-                lines.append(f"[laws.{_toml(law)}]")
-                lines += [*(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
-            continue
-        for table in content if many else [content]:
-            lines.append(f"[[{name}]]" if many else f"[{name}]")
-            lines += [f"{key} = {_toml(value)}" for key, value in table.items()]
-            lines.append("")
+            tables = [(f"[laws.{_toml(law)}]", table) for law, table in content.items()]
+        elif isinstance(content, list):
+            tables = [(f"[[{name}]]", table) for table in content]
+        for head, table in tables:
+            lines += [head, *(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
     return "\n".join(lines)
 
 
@@ -349,16 +347,5 @@ def _exact(angle: float) -> str | float:
 
 
 def _toml(value: Any) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(_toml(v) for v in value) + "]"
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        escaped = "".join(
-            f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c for c in escaped
-        )
-        return f'"{escaped}"'
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(
-        float(value) if isinstance(value, float) else value
-    )  # of NumPy's, whose repr says so
+    """Write a value; TOML has JSON's numbers, lists and texts, but for the letter DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -135,8 +135,8 @@ boundary scene.toml --event ratio=1:2 --parameter ratio=1:2: name two parameters
 minima waterbomb:2x2 --certificate a: the list of a pattern is not proved
 minima metasheet:3x3 --effort quick --certificate a: --contact fold-limits
 minima miura:2x2 --stiffness -1: --stiffness = -1
-inspect miura:3x3 --vertex 0: border
-inspect miura:3x3 --vertex 99: vertices are 0 to 15
+inspect miura:3x3 --vertex 0: interior
+inspect miura:3x3 --vertex 99: interior
 inspect miura:3x3 --vertex -1: at least 0
 inspect miura:3x3 --vertex 5 --frame 7: there is 0
 landscape miura:3x3: --vertex is needed

@@ -195,7 +195,7 @@ def test_another_schema_is_named(found):
 def test_files_that_are_no_json(content, tmp_path):
     path = tmp_path / "a.json"
     path.write_bytes(content)
-    with pytest.raises(OptionError, match=r"thing '.*a\.json' is no JSON file: .") as reported:
+    with pytest.raises(OptionError, match=r"thing '.*a\.json' is not valid JSON: .") as reported:
         read_json(path, 10**6, "thing", OptionError)
     assert "\n" not in str(reported.value) and len(str(reported.value)) < 300
     with pytest.raises(OptionError, match="larger"):
