@@ -216,11 +216,7 @@ def _analyse(
     signs = "".join(frame.assignment[e] for e in at)
     n = len(at)
     # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
-    alternating = (
-        abs(float(merged[::2].sum() - merged[1::2].sum()))
-        if n % 2 == 0 and np.isfinite(merged).all()
-        else None
-    )
+    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else math.nan
     both = signs.count("M") + signs.count("V") == n
     maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
     return FoldVertex(
@@ -230,7 +226,7 @@ def _analyse(
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        alternating,
+        None if math.isnan(alternating) else alternating,
         maekawa,
         reason,
         tuple(notes),

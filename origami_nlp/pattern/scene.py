@@ -243,8 +243,8 @@ class Scene(PrettyRepr):
             return
         if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= self.degree:
             raise SceneError(
-                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {self.degree}: the one that is "
-                "held where forces pull"
+                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {self.degree}: where forces "
+                "pull, say which facet is held"
             )
 
     def _find_symmetry(self) -> Symmetry:
@@ -252,7 +252,8 @@ class Scene(PrettyRepr):
         wanted = self.symmetry
         if self.loads and wanted not in ("auto", "none"):
             raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by loads with a fixed facet: use none or auto"
+                f"symmetry = {shown(wanted)} is not shared by loads with facet {self.fixed_facet} fixed: use "
+                "none or auto"
             )
         angles = [self.rest_angles, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
         return find_symmetry(
