@@ -52,6 +52,34 @@ class MeasuredHinge(LawFit, Report):
 
     Attributes
     ----------
+    data
+        As measured.
+    law
+        The mean law, for `Scene(laws=)` and `Pattern.with_laws`, known where it was measured.
+    knots
+        Inner knots of the spline [rad].
+    angle
+        Where the next four are stated, [g] [rad].
+    torque, band
+        Of the mean law, with the 95 % half-width at each angle, [g] [N m]; nan if the noise is not known.
+    slope_band
+        95 % half-width of the stiffness, [g] [N m/rad].
+    gap
+        Half of what torques on loading are above those on unloading, [g] [N m]; 0 without a loop.
+    residual_rms, residual_max
+        Of torques less the law and the half-gap [N m].
+    noise
+        Standard deviation of a torque of weight 1 [N m]; nan if not known.
+    correlation
+        Of residuals that follow each other, for which the band is wider.
+    loop_area, loop_error
+        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
+    falling
+        Intervals of angles in which the stiffness is negative for certain (95 % at each angle) [rad].
+    unsure
+        Share of the range in which the sign of the stiffness is not known.
+    stored
+        Largest less least energy of the mean law [J].
     rests
         Wells and ends that the hinge is pushed to, in order of angles.
     notes

@@ -100,7 +100,7 @@ def law_course(laws: Laws, number: str, low: float, high: float) -> LawCourse:
     --------
     >>> from origami_nlp.pattern.hinge_types import double_well
     >>> from origami_nlp.pattern.law_course import law_course
-    >>> course = law_course((double_well(1.0, 0.8),), "laws.double well.energy", 0.5, 2.0)
+    >>> course = law_course((double_well(1.0, 0.8),), "laws.double-well.energy", 0.5, 2.0)
     >>> round(float(course.law(1.0).torque(0.4)), 6), round(float(course.rate(1.0, np.array(0.4))), 6)
     (-1.875, -1.875)
     """
