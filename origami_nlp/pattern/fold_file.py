@@ -17,6 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.drawings import ERROR_KEY, DrawingOptions
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import printable, read_limited
@@ -35,14 +36,14 @@ PRELOAD_KEY = "edges_origaminlp:preload"
 LOADS_KEY, FIXED_KEY = "origaminlp:loads", "origaminlp:fixedFacet"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
-_ANGLE = -180.0 * (1 + INPUT_TOL), 180.0 * (1 + INPUT_TOL), "within [-180, 180] degrees"
+_ANGLE = -180.0 * (1 + INPUT_TOL), 180.0 * (1 + INPUT_TOL)
 _EDGE_NUMBERS = {
     "edges_foldAngle": _ANGLE,
     REST_KEY: _ANGLE,
-    STIFFNESS_KEY: (math.ulp(0.0), math.inf, "positive"),
-    PRELOAD_KEY: (-math.inf, math.inf, "finite"),
+    STIFFNESS_KEY: (math.ulp(0.0), math.inf),
+    PRELOAD_KEY: (-math.inf, math.inf),
 }
-"""Least and largest of each number of edges, and what it must be."""
+"""Least and largest of each number of edges."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
@@ -279,7 +280,7 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
                 parent = raw[here].get("frame_parent", 0)
                 if not _is_index(parent, len(raw)) or parent in chain or parent == here:
                     raise FoldFileError(
-                        f"file_frames[{here - 1}].frame_parent = {_short(parent)} must be another frame, "
+                        f"file_frames[{here - 1}].frame_parent = {shown(parent)} must be another frame, "
                         f"0 to {len(raw) - 1}"
                     )
             chain[here] = parent
@@ -301,7 +302,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
-    error = _number(data.get(ERROR_KEY) or 0.0, ERROR_KEY)
+    error = check_number(ERROR_KEY, data.get(ERROR_KEY) or 0.0, error=FoldFileError)
     n = len(coords)
     faces = _faces(data.get("faces_vertices"), n)
     pairs = _edges(data.get("edges_vertices"), faces, n, notes)
@@ -349,31 +350,14 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
 # ---------------------------------------------------------------- arrays, each checked
 
 
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
 def _list(value: object, name: str) -> list[Any]:
     if not isinstance(value, list):
-        raise FoldFileError(f"{name} = {_short(value)} must be an array")
+        raise FoldFileError(f"{name} = {shown(value)} must be an array")
     return value
 
 
 def _is_index(value: object, count: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
-
-
-def _number(value: object, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise FoldFileError(f"{name} = {_short(value)} must be a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise FoldFileError(f"{name} = {_short(value)} must be finite")
-    return number
 
 
 def _rows(
@@ -383,7 +367,7 @@ def _rows(
     rows = [] if value is None else _list(value, name)
     for i, row in enumerate(rows):
         if not isinstance(row, list) or not fits(row):
-            raise FoldFileError(f"{name}[{i}] = {_short(row)} must be {what}")
+            raise FoldFileError(f"{name}[{i}] = {shown(row)} must be {what}")
     return rows
 
 
@@ -392,11 +376,11 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
     rows = _rows(value, "vertices_coords", lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
     out = np.zeros((len(rows), 3))
     for i, row in enumerate(rows):
-        out[i, : len(row)] = [_number(v, f"vertices_coords[{i}]") for v in row]
+        out[i, : len(row)] = [
+            check_number(f"vertices_coords[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
+        ]
     if not len(out):
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
-    if np.abs(out).max() > 1e50:
-        raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
     if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
         raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
     return out, any(len(row) == 3 for row in rows)
@@ -459,7 +443,7 @@ def _assignment(value: object, count: int) -> list[str]:
     for e, letter in enumerate(_of_edges(value, "edges_assignment", count)):
         if letter is not None and not (isinstance(letter, str) and letter.upper() in [*"MVBFUCJ"]):
             raise FoldFileError(
-                f"edges_assignment[{e}] = {_short(letter)} must be one of M, V, B, F, U, C, J"
+                f"edges_assignment[{e}] = {shown(letter)} must be one of M, V, B, F, U, C, J"
             )
         out.append((letter or "?").upper())
     return out
@@ -467,11 +451,9 @@ def _assignment(value: object, count: int) -> list[str]:
 
 def _edge_numbers(data: Mapping[str, Any], name: str, count: int) -> np.ndarray:
     """Read a number of each edge as it is in the file; NaN where there is none."""
-    low, high, what = _EDGE_NUMBERS[name]
+    low, high = _EDGE_NUMBERS[name]
     out = np.full(count, math.nan)
     for e, value in enumerate(_of_edges(data.get(name), name, count)):
         if value is not None:
-            out[e] = _number(value, f"{name}[{e}]")
-            if not low <= out[e] <= high:
-                raise FoldFileError(f"{name}[{e}] = {out[e]:.6g} must be {what}, or null")
+            out[e] = check_number(f"{name}[{e}]", value, low, high, FoldFileError)
     return out

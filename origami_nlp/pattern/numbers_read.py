@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import EPS, INPUT_TOL
 from origami_nlp.pattern.angles import parse_angles
@@ -59,8 +57,6 @@ def read_preload(
         return ()
     preload = read_numbers(values, "preload", len(stiffness))
     for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
-        if not math.isfinite(m):
-            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
         if abs(a + m / k) > MOST_WOUND:
             raise SceneError(
                 f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
@@ -86,12 +82,8 @@ def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
         items = list(values)  # type: ignore[call-overload]
     except TypeError:
         raise wrong from None
-    for i, v in enumerate(items, start=1):
-        if isinstance(v, bool | str | bytes) or not np.isscalar(v):
-            raise SceneError(f"{name}[{i}] = {v!r} is not a number")
-    try:
-        numbers = tuple(float(v) for v in items)
-    except OverflowError:
-        raise wrong from None
+    numbers = tuple(
+        check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, start=1)
+    )
     check_length(numbers, name, degree)
     return numbers

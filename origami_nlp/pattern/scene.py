@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, shown
+from origami_nlp.arguments import check_angles, check_number, check_whole, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
 from origami_nlp.numerics import INPUT_TOL, NARROW, SUMMED, energy_or_zero
@@ -178,12 +178,7 @@ class Scene(PrettyRepr):
             raise SceneError(
                 f"name = {shown(self.name)} must be text, without half surrogate pairs"
             )
-        tolerance = self.symmetry_tolerance
-        number = isinstance(tolerance, int | float) and not isinstance(tolerance, bool)
-        if not (number and INPUT_TOL <= tolerance <= 0.1):
-            raise SceneError(
-                f"symmetry_tolerance = {shown(tolerance)} must be a number from 1e-9 to 0.1 [rad]"
-            )
+        check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
         self._set(laws=read_laws(self.laws, n), panels=read_panels(self.panels))
         stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
         check_range(stiffness)
@@ -238,14 +233,9 @@ class Scene(PrettyRepr):
                 total[load.number - 1] += load.torque or 0.0
             preload = read_preload(tuple(total), *springs)
         self._set(preload=preload, loads=forces)
-        held = self.fixed_facet
-        if held is None and not forces:
-            return
-        if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= self.degree:
-            raise SceneError(
-                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {self.degree}: where forces "
-                "pull, say which facet is held"
-            )
+        if self.fixed_facet is not None or forces:
+            what = "fixed_facet, which facet is held where forces pull,"
+            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
 
     def _find_symmetry(self) -> Symmetry:
         """Find the symmetry that geometry and mechanics share; forces keep none."""

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, quaternion
@@ -200,8 +200,7 @@ def _wedge(
     n = vertex.degree
     step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
     if mirror is not None:
-        if isinstance(mirror, bool) or not isinstance(mirror, int) or not 1 <= mirror <= n:
-            raise SymmetryError(f"mirror = {shown(mirror)} must be a crease number from 1 to {n}")
+        check_whole("mirror, a crease,", mirror, 1, n, SymmetryError)
         start = 2 * (mirror - 1) % n
         if start not in mirrors:
             raise SymmetryError(f"mirror = {mirror}: no shared mirror runs through this crease")
