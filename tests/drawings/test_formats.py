@@ -59,11 +59,6 @@ def test_other_colours_are_listed_and_can_be_named(colour):
     assert both.letters == ("M",)
 
 
-def test_a_colour_that_no_line_has_is_refused():
-    with pytest.raises(o.OrigamiError, match="no line of '#ee1032'"):
-        svg(LINE.format('stroke="red"'), DrawingOptions(letters={"#EE1032": "V"}))
-
-
 @pytest.mark.parametrize(
     ("inside", "outside", "angle"),
     [

