@@ -234,13 +234,9 @@ def _sheets(
     extent = [float(np.prod(high - low)) for low, high in boxes]
     order = sorted(range(len(wholes)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
     if len(wholes) > 1:
-        where = "; ".join(
-            f"{k + 1} at {lines.place((boxes[i][0] + boxes[i][1]) / 2)}, {int(found.faces[wholes[i]])} faces"
-            for k, i in enumerate(order[:6])
-        )
-        more = "; ..." if len(wholes) > 6 else ""
+        where = _places(lines, [(boxes[i][0] + boxes[i][1]) / 2 for i in order])
         chosen = "--part takes one" if part is None else f"part {part} is taken"
-        notes.append(f"{len(wholes)} separate sheets ({where}{more}): {chosen}")
+        notes.append(f"{len(wholes)} separate sheets {where}: {chosen}")
     if part is None:
         return ~stray, notes
     if part > len(wholes):

@@ -110,10 +110,14 @@ class HingeLaw(ShortRepr):
     @cached_property
     def _energy(self) -> Any:
         energy = self._torque.antiderivative()
-        roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
-        inside = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
-        energy.c[-1] -= energy(inside).min()
+        energy.c[-1] -= energy(self._turns(self._torque)).min()
         return energy
+
+    def _turns(self, of: Any) -> np.ndarray:
+        """Where a piecewise polynomial is 0 or a piece begins or ends, [r] [rad]."""
+        x = np.concatenate([of.roots(extrapolate=False), self.breaks])
+        # of nan neither holds
+        return np.asarray(x[(x >= self.breaks[0]) & (x <= self.breaks[-1])])
 
     @cached_property
     def _rounding(self) -> float:
@@ -177,8 +181,7 @@ class HingeLaw(ShortRepr):
         if self.made_from:
             law, _, by = self.made_from
             return float(np.clip(law.rest + by, -math.pi, math.pi))
-        roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
-        x = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
+        x = self._turns(self._torque)
         energy = self.energy(x)
         low = x[energy <= energy.min() + INPUT_TOL * max(float(energy.max()), np.finfo(float).tiny)]
         return float(low[np.lexsort((-low, np.round(np.abs(low), 9)))[0]])
@@ -186,10 +189,9 @@ class HingeLaw(ShortRepr):
     @cached_property
     def most(self) -> float:
         """Largest |torque| [N m], or more: what turns a spring as stiff once round."""
-        bends = self._slope.roots(extrapolate=False)
-        x = np.concatenate([bends[np.isfinite(bends)], self.breaks])
-        x = np.clip(x, self.breaks[0], self.breaks[-1])
-        return max(2 * math.pi * self.stiffness, float(np.abs(self.torque(x)).max()))
+        return max(
+            2 * math.pi * self.stiffness, float(np.abs(self.torque(self._turns(self._slope))).max())
+        )
 
     def least(self, low: float, high: float) -> float:
         """Return the least energy between two angles [rad], [J]."""
@@ -203,9 +205,7 @@ class HingeLaw(ShortRepr):
     @cached_property
     def monotone(self) -> bool:
         """Whether the torque nowhere falls."""
-        bent = self._slope.derivative().roots(extrapolate=False)
-        x = np.concatenate([bent[np.isfinite(bent)], np.array(self.breaks)])
-        x = x[(x >= self.breaks[0]) & (x <= self.breaks[-1])]
+        x = self._turns(self._slope.derivative())
         low = np.nextafter(x, -np.inf)  # where the slope jumps both sides count
         return bool(min(self.slope(x).min(), self.slope(low).min()) >= -INPUT_TOL * self.stiffness)
 
