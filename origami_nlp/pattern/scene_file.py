@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_type, shown
+from origami_nlp.arguments import check_number, check_type, shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
@@ -190,11 +190,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     in_degrees = rest_key.endswith("_deg")
     rest = parse_angles(creases[rest_key], rest_key, degrees=in_degrees)
     for i, stated in enumerate(creases[rest_key] if in_degrees else (), start=1):
-        if abs(stated) > 180:
-            raise SceneFileError(
-                f"{rest_key}[{i}] = {stated:.6g} deg is outside [-180, 180]: valley is positive; "
-                "a torque beyond is stated as preload"
-            )
+        check_number(f"{rest_key}[{i}]", stated, -180.0, 180.0, SceneFileError)
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more: dict[str, Any] = {"preload": creases["preload"]} if "preload" in creases else {}
