@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections import Counter
 
@@ -15,7 +14,6 @@ import origami_nlp as o
 from origami_nlp.drawings import DrawingOptions, Lines
 from origami_nlp.drawings.noding import node
 from origami_nlp.drawings.sheet import RUNGS, make_drawing, planar
-from origami_nlp.pattern import examples, frame_pattern, parse_fold
 
 
 def lines(*rows: tuple, angles=None) -> Lines:
@@ -143,33 +141,3 @@ def test_random_lines_make_a_planar_graph(seed, noise):
     drawn = unary_union(MultiLineString(list(np.round(ends)))).length
     kept = sum(np.linalg.norm(found.points[a] - found.points[b]) for a, b in pairs)
     assert kept == pytest.approx(drawn, rel=1e-4)
-
-
-@pytest.mark.parametrize("name", ["miura", "waterbomb", "squaretwist"])
-@pytest.mark.parametrize("ending", [".cp", ".svg"])
-def test_a_pattern_drawn_as_lines_is_the_same_pattern(name, ending):
-    (frame,) = parse_fold(json.dumps(examples.crease_pattern(name)))
-    x, rows = frame.coords, []
-    codes = {"B": 1, "M": 2, "V": 3}
-    colours = {"B": "black", "M": "red", "V": "blue"}
-    for (a, b), letter in zip(frame.edges.tolist(), frame.assignment, strict=True):
-        (p, q), (r, s) = x[a, :2].tolist(), x[b, :2].tolist()
-        if ending == ".cp":
-            rows.append(f"{codes[letter]} {p!r} {-q!r} {r!r} {-s!r}")
-        else:
-            rows.append(
-                f'<line stroke="{colours[letter]}" x1="{p!r}" y1="{-q!r}" x2="{r!r}" y2="{-s!r}"/>'
-            )
-    text = "\n".join(rows) if ending == ".cp" else f"<svg>{''.join(rows)}</svg>"
-    (again,) = parse_fold(text, source=f"it{ending}")
-    one, other = frame_pattern(frame), frame_pattern(again)
-    assert len(one.polygons) == len(other.polygons)
-    assert Counter(one.assignment) == Counter(other.assignment)
-
-    def drawn(f):
-        return {
-            (frozenset((tuple(f.coords[a]), tuple(f.coords[b]))), letter)
-            for (a, b), letter in zip(f.edges.tolist(), f.assignment, strict=True)
-        }
-
-    assert drawn(frame) == drawn(again)  # to the last bit

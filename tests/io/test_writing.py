@@ -94,14 +94,6 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
         assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a"]
 
 
-def test_names_as_long_as_the_system_allows(tmp_path):
-    write_whole(tmp_path / ("a" * 255), b"x")
-    assert os.listdir(tmp_path) == ["a" * 255]
-    with pytest.raises(OrigamiError, match="too long") as caught:
-        check_writable(tmp_path / ("a" * 300), "-o")
-    assert len(str(caught.value)) < 300
-
-
 @pytest.mark.parametrize(
     ("name", "words"),
     [

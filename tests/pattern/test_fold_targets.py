@@ -92,23 +92,6 @@ def test_a_flat_form_with_letters_alone_says_what_it_rests_at():
     assert by_edge(one, rest) == pytest.approx([-180, 180, 180, 180])
 
 
-def test_a_series_of_forms_inherits_its_targets():
-    """Origami Simulator's series: arrays once, coordinates a frame."""
-    data = simulator_export()
-    frames = [
-        {
-            "frame_inherit": True,
-            "frame_classes": ["foldedForm"],
-            "vertices_coords": data.pop("vertices_coords"),
-        }
-    ]
-    frames = parse_fold(json.dumps({**data, "frame_classes": [], "file_frames": frames}))
-    assert [f.number for f in frames] == [1]
-    assert by_edge(frames[0], scene_at(frames[0], 0, symmetry="none").rest_angles) == pytest.approx(
-        TARGETS
-    )
-
-
 @pytest.mark.parametrize("data", [disc(SECTORS, "MVVV", angles=TARGETS), simulator_export()])
 def test_choices_that_cannot_be_are_refused(data):
     for choice in ("measured" if data.get("frame_classes") != ["foldedForm"] else "both", "90"):

@@ -10,7 +10,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, Poses
-from tests.fold_files import disc, others
+from tests.fold_files import others
 
 FOLDED = {  # facets, creases, interior vertices, counted from the files' arrays by hand or by the file's author
     "fold_squaretwist_4xdeg4.fold": (9, 12, 4),
@@ -80,19 +80,6 @@ def test_any_plane_and_any_folded_form_measure_the_same_angles(seed):
         # fold angles of other states mean the same, though measured from another reference
         other, _ = problem.project(0.9 * flat.signs)
         assert np.abs(PatternProblem(folded).closure.values(other)).max() < 1e-12
-
-
-def test_springs_come_from_the_file_then_angles_then_letters():
-    data = disc([60, 100, 120, 80], "MVVV", angles=[-40, 60, 70, 80])
-    assert np.allclose(np.degrees(made(data).rest), [-40, 60, 70, 80])
-    data["edges_origaminlp:restAngle"] = [-10, None, None, None, *[None] * 4]
-    data["edges_origaminlp:stiffness"] = [None, 2.5, None, None, *[None] * 4]
-    p = made(data, stiffness=0.5)
-    assert np.allclose(np.degrees(p.rest), [-10, 60, 70, 80])
-    assert p.stiffness.tolist() == [0.5, 2.5, 0.5, 0.5]
-    bare = disc([60, 100, 120, 80], "MVVV")
-    p = made(bare, rest_angle=math.pi / 2)
-    assert np.allclose(p.rest, [-math.pi / 2, *[math.pi / 2] * 3]) and not p.notes
 
 
 def square(letters="BBBB", extra=()):
