@@ -45,7 +45,6 @@ from .pattern import (
     from_mesh as from_mesh,
     parse_scene as parse_scene,
     read_fold_scene as read_fold_scene,
-    read_fold_scenes as read_fold_scenes,
     read_pattern as read_pattern,
     read_scene as read_scene,
 )

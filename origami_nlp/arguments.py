@@ -87,16 +87,28 @@ def refuse(kind: str, reasons: Mapping[str, str], **given: object) -> None:
             raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {reasons[name]}")
 
 
-def check_whole(name: str, value: Any, least: int, most: int | None = None) -> int:
+def check_whole(
+    name: str,
+    value: Any,
+    least: int,
+    most: int | None = None,
+    error: type[OrigamiError] = OptionError,
+) -> int:
     """Return a whole number from `least` to `most`."""
     whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not whole or value < least or (most is not None and value > most):
         span = f", at least {least}" if most is None else f" from {least} to {most:,}"
-        raise OptionError(f"{name} = {shown(value)} must be a whole number{span}")
+        raise error(f"{name} = {shown(value)} must be a whole number{span}")
     return int(value)
 
 
-def check_number(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:
+def check_number(
+    name: str,
+    value: Any,
+    low: float = -math.inf,
+    high: float = math.inf,
+    error: type[OrigamiError] = OptionError,
+) -> float:
     """Return a finite number from `low` to `high`."""
     try:
         number = (
@@ -111,7 +123,7 @@ def check_number(name: str, value: Any, low: float = -math.inf, high: float = ma
             (False, True): f", at most {high:g}",
             (False, False): "",
         }[math.isfinite(low), math.isfinite(high)]
-        raise OptionError(f"{name} = {shown(value)} must be a finite number{span}")
+        raise error(f"{name} = {shown(value)} must be a finite number{span}")
     return number
 
 

@@ -26,7 +26,7 @@ TASKS = {
         "find_minima classify check_admissible MinimaResult JudgedState SearchOptions"
     ),
     "State a vertex or a pattern": (
-        "examples read_scene read_pattern from_mesh read_fold_scene read_fold_scenes parse_scene format_scene "
+        "examples read_scene read_pattern from_mesh read_fold_scene parse_scene format_scene "
         "Scene Vertex Pattern Load"
     ),
     "Measured hinges": "fit_hinge HingeData MeasuredHinge",

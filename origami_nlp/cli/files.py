@@ -124,14 +124,14 @@ def _inspect_vertex(stated: Scene, out: Output) -> None:
 
 
 @writes("json", "figure")
-def hinge(data: str = o.HINGE_DATA, fit: str = o.FIT) -> Any:
+def hinge(data: str = o.HINGE_DATA) -> Any:
     """Fit a hinge law to measured torques: its band, wells, where the stiffness is negative, loop, and what to look at.
 
     Torque is dU/dphi, positive towards valley.  A scene has the law by [laws.NAME] data = "DATA".
     """
     from origami_nlp.hinges import fit_hinge
 
-    return fit_hinge(data, fit=fit)
+    return fit_hinge(data)
 
 
 @writes("json", "figure", "fold", verbose=True)

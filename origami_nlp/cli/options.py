@@ -187,7 +187,6 @@ CURVES = _option("refuse|leave|N", "Leave curves out, or take N chords for each.
 PART = _option("K", "One of several sheets, from 1, the largest first.")
 SCALE = _option("MM", "Millimetres for one unit of the file.")
 LONGEST = _option("MM", "Millimetres of the longest side.", "--longest")
-FIT = _option("spline|pchip", "Least squares, knots by BIC; or through the points.", usual="spline")
 ALPHA = _option("ANGLE", 'Sector angle alpha [rad], a number or e.g. "pi/4".')
 
 # ---------------------------------------------------------------- cones

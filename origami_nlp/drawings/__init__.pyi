@@ -5,7 +5,7 @@ from .reading import (
     drawing_to_fold as drawing_to_fold,
     read_drawing as read_drawing,
 )
-from .sheet import Drawing as Drawing
+from .sheet import Drawing as Drawing, half_edges as half_edges
 from .writing import (
     WRITTEN as WRITTEN,
     WriteOptions as WriteOptions,

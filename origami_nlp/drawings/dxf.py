@@ -57,15 +57,7 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
 
     try:
         document, _ = recover.read(io.BytesIO(raw))
-    except (
-        ezdxf.DXFError,
-        OSError,
-        ValueError,
-        IndexError,
-        KeyError,
-        TypeError,
-        AttributeError,
-    ) as error:
+    except (ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise DrawingError(
             f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
         ) from None
@@ -128,11 +120,7 @@ def _letter(found: LineList, entity: Any, document: Any) -> str | None:
 
 def _of_colour(colour: int) -> str | None:
     """Return what a colour of AutoCAD's index is: as the newer programs have them."""
-    if colour == 1:
-        return "M"
-    if colour == 5:
-        return "V"
-    return {7: "B", 250: "B", 3: "B", 4: "F"}.get(colour)
+    return {1: "M", 5: "V", 7: "B", 250: "B", 3: "B", 4: "F"}.get(colour)
 
 
 def dxf_text(layers: dict[str, int], unit: str, draw: Callable[[Any], None]) -> str:

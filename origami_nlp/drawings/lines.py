@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.arguments import did_you_mean
+from origami_nlp.arguments import check_number, check_whole, did_you_mean
 from origami_nlp.errors import DrawingError, OptionError
 
 LETTERS = "BCMVUF"
@@ -54,22 +55,17 @@ class DrawingOptions:
     part: int | None = None
 
     def __post_init__(self) -> None:
-        if self.tolerance is not None and not 0 < self.tolerance <= 0.1:
-            raise OptionError(
-                f"tolerance = {self.tolerance:g} must be a share of the sheet, 0 to 0.1"
-            )
+        if self.tolerance is not None:
+            check_number("tolerance", self.tolerance, math.ulp(0.0), 0.1)
+        if self.curves not in ("refuse", "leave"):
+            check_whole("curves, refuse, leave or chords of each,", self.curves, 1, 1000)
+        if self.part is not None:
+            check_whole("part", self.part, 1)
         for key, letter in self.letters.items():
             if letter not in (*LETTERS, "-"):
                 raise OptionError(
                     f"colour {key!r} = {letter!r} must be one of {', '.join(LETTERS)} or -"
                 )
-        whole = isinstance(self.curves, int) and not isinstance(self.curves, bool)
-        if self.curves not in ("refuse", "leave") and not (whole and 1 <= int(self.curves) <= 1000):
-            raise OptionError(
-                f"curves = {self.curves!r} must be refuse, leave, or a number of chords, 1 to 1000"
-            )
-        if self.part is not None and self.part < 1:
-            raise OptionError(f"part = {self.part} must be 1 or more")
 
 
 @dataclass(frozen=True, eq=False)

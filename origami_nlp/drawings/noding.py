@@ -116,7 +116,8 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
         raise DrawingError(
             "the drawing: its lines go on splitting each other: take a larger tolerance"
         )
-    return _merged(points, pieces, line, letters, angles, moved, joined, split, crossed, vanished)
+    counts = {"moved": moved, "joined": joined, "split": split, "crossed": crossed}
+    return _merged(points, pieces, line, letters, angles, vanished=vanished, **counts)
 
 
 def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -274,11 +275,7 @@ def _merged(
     line: np.ndarray,
     letters: Sequence[str],
     angles: np.ndarray,
-    moved: float,
-    joined: int,
-    split: int,
-    crossed: int,
-    vanished: int,
+    **counts: Any,
 ) -> Noded:
     """Merge pieces that lie on each other, and let go points at which only one line goes on."""
     on: dict[tuple[int, int], list[int]] = {}
@@ -306,19 +303,12 @@ def _merged(
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     edges = number[np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2)]
+    _, _, names, phi, of = zip(*kept, strict=True) if kept else ((),) * 5
     return Noded(
-        points[used],
-        edges,
-        tuple(letter for _, _, letter, _, _ in kept),
-        np.array([angle for *_, angle, _ in kept]),
-        tuple(several for *_, several in kept),
-        moved,
-        joined,
-        split,
-        crossed,
-        doubled,
-        vanished,
-        tuple(clashes),
+        *(points[used], edges, tuple(names), np.array(phi, float), tuple(of)),
+        doubled=doubled,
+        clashes=tuple(clashes),
+        **counts,
     )
 
 

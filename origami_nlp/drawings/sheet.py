@@ -234,13 +234,9 @@ def _sheets(
     extent = [float(np.prod(high - low)) for low, high in boxes]
     order = sorted(range(len(wholes)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
     if len(wholes) > 1:
-        where = "; ".join(
-            f"{k + 1} at {lines.place((boxes[i][0] + boxes[i][1]) / 2)}, {int(found.faces[wholes[i]])} faces"
-            for k, i in enumerate(order[:6])
-        )
-        more = "; ..." if len(wholes) > 6 else ""
+        where = _places(lines, [(boxes[i][0] + boxes[i][1]) / 2 for i in order])
         chosen = "--part takes one" if part is None else f"part {part} is taken"
-        notes.append(f"{len(wholes)} separate sheets ({where}{more}): {chosen}")
+        notes.append(f"{len(wholes)} separate sheets {where}: {chosen}")
     if part is None:
         return ~stray, notes
     if part > len(wholes):
@@ -276,6 +272,32 @@ class Planar:
     outer: np.ndarray
 
 
+def half_edges(points: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return both senses of edges [m, 2], and what follows each round the face on its left.
+
+    Parameters
+    ----------
+    points
+        In the plane, [V, 2].
+    edges
+        Each once.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Where each half-edge begins and ends, edges in their order and then turned back, and the next one, [2 m].
+    """
+    m = len(edges)
+    tail, head = np.concatenate([edges, edges[:, ::-1]]).T
+    d = points[head] - points[tail]
+    order = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))
+    place = np.argsort(order)
+    begin, end = (np.searchsorted(tail[order], head, side) for side in ("left", "right"))
+    # at its end clockwise from where one came: the face stays on the left
+    here = place[(np.arange(2 * m) + m) % (2 * m)] - 1
+    return tail, head, order[np.where(here < begin, end - 1, here)]
+
+
 def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     """Walk round all faces of a drawing whose edges meet at vertices only.
 
@@ -298,25 +320,10 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     >>> made.degree.tolist(), made.faces.tolist(), made.outer.all()
     ([2, 3, 2, 1], [1], np.True_)
     """
-    once, first, back = np.unique(
-        np.sort(edges, axis=1), axis=0, return_index=True, return_inverse=True
-    )
-    del first
+    once, back = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
     m = len(once)
-    tail, head = np.concatenate([once, once[:, ::-1]]).T  # half-edge e runs along edge e % m
-    d = points[head] - points[tail]
-    order = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))
-    place = np.empty(2 * m, int)
-    place[order] = np.arange(2 * m)
-    begin = np.searchsorted(tail[order], np.arange(len(points)))
-    end = np.searchsorted(tail[order], np.arange(len(points)), side="right")
-    # arriving by a half-edge one leaves by the first one clockwise from its reverse: the face stays on the left
-    reverse = (np.arange(2 * m) + m) % (2 * m)
-    here = place[reverse] - 1
-    at = head
-    here = np.where(here < begin[at], end[at] - 1, here)
-    leaving = order[here]
-    walk = groups(2 * m, np.column_stack([np.arange(2 * m), leaving]))
+    tail, head, after = half_edges(points, once)
+    walk = groups(2 * m, np.column_stack([np.arange(2 * m), after]))
     vertex_group = groups(len(points), once)
     names, component = np.unique(vertex_group[once[:, 0]], return_inverse=True)
     middle = points.mean(axis=0) if len(points) else np.zeros(2)
@@ -324,9 +331,9 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     area = np.bincount(walk, weights=p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
     # of each component the walk outside: of the least signed area
     of_walk = np.empty(len(area), int)
-    of_walk[walk] = component[np.arange(2 * m) % m]
+    of_walk[walk] = np.tile(component, 2)
     least = np.lexsort((area, of_walk))
-    outside = least[np.concatenate([[True], np.diff(of_walk[least]) > 0])] if len(area) else least
+    outside = least[np.diff(of_walk[least], prepend=-1) > 0]
     is_outside = np.isin(walk, outside)
     faces = np.bincount(of_walk, minlength=len(names)) - 1
     outer = is_outside[:m] | is_outside[m:]

@@ -18,19 +18,6 @@ SIMULATOR_COLOURS = {
     "#888888": "F",
 }
 """Of Origami Simulator (js/pattern.js), and the gray with which Flat-Folder and Rabbit Ear draw flat lines."""
-_NAMES = {
-    "black": "#000000",
-    "red": "#ff0000",
-    "blue": "#0000ff",
-    "lime": "#00ff00",
-    "yellow": "#ffff00",
-    "magenta": "#ff00ff",
-    "fuchsia": "#ff00ff",
-    "gray": "#808080",
-    "grey": "#808080",
-    "green": "#008000",
-    "white": "#ffffff",
-}
 LOOKS = ("stroke", "stroke-opacity", "opacity", "display", "visibility")
 INHERITED = ("stroke", "stroke-opacity", "visibility")
 """Properties that are read, and those of them that groups hand down; opacity is the element's own."""
@@ -61,7 +48,9 @@ def canonical_colour(text: str) -> str:
         except ValueError:
             return colour
         return "#" + "".join(f"{min(round(p), 255):02x}" for p in parts)
-    return _NAMES.get(colour, colour)
+    from matplotlib.colors import CSS4_COLORS
+
+    return str(CSS4_COLORS.get(colour, colour)).lower()
 
 
 def declarations(text: str) -> Declarations:

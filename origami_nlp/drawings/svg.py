@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -186,34 +186,28 @@ def _matrix(element: Element, name: str) -> np.ndarray:
         kind = kind.strip()
         n = [float(w) for w in re.findall(NUMBER, words)]
         try:
-            matrix = matrix @ _function(kind, n)
-        except (TypeError, ValueError, IndexError):
+            matrix = matrix @ FUNCTIONS[kind](*n)
+        except (KeyError, TypeError):
             raise DrawingError(
                 f"{name}: transform {kind}({words[:40]}) is none that SVG has"
             ) from None
     return matrix
 
 
-def _function(kind: str, n: list[float]) -> np.ndarray:
-    if kind == "matrix":
-        return _affine(*n)
-    if kind == "translate":
-        return _affine(1, 0, 0, 1, n[0], *(n[1:] or [0.0]))
-    if kind == "scale":
-        return _affine(n[0], 0, 0, n[-1], 0, 0)
-    if kind == "rotate":
-        angle = math.radians(n[0])
-        turn = _affine(math.cos(angle), math.sin(angle), -math.sin(angle), math.cos(angle), 0, 0)
-        if len(n) == 1:
-            return turn
-        there: np.ndarray = (
-            _affine(1, 0, 0, 1, n[1], n[2]) @ turn @ _affine(1, 0, 0, 1, -n[1], -n[2])
-        )
-        return there
-    slope = math.tan(math.radians(n[0]))
-    if kind in ("skewX", "skewY"):
-        return _affine(1, slope * (kind == "skewY"), slope * (kind == "skewX"), 1, 0, 0)
-    raise ValueError(kind)
+def _rotation(degrees: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return _affine(c, s, -s, c, x - c * x + s * y, y - s * x - c * y)
+
+
+FUNCTIONS: dict[str, Callable[..., np.ndarray]] = {
+    "matrix": _affine,
+    "translate": lambda x, y=0.0: _affine(1, 0, 0, 1, x, y),
+    "scale": lambda x, y=None: _affine(x, 0, 0, x if y is None else y, 0, 0),
+    "rotate": _rotation,
+    "skewX": lambda degrees: _affine(1, 0, math.tan(math.radians(degrees)), 1, 0, 0),
+    "skewY": lambda degrees: _affine(1, math.tan(math.radians(degrees)), 0, 1, 0, 0),
+}
+"""Of transforms, by their names."""
 
 
 def _unit(root: Element) -> str:

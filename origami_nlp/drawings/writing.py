@@ -10,6 +10,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
+from origami_nlp.arguments import check_number
 from origami_nlp.drawings.dxf import dxf_text
 from origami_nlp.drawings.oripa_files import CP_CODES
 from origami_nlp.drawings.sheet import Drawing
@@ -55,9 +56,8 @@ class WriteOptions:
 
     def __post_init__(self) -> None:
         for name in ("scale", "size"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < math.inf:
-                raise OptionError(f"{name} = {value:g} must be positive [mm]")
+            if getattr(self, name) is not None:
+                check_number(f"{name} [mm]", getattr(self, name), math.ulp(0.0))
         if self.scale is not None and self.size is not None:
             raise OptionError("scale and size: give one of them")
 

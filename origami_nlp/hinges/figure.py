@@ -43,9 +43,8 @@ def draw_hinge(hinge: MeasuredHinge) -> Figure:
     two = not math.isnan(hinge.loop_area)
     handles: list[Any] = [Line2D([], [], color=LAW, lw=1.6, label="mean law")]
     dots: Any = {"ls": "", "marker": "o", "ms": 3, "mew": 0}
-    for colour, label in (
-        ((LOADING, "angle growing"), (UNLOADING, "angle falling")) if two else ((LOADING, "data"),)
-    ):
+    ways = [(LOADING, "angle growing"), (UNLOADING, "angle falling")]
+    for colour, label in ways if two else [(LOADING, "data")]:
         handles.append(Line2D([], [], color=colour, label=label, **dots))
     if np.isfinite(hinge.band).all():
         handles.append(Patch(color=LAW, alpha=0.2, lw=0, label="95 % band"))
@@ -53,15 +52,12 @@ def draw_hinge(hinge: MeasuredHinge) -> Figure:
         handles.append(Line2D([], [], color=LAW, lw=0.9, ls=(0, (4, 2)), label="law and half-gap"))
     if hinge.falling:
         handles.append(Patch(color=FALLING, lw=0, label="stiffness < 0"))
-    handles.append(Patch(fc="white", ec="#999999", hatch="////", lw=0, label="not measured"))
     page = StackedFigure(WIDE, TALL, [hinge.name], handles, hinge.notes)
     upper = page.axes(0.75, 0.1, WIDE - 0.95, 0.58 * TALL - 0.15)
     lower = page.axes(0.75, 0.58 * TALL + 0.1, WIDE - 0.95, 0.42 * TALL - 0.65)
     room = 0.06 * np.ptp(x)
     for axes in (upper, lower):
         axes.set_xlim(x[0] - room, x[-1] + room)
-        for a, b in ((x[0] - room, x[0]), (x[-1], x[-1] + room)):
-            axes.axvspan(a, b, fc="white", ec="#999999", hatch="////", lw=0)
         for a, b in hinge.falling:
             axes.axvspan(math.degrees(a), math.degrees(b), color=FALLING, lw=0, zorder=0)
         for side in ("top", "right"):
@@ -70,15 +66,8 @@ def draw_hinge(hinge: MeasuredHinge) -> Figure:
     small = max(1.0, min(3.5, 60 / math.sqrt(len(way))))
     for sign, colour in ((1, LOADING), (-1, UNLOADING)):
         rows = way == sign
-        upper.plot(
-            np.degrees(data.angle[rows]),
-            scale * data.torque[rows],
-            "o",
-            ms=small,
-            mew=0,
-            alpha=0.55,
-            color=colour,
-        )
+        dotted = {"ms": small, "mew": 0, "alpha": 0.55, "color": colour}
+        upper.plot(np.degrees(data.angle[rows]), scale * data.torque[rows], "o", **dotted)
     if np.isfinite(hinge.band).all():
         above, below = (scale * (hinge.torque + s * hinge.band) for s in (1, -1))
         upper.fill_between(x, below, above, color=LAW, alpha=0.2, lw=0)

@@ -12,22 +12,19 @@ from origami_nlp.numerics import INPUT_TOL, LEVEL
 from origami_nlp.pattern import HingeData, LawFit, fit_data, read_hinge_data, runs
 
 NOISY = 0.1
-"""Share of the largest torque, from which residuals are noted; of the half-gap, from which a crossing is."""
+"""Share of the largest torque, from which residuals are noted."""
 EMPTY = 0.25
 """Share of the range without a row that is noted."""
 
 
-def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> MeasuredHinge:
-    """Fit a hinge law to measured torques.
+def fit_hinge(data: str | PathLike[str] | HingeData) -> MeasuredHinge:
+    """Fit a hinge law to measured torques: a cubic spline whose number of knots has the least BIC (Schwarz 1978).
 
     Parameters
     ----------
     data
         A table of text with the columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if wanted, weight, in
         the order of the measurement, so that loading and unloading are distinguished; or `HingeData`.
-    fit
-        ``"spline"``: least squares by a cubic spline whose number of knots has the least BIC (Schwarz 1978);
-        ``"pchip"``: through the rows, or their averages, monotone between them (Fritsch and Carlson 1980).
 
     Returns
     -------
@@ -38,8 +35,6 @@ def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> 
     ------
     SceneFileError
         If the data cannot be read, or are no torques over fold angles.
-    OptionError
-        If `fit` is neither.
 
     Examples
     --------
@@ -49,32 +44,9 @@ def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> 
     >>> [round(rest.angle, 6) for rest in hinge.rests]
     [-1.0, 1.0]
     """
-    measured = data if isinstance(data, HingeData) else read_hinge_data(data)
-    found = fit_data(measured, fit)
-    slope, width = found.law.slope(found.angle), found.slope_band
-    rests, energy = _rests(found), found.law.energy(found.angle)
-    known = np.isfinite(width).all()
-    return MeasuredHinge(
-        measured,
-        fit,
-        found.law,
-        found.knots,
-        found.angle,
-        found.torque,
-        found.band,
-        found.slope_band,
-        found.gap,
-        float(np.sqrt(np.mean(found.residuals**2))),
-        float(np.abs(found.residuals).max()),
-        found.noise,
-        found.correlation,
-        tuple(runs(slope + width < 0, found.angle)) if known else (),
-        float(np.mean(np.abs(slope) <= width)) if known else 1.0,
-        *found.loop,
-        float(np.ptp(energy)),
-        rests,
-        tuple(_notes(found, rests, measured)),
-    )
+    found = fit_data(data if isinstance(data, HingeData) else read_hinge_data(data))
+    rests = _rests(found)
+    return MeasuredHinge(**vars(found), rests=rests, notes=tuple(_notes(found, rests)))
 
 
 def _rests(found: LawFit) -> tuple[HingeRest, ...]:
@@ -120,7 +92,7 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     return tuple(out)
 
 
-def _notes(found: LawFit, rests: tuple[HingeRest, ...], data: HingeData) -> list[str]:
+def _notes(found: LawFit, rests: tuple[HingeRest, ...]) -> list[str]:
     """Say what may be wrong with the data, and what a law cannot have."""
     notes = []
     torque, x = found.torque, found.angle
@@ -132,13 +104,11 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...], data: HingeData) -> list
             "stop there (limits_deg), else look whether the rig's zero was taken off"
         )
     elif len(rests) - len(wells) == 2:
-        inside = "beyond its wells " if wells else ""
         notes.append(
-            f"{inside}the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what "
-            "holds the hinge at the angle; the hinge's own moment on its panels is the opposite"
+            "the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what holds the "
+            "hinge at the angle; the hinge's own moment on its panels is the opposite"
         )
-    area, error = found.loop
-    stored = float(np.ptp(found.law.energy(x)))
+    area, error, stored = found.loop_area, found.loop_error, found.stored
     if area < 0 and not abs(area) <= error:
         notes.append(
             "torques on unloading are above those on loading, so that a cycle would give energy: is the sign swapped, "
@@ -149,18 +119,12 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...], data: HingeData) -> list
             f"a cycle takes {100 * area / stored:.3g} % of the energy that the law stores: states of the mean law may "
             "be held elsewhere, by friction or yield, which no energy has"
         )
-    if area > 0 and found.gap.min() < -NOISY * found.gap.max():
-        notes.append("loading and unloading cross: their half-gap is not of one sign")
-    rms = float(np.sqrt(np.mean(found.residuals**2)))
-    size = float(np.abs(torque).max())
-    if rms > NOISY * size:
-        notes.append(
-            f"residuals are {100 * rms / size:.2g} % of the largest torque: the law is that of a noisy rig"
-        )
-    steps = np.diff(np.unique(data.angle))
+    if found.residual_rms > NOISY * np.abs(torque).max():
+        notes.append(f"residuals are above {100 * NOISY:g} % of the largest torque: a noisy rig")
+    steps = np.diff(np.unique(found.data.angle))
     if steps.max() > EMPTY * np.ptp(x):
         at = int(np.argmax(steps))
-        a, b = np.degrees(np.unique(data.angle)[[at, at + 1]])
+        a, b = np.degrees(np.unique(found.data.angle)[[at, at + 1]])
         notes.append(
             f"nothing was measured from {a:.4g} to {b:.4g} degrees: there the law is only drawn through"
         )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.display import Report, Section, Table, Words
-from origami_nlp.pattern import HingeData, HingeLaw
+from origami_nlp.pattern import LawFit
 
 MUCH = 0.2
 """Share of the energy that the law stores, from which the area of the loop is a warning."""
@@ -47,19 +47,17 @@ class HingeRest:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredHinge(Report):
-    """A hinge law fitted to measured torques, and what is known of it.
+class MeasuredHinge(LawFit, Report):
+    """A hinge law fitted to measured torques, and what is known of it: besides its `LawFit`, where it rests.
 
     Attributes
     ----------
     data
         As measured.
-    fit
-        How the law was fitted: ``"spline"`` or ``"pchip"``.
     law
-        The mean law, for `Scene(laws=)` and `Pattern.with_laws`.
+        The mean law, for `Scene(laws=)` and `Pattern.with_laws`, known where it was measured.
     knots
-        Inner knots of the spline, or angles of the averages that the law goes through [rad].
+        Inner knots of the spline [rad].
     angle
         Where the next four are stated, [g] [rad].
     torque, band
@@ -67,19 +65,19 @@ class MeasuredHinge(Report):
     slope_band
         95 % half-width of the stiffness, [g] [N m/rad].
     gap
-        Half of what torques on loading are above those on unloading, [g] [N m].
+        Half of what torques on loading are above those on unloading, [g] [N m]; 0 without a loop.
     residual_rms, residual_max
         Of torques less the law and the half-gap [N m].
     noise
-        Standard deviation of a row [N m]; nan if not known.
+        Standard deviation of a torque of weight 1 [N m]; nan if not known.
     correlation
         Of residuals that follow each other, for which the band is wider.
+    loop_area, loop_error
+        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
     falling
         Intervals of angles in which the stiffness is negative for certain (95 % at each angle) [rad].
     unsure
         Share of the range in which the sign of the stiffness is not known.
-    loop_area, loop_error
-        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
     stored
         Largest less least energy of the mean law [J].
     rests
@@ -91,31 +89,13 @@ class MeasuredHinge(Report):
     --------
     >>> import numpy as np, origami_nlp as o
     >>> angle = np.radians(np.linspace(-90, 90, 61))
-    >>> found = o.fit_hinge(o.HingeData(angle, 0.01 * (angle - 0.2)), fit="pchip")
+    >>> found = o.fit_hinge(o.HingeData(angle, 0.01 * (angle - 0.2)))
     >>> round(found.law.rest, 4), [round(rest.angle, 4) for rest in found.rests]
     (0.2, [0.2])
     """
 
     PICTURE = "draw_hinge"
     SCHEMA = "origami-nlp/hinge/1"
-    data: HingeData
-    fit: str
-    law: HingeLaw
-    knots: np.ndarray
-    angle: np.ndarray
-    torque: np.ndarray
-    band: np.ndarray
-    slope_band: np.ndarray
-    gap: np.ndarray
-    residual_rms: float
-    residual_max: float
-    noise: float
-    correlation: float
-    falling: tuple[tuple[float, float], ...]
-    unsure: float
-    loop_area: float
-    loop_error: float
-    stored: float
     rests: tuple[HingeRest, ...]
     notes: tuple[str, ...] = field(default=())
 
@@ -141,42 +121,22 @@ class MeasuredHinge(Report):
             "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0); the hinge's own "
             "moment on its panels is the opposite."
         )
-        heads: tuple[str, ...] = (
-            "rest",
-            "phi [deg]",
-            "energy [J]",
-            "to leave [J]",
-            "stiffness [N m/rad]",
-        )
-        rows: list[tuple[str, ...]] = [
-            (
-                rest.kind,
-                f"{math.degrees(rest.angle):.4g}"
-                + (f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""),
-                f"{rest.energy:.4g}",
-                f"{rest.barrier:.4g}",
-                f"{rest.stiffness:.4g}",
-            )
-            for rest in self.rests
-        ]
-        if any(rest.held[1] > rest.held[0] for rest in self.rests):
-            heads += ("held by the loop [deg]",)
-            rows = [
-                (*row, " to ".join(f"{math.degrees(a):.4g}" for a in rest.held))
-                for row, rest in zip(rows, self.rests, strict=True)
-            ]
+        heads = "rest,phi [deg],energy [J],to leave [J],stiffness [N m/rad],held by the loop [deg]"
+        rows = []
+        for rest in self.rests:
+            known = f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""
+            numbers = (f"{v:.4g}" for v in (rest.energy, rest.barrier, rest.stiffness))
+            low, high = np.degrees(rest.held)
+            held = f"{low:.4g} to {high:.4g}" if high > low else ""
+            rows.append((rest.kind, f"{math.degrees(rest.angle):.4g}{known}", *numbers, held))
         if rows:
-            yield Table(heads, rows, framed=False)
+            yield Table(heads.split(","), rows, framed=False)
         yield from self._known()
         yield from (Words(f"Note: {note}", "bold") for note in self.notes)
 
     def _known(self) -> Iterator[str]:
         rows, pieces = len(self.data.angle), len(self.law.coefficients)
-        how = (
-            f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
-            if self.fit == "spline"
-            else f"through {len(self.knots)} points (PCHIP)"
-        )
+        how = f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
         yield (
             f"{rows:,} rows, {how}: residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most; largest "
             f"torque {np.abs(self.torque).max():.4g} N m, stored {self.stored:.4g} J"
@@ -184,39 +144,29 @@ class MeasuredHinge(Report):
         if np.isfinite(self.band).all():
             yield (
                 f"95 % band of the law, at each angle: half-width {np.median(self.band):.2g} N m (median), "
-                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row"
-                + (
-                    f", residuals in a row hang together ({self.correlation:.2f}): the band is wider for it"
-                    if self.correlation
-                    else ""
-                )
+                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row, correlation of residuals in a row "
+                f"{self.correlation:.2f}"
             )
-        else:
-            yield "Band: not known, each angle was measured once; fit = spline estimates it from the residuals"
-        falls = ", ".join(
-            f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling
-        )
+        shown = [f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling]
+        where = f"{', '.join(shown)} degrees" if shown else "nowhere"
         yield (
-            f"Stiffness negative for certain: {falls + ' degrees' if falls else 'nowhere'}; its sign is not known on "
+            f"Stiffness negative for certain: {where}; its sign is not known on "
             f"{round(100 * self.unsure, 2):g} % of the range"
         )
-        if math.isnan(self.loop_area):
-            yield "Loading and unloading: not both measured, what a cycle takes is not known"
-        else:
-            error = f" +-{self.loop_error:.2g}" if math.isfinite(self.loop_error) else ""
+        if not math.isnan(self.loop_area):
             yield (
-                f"Loop of loading and unloading: {self.loop_area:.4g}{error} J a cycle, half-gap "
+                f"Loop of loading and unloading: {self.loop_area:.4g} +-{self.loop_error:.2g} J a cycle, half-gap "
                 f"{np.abs(self.gap).max():.3g} N m at most.  The law is the mean of both: states found with it are "
                 "those of the mean law"
             )
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        slope = self.law.slope(self.angle)
-        for k, phi in enumerate(self.angle):
-            yield {
-                "phi_rad": float(phi),
-                "torque_N_m": float(self.torque[k]),
-                "band_N_m": float(self.band[k]),
-                "half_gap_N_m": float(self.gap[k]),
-                "stiffness_N_m_per_rad": float(slope[k]),
-            }
+        columns = {
+            "phi_rad": self.angle,
+            "torque_N_m": self.torque,
+            "band_N_m": self.band,
+            "half_gap_N_m": self.gap,
+            "stiffness_N_m_per_rad": self.law.slope(self.angle),
+        }
+        for row in zip(*(v.tolist() for v in columns.values()), strict=True):
+            yield dict(zip(columns, row, strict=True))

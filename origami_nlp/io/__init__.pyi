@@ -13,6 +13,7 @@ from .reading import (
     check_tables as check_tables,
     inputs_kept as inputs_kept,
     one_of as one_of,
+    parse_json as parse_json,
     parse_toml as parse_toml,
     read_json as read_json,
     read_limited as read_limited,

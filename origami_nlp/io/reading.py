@@ -118,16 +118,36 @@ def read_json(
         If `source` is no path.
     """
     raw = read_limited(source, largest, what, error)
+    return parse_json(raw, f"{what} {str(source)!r}", error)
+
+
+def parse_json(text: str | bytes, what: str, error: type[OrigamiError]) -> Any:
+    """Parse JSON, in which every number is finite.
+
+    Parameters
+    ----------
+    text
+        All of it.
+    what
+        Its name, for complaints.
+    error
+        What to raise.
+
+    Returns
+    -------
+    Any
+        Its data.
+    """
     try:
-        return json.loads(raw, parse_constant=_refuse)
-    except RecursionError:
-        raise error(f"{what} {str(source)!r} is no JSON file: too deeply nested") from None
-    except ValueError as problem:
-        raise error(f"{what} {str(source)!r} is no JSON file: {problem}") from None
+        return json.loads(text, parse_constant=_refuse)
+    except (ValueError, RecursionError) as problem:
+        deep = isinstance(problem, RecursionError)
+        why = "it is nested too deeply" if deep else str(problem).splitlines()[0]
+        raise error(f"{what} is not valid JSON: {why}") from None
 
 
 def _refuse(name: str) -> float:
-    raise ValueError(f"{name} is no number there")
+    raise ValueError(f"{name} is no number there: write null or a number")
 
 
 def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any]:

@@ -43,12 +43,8 @@ def write_whole(target: Target, content: bytes) -> None:
     """
     check_writable(target, "file")
     with _named(target, "file"):
-        if os.fspath(target) == "-":
+        if is_stdout(target):
             _to_stdout(content)
-        elif (descriptor := _descriptor(target)) is not None:
-            sys.stdout.flush()  # what was said before comes before
-            with open(descriptor, "wb", closefd=False) as file:
-                file.write(content)
         elif _is_replaceable(_status(target)):
             _replace(os.path.realpath(target), content)
         else:
@@ -98,7 +94,13 @@ def is_stdout(target: Target | None) -> bool:
     bool
         Whether it is.
     """
-    return target is not None and (os.fspath(target) == "-" or _descriptor(target) == 1)
+    if target is None or os.fspath(target) == "-":
+        return target is not None
+    there = _status(target)
+    try:
+        return there is not None and os.path.samestat(there, os.fstat(1))
+    except OSError:  # it is closed
+        return False
 
 
 def check_writable(target: Target | None, option: str) -> None:
@@ -126,10 +128,6 @@ def check_writable(target: Target | None, option: str) -> None:
             raise OptionError(f"{option} = '-' cannot be written: standard output is closed")
         return
     with _named(target, option):
-        descriptor = _descriptor(target)
-        if descriptor is not None:
-            os.fstat(descriptor)
-            return
         there = _status(target)
         if not os.path.basename(target) or (there and stat.S_ISDIR(there.st_mode)):
             raise OptionError(f"{option} = {_shown(target)} is a folder: give a file name")
@@ -233,25 +231,6 @@ def _status(target: Target) -> os.stat_result | None:
 
 def _is_replaceable(there: os.stat_result | None) -> bool:
     return there is None or stat.S_ISREG(there.st_mode)
-
-
-def _descriptor(target: Target) -> int | None:
-    """Return the number of our open file that a name stands for: /dev/stdout, /dev/fd/N, /proc/self/fd/N.
-
-    Also where it is a regular file (output redirected to one): opened anew it would be written from its start,
-    over what is there.
-    """
-    path = os.path.abspath(target)
-    for _ in range(40):  # as many links as the system follows
-        folder, name = os.path.split(path)
-        here = os.path.realpath(folder)
-        if name.isdigit() and here in ("/dev/fd", f"/proc/{os.getpid()}/fd"):
-            return int(name)
-        try:
-            path = os.path.join(here, os.readlink(path))
-        except OSError:
-            return None
-    return None
 
 
 def _temporary(folder: str) -> str:

@@ -46,10 +46,8 @@ from .fold_notes import listed as listed
 from .fold_rings import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
-    read_fold_scenes as read_fold_scenes,
     scene_at as scene_at,
     vertex_scene as vertex_scene,
-    vertex_scenes as vertex_scenes,
 )
 from .fold_source import is_drawing as is_drawing
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
@@ -112,7 +110,7 @@ from .pattern_file import (
 )
 from .places import is_place as is_place, with_places as with_places
 from .plane import in_plane as in_plane, laid_flat as laid_flat
-from .relations import Relation as Relation, Relations as Relations
+from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
     decode_scene as decode_scene,

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from numbers import Real
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import AngleError
 from origami_nlp.numerics import EPS
 
@@ -105,9 +105,8 @@ def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[
     out: list[float] = []
     for i, value in enumerate(values, start=1):
         if degrees:
-            if isinstance(value, bool) or not isinstance(value, Real):
-                raise AngleError(f"{field}[{i}] = {shown(value)} is not a number of degrees")
-            out.append(math.radians(parse_angle(value, f"{field}[{i}]")))
+            number = check_number(f"{field}[{i}] [deg]", value, error=AngleError)
+            out.append(math.radians(number))
         else:
             out.append(parse_angle(value, f"{field}[{i}]"))
     return tuple(out)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,10 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, cross
-from origami_nlp.pattern.cells import make_cell
+from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.sheet import Pattern
 
 DIAGONALS = ("short", "long", "both")
 """Which diagonal of a facet with four corners bends."""
@@ -94,32 +93,30 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     springs |= {side: k * length for side, length in zip(cuts, long, strict=True)}
     least = int(pattern.numbers.max(initial=-1)) + 1
 
-    def of(values: np.ndarray, new: Any) -> dict[tuple[int, int], Any]:
-        return dict(zip(sides, values.tolist(), strict=True)) | dict.fromkeys(cuts, new)
+    def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
+        return dict(zip(sides, values, strict=True)) | dict.fromkeys(cuts, new)
 
-    make: Any = make_pattern
-    if (cell := pattern.cell) is not None:
-        make = partial(make_cell, lattice=cell.lattice, rolled=cell.rolled)
     which, others = (
         (f"{diagonal} diagonals", ABOUT_OTHERS) if diagonal != "both" else (HALVES, ABOUT_BOTH)
     )
-    made = make(
+    told = f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}"
+    numbers = of(pattern.numbers.tolist(), None) | {s: least + i for i, s in enumerate(cuts)}
+    stops = pattern.limit_angles.T.tolist()
+    return make_sheet(
         np.array(corners),
         polygons,
-        assignment=dict(zip(sides, pattern.assignment, strict=True)) | dict.fromkeys(cuts, "F"),
-        fold_angles=of(pattern.reference, 0.0),
-        numbers=dict(zip(sides, pattern.numbers.tolist(), strict=True))
-        | {side: least + i for i, side in enumerate(cuts)},
+        pattern.cell and pattern.cell.lattice,
+        rolled=pattern.cell and pattern.cell.rolled,
+        assignment=of(pattern.assignment, "F"),
+        fold_angles=of(pattern.reference.tolist(), 0.0),
+        numbers=numbers,
         stiffness=springs,
-        rest=of(pattern.rest, 0.0),
-        limits=of(pattern.limit_angles.T, (-math.pi, math.pi)) if pattern.limits else None,
+        rest=of(pattern.rest.tolist(), 0.0),
+        limits=of(stops, (-math.pi, math.pi)) if pattern.limits else None,
+        laws=of(pattern.laws, None) if pattern.laws else None,
         name=pattern.name,
-        notes=[
-            *pattern.notes,
-            f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}",
-        ],
+        notes=[*pattern.notes, told],
     )
-    return made.with_laws([*pattern.laws, *[None] * len(cuts)]) if pattern.laws else made
 
 
 def _where_diagonals_meet(x: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ other, are the identity of a tube that is closed once round.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -21,6 +21,7 @@ import scipy as sp
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups
+from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY
 from origami_nlp.pattern.loops import Loop
 from origami_nlp.pattern.polygons import Side, side
@@ -314,6 +315,24 @@ def make_cell(
     whole = whole.with_springs(whole.stiffness.tolist())
     stops = values.get("limits")
     return whole.with_limits([stops[s] for s in sides]) if stops else whole
+
+
+def make_sheet(
+    corners: np.ndarray,
+    polygons: Sequence[Sequence[int]],
+    lattice: np.ndarray | Sequence[Sequence[float]] | None,
+    rolled: Copy | None,
+    laws: Mapping[Side, HingeLaw | None] | None,
+    **stated: Any,
+) -> Pattern:
+    """Build a pattern, or a cell where there is a lattice, with hinge laws by the sides that have one."""
+    made = (
+        make_pattern(corners, polygons, **stated)
+        if lattice is None
+        else make_cell(corners, polygons, lattice, rolled=rolled, **stated)
+    )
+    of = {frozenset(ends): law for ends, law in (laws or {}).items()}
+    return made.with_laws([of.get(frozenset(s)) for s in made.ends.tolist()]) if of else made
 
 
 def _back(key: Key) -> Key:

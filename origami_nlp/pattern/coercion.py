@@ -205,17 +205,14 @@ def scene_pattern(scene: Scene) -> Pattern:
     corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(a), np.sin(a)])])
     triangles = [(0, i, i % n + 1) for i in range(1, n + 1)]
     sides = [(0, i) for i in range(1, n + 1)]
+    rest = list(scene.rest_angles)
+    letters = ["M" if r < 0 else "V" if r > 0 else "U" for r in rest]
     made = make_pattern(
         corners,
         triangles,
-        assignment={
-            s: "M" if r < 0 else "V" if r > 0 else "U"
-            for s, r in zip(sides, scene.rest_angles, strict=True)
-        },
+        assignment=dict(zip(sides, letters, strict=True)),
         numbers={s: i for i, s in enumerate(sides)},
-        stiffness=dict(zip(sides, scene.stiffness, strict=True)),
-        rest=dict(zip(sides, scene.rest_angles, strict=True)),
-        limits=dict(zip(sides, scene.limits, strict=True)) if scene.limits else None,
         name=scene.name or "",
-    )
+    ).with_springs(list(scene.stiffness), rest)
+    made = made.with_limits(scene.limits) if scene.limits else made
     return made.with_laws(scene.laws) if scene.laws else made

@@ -167,7 +167,8 @@ def _analyse(
     d = frame.coords[ring] - frame.coords[v]
     length = np.linalg.norm(d, axis=1)
     if not length.all():
-        return _refused(frame, v, creases, edge, "an edge has no length")
+        broken = "an edge has no length"
+        length[length == 0.0] = math.nan
     d = d / length[:, None]
     following = np.roll(d, -1, axis=0)
     normals = np.cross(d, following)
@@ -215,7 +216,7 @@ def _analyse(
     signs = "".join(frame.assignment[e] for e in at)
     n = len(at)
     # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
-    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else None
+    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else math.nan
     both = signs.count("M") + signs.count("V") == n
     maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
     return FoldVertex(
@@ -225,7 +226,7 @@ def _analyse(
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        alternating,
+        None if math.isnan(alternating) else alternating,
         maekawa,
         reason,
         tuple(notes),
@@ -266,18 +267,6 @@ def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
             f"{math.degrees(sectors.max()):.6g} degrees: split it with a crease (F) below 180"
         )
     return ""
-
-
-def _refused(
-    frame: Frame, v: int, creases: list[int], edge: dict[int, int], why: str
-) -> FoldVertex:
-    at = [edge[w] for w in creases]
-    nan = (math.nan,) * len(at)
-    signs = "".join(frame.assignment[e] for e in at)
-    stated = tuple(frame.fold_angles[at].tolist())
-    return FoldVertex(
-        v, tuple(int(frame.numbers[e]) for e in at), nan, signs, nan, stated, None, None, why
-    )
 
 
 def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:

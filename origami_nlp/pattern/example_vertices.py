@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import sys
-from numbers import Real
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern.angles import format_angle, parse_angle
 from origami_nlp.pattern.scene import Contact, Scene
@@ -26,10 +24,7 @@ def between(alpha: float | str, upper: float, upper_text: str) -> float:
 
 def positive(ratio: float) -> float:
     """Return a stiffness ratio as a positive number."""
-    number = isinstance(ratio, Real) and not isinstance(ratio, bool)
-    if not number or not 0 < ratio <= sys.float_info.max:
-        raise OptionError(f"ratio = {shown(ratio)} must be a positive number")
-    return float(ratio)
+    return check_number("ratio", ratio, math.ulp(0.0))
 
 
 def springs(rest: tuple[float, ...], ratio: float) -> tuple[float, ...]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.drawings import ERROR_KEY, DrawingOptions
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import printable, read_limited
@@ -35,6 +36,14 @@ PRELOAD_KEY = "edges_origaminlp:preload"
 LOADS_KEY, FIXED_KEY = "origaminlp:loads", "origaminlp:fixedFacet"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
+_ANGLE = -180.0 * (1 + INPUT_TOL), 180.0 * (1 + INPUT_TOL)
+_EDGE_NUMBERS = {
+    "edges_foldAngle": _ANGLE,
+    REST_KEY: _ANGLE,
+    STIFFNESS_KEY: (math.ulp(0.0), math.inf),
+    PRELOAD_KEY: (-math.inf, math.inf),
+}
+"""Least and largest of each number of edges."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
@@ -271,7 +280,7 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
                 parent = raw[here].get("frame_parent", 0)
                 if not _is_index(parent, len(raw)) or parent in chain or parent == here:
                     raise FoldFileError(
-                        f"file_frames[{here - 1}].frame_parent = {_short(parent)} must be another frame, "
+                        f"file_frames[{here - 1}].frame_parent = {shown(parent)} must be another frame, "
                         f"0 to {len(raw) - 1}"
                     )
             chain[here] = parent
@@ -293,34 +302,15 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
-    error = _number(data.get(ERROR_KEY) or 0.0, ERROR_KEY)
-    unit = max(last_place(coords), error)
-    faces = _faces(data.get("faces_vertices"), len(coords))
-    pairs = _edges(data.get("edges_vertices"), faces, len(coords), notes)
+    error = check_number(ERROR_KEY, data.get(ERROR_KEY) or 0.0, error=FoldFileError)
+    n = len(coords)
+    faces = _faces(data.get("faces_vertices"), n)
+    pairs = _edges(data.get("edges_vertices"), faces, n, notes)
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
-    angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
+    angles, rest, stiffness, preload = (_edge_numbers(data, key, m) for key in _EDGE_NUMBERS)
     if not in_radians(angles, "edges_foldAngles" in legacy, notes):
         angles = np.radians(angles)
-    rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
-    stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
-    preload = _numbers(data.get(PRELOAD_KEY), PRELOAD_KEY, m)
-    for key, values, good, what in (
-        (
-            "edges_foldAngle",
-            angles,
-            np.abs(angles) <= math.pi * (1 + INPUT_TOL),
-            "within [-180, 180]",
-        ),
-        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + INPUT_TOL), "within [-180, 180]"),
-        (STIFFNESS_KEY, stiffness, stiffness > 0, "positive"),
-        (PRELOAD_KEY, preload, np.isfinite(preload), "finite"),
-    ):
-        wrong = np.flatnonzero(~good & ~np.isnan(values))
-        if wrong.size:
-            shown = values[wrong[0]]
-            shown = math.degrees(shown) if key in ("edges_foldAngle", REST_KEY) else shown
-            raise FoldFileError(f"{key}[{wrong[0]}] = {shown:.6g} must be {what}, or null")
     keep, conflicts = once(pairs, letters, angles, notes)
     place = {int(e): k for k, e in enumerate(keep)}
     compare_signs(letters, angles, notes)
@@ -338,7 +328,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         keep,
         tuple(letters[k] for k in keep),
         angles[keep],
-        rest[keep],
+        np.radians(rest[keep]),
         stiffness[keep],
         preload[keep],
         faces,
@@ -347,7 +337,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         tuple(notes),
         tuple(_list(data.get(LOADS_KEY) or [], LOADS_KEY)),
         data.get(FIXED_KEY),
-        unit,
+        max(last_place(coords), error),
         length_unit=str(data.get("frame_unit", "")),
         error=error,
         limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
@@ -360,14 +350,9 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
 # ---------------------------------------------------------------- arrays, each checked
 
 
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else text[:37] + "..."
-
-
 def _list(value: object, name: str) -> list[Any]:
     if not isinstance(value, list):
-        raise FoldFileError(f"{name} = {_short(value)} must be an array")
+        raise FoldFileError(f"{name} = {shown(value)} must be an array")
     return value
 
 
@@ -375,117 +360,100 @@ def _is_index(value: object, count: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
 
 
-def _number(value: object, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise FoldFileError(f"{name} = {_short(value)} must be a number")
-    try:
-        number = float(value)
-    except OverflowError:
-        number = math.inf
-    if not math.isfinite(number):
-        raise FoldFileError(f"{name} = {_short(value)} must be finite")
-    return number
+def _rows(
+    value: object, name: str, fits: Callable[[list[Any]], bool], what: str
+) -> list[list[Any]]:
+    """Return the rows of an array, each a list that fits; none of null."""
+    rows = [] if value is None else _list(value, name)
+    for i, row in enumerate(rows):
+        if not isinstance(row, list) or not fits(row):
+            raise FoldFileError(f"{name}[{i}] = {shown(row)} must be {what}")
+    return rows
 
 
 def _coords(value: object) -> tuple[np.ndarray, bool]:
-    """Return coordinates [V, 3], and whether the file gives three of them."""
-    rows = _list(value, "vertices_coords")
+    """Read coordinates, and whether there are three."""
+    rows = _rows(value, "vertices_coords", lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
     out = np.zeros((len(rows), 3))
-    wide = False
     for i, row in enumerate(rows):
-        if not isinstance(row, list) or len(row) not in (2, 3):
-            raise FoldFileError(f"vertices_coords[{i}] = {_short(row)} must be [x, y] or [x, y, z]")
-        wide |= len(row) == 3
-        out[i, : len(row)] = [_number(v, f"vertices_coords[{i}]") for v in row]
+        out[i, : len(row)] = [
+            check_number(f"vertices_coords[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
+        ]
     if not len(out):
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
-    # products of four lengths must be numbers, of small facets too
-    if np.abs(out).max() > 1e50:
-        raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
     if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
         raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
-    return out, wide
+    return out, any(len(row) == 3 for row in rows)
 
 
 def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
-    faces = []
-    for f, row in enumerate(_list(value, "faces_vertices") if value is not None else []):
-        if not isinstance(row, list) or len(row) < 3 or not all(_is_index(v, count) for v in row):
-            raise FoldFileError(
-                f"faces_vertices[{f}] = {_short(row)} must be three or more vertices, 0 to {count - 1}"
-            )
-        faces.append(tuple(row))
-    return tuple(faces)
+    rows = _rows(
+        value,
+        "faces_vertices",
+        lambda r: len(r) >= 3 and all(_is_index(v, count) for v in r),
+        f"three or more vertices, 0 to {count - 1}",
+    )
+    return tuple(map(tuple, rows))
 
 
 def _face_orders(value: object, count: int) -> tuple[tuple[int, int, int], ...]:
-    """Return what faceOrders says of two faces; what it leaves open (0, or null) is left out."""
-    orders = []
-    for k, row in enumerate(_list(value, "faceOrders") if value is not None else []):
-        whole = isinstance(row, list) and len(row) == 3
-        if not whole or not all(_is_index(f, count) for f in row[:2]) or row[0] == row[1]:
-            range_ = f"0 to {count - 1}" if count else "but faces_vertices is missing"
-            raise FoldFileError(
-                f"faceOrders[{k}] = {_short(row)} must be [f, g, s], f and g two faces, {range_}"
-            )
-        if row[2] not in (1, -1, 0, None) or isinstance(row[2], bool):
-            raise FoldFileError(f"faceOrders[{k}] = {_short(row)}: s must be 1, -1, or 0")
-        if row[2]:
-            orders.append((row[0], row[1], int(row[2])))
-    return tuple(orders)
+    """Read [f, g, s]; pairs whose order is not known (0 or null) are left out."""
+
+    def fits(row: list[Any]) -> bool:
+        faces = len(row) == 3 and all(_is_index(f, count) for f in row[:2]) and row[0] != row[1]
+        return faces and row[2] in (1, -1, 0, None) and not isinstance(row[2], bool)
+
+    of = f"0 to {count - 1}" if count else "but faces_vertices is missing"
+    what = f"[f, g, s], f and g two faces, {of}, and s 1, -1 or 0"
+    rows = _rows(value, "faceOrders", fits, what)
+    return tuple((f, g, int(s)) for f, g, s in rows if s)
 
 
 def _edges(
     value: object, faces: tuple[tuple[int, ...], ...], count: int, notes: list[str]
 ) -> np.ndarray:
+    """Read edges, or take the sides of the faces."""
     if value is None:
         sides = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
         if not sides:
             raise FoldFileError("edges_vertices is missing: a vertex needs its creases")
         notes.append("edges_vertices is missing: edges are the sides of the faces, all unassigned")
         return np.array(sorted(sides))
-    pairs = _list(value, "edges_vertices")
-    for e, pair in enumerate(pairs):
-        whole = isinstance(pair, list) and len(pair) == 2
-        if not whole or not all(_is_index(v, count) for v in pair):
-            raise FoldFileError(
-                f"edges_vertices[{e}] = {_short(pair)} must be two vertices, 0 to {count - 1}"
-            )
-        if pair[0] == pair[1]:
-            raise FoldFileError(f"edges_vertices[{e}] = {pair} joins a vertex to itself")
+    pairs = _rows(
+        value,
+        "edges_vertices",
+        lambda r: len(r) == 2 and all(_is_index(v, count) for v in r) and r[0] != r[1],
+        f"two different vertices, 0 to {count - 1}",
+    )
     return np.array(pairs, dtype=int).reshape(-1, 2)
 
 
-def _assignment(value: object, count: int) -> list[str]:
-    if value is None:
-        return ["?"] * count
-    letters = _list(value, "edges_assignment")
-    _same_length(letters, "edges_assignment", count)
-    out = []
-    for e, letter in enumerate(letters):
-        if letter is None:
-            out.append("?")
-        elif isinstance(letter, str) and len(letter) == 1 and letter.upper() in "MVBFUCJ":
-            out.append(letter.upper())
-        else:
-            raise FoldFileError(
-                f"edges_assignment[{e}] = {_short(letter)} must be one of M, V, B, F, U, C, J"
-            )
-    return out
-
-
-def _numbers(value: object, name: str, count: int) -> np.ndarray:
-    if value is None:
-        return np.full(count, math.nan)
-    values = _list(value, name)
-    _same_length(values, name, count)
-    return np.array(
-        [math.nan if v is None else _number(v, f"{name}[{e}]") for e, v in enumerate(values)]
-    )
-
-
-def _same_length(values: list[Any], name: str, count: int) -> None:
+def _of_edges(value: object, name: str, count: int) -> list[Any]:
+    """Return an entry for each edge, null where the key is missing."""
+    values = [None] * count if value is None else _list(value, name)
     if len(values) != count:
         raise FoldFileError(
             f"{name} has {len(values)} entries, but there are {count} edges: give one each"
         )
+    return values
+
+
+def _assignment(value: object, count: int) -> list[str]:
+    out = []
+    for e, letter in enumerate(_of_edges(value, "edges_assignment", count)):
+        if letter is not None and not (isinstance(letter, str) and letter.upper() in [*"MVBFUCJ"]):
+            raise FoldFileError(
+                f"edges_assignment[{e}] = {shown(letter)} must be one of M, V, B, F, U, C, J"
+            )
+        out.append((letter or "?").upper())
+    return out
+
+
+def _edge_numbers(data: Mapping[str, Any], name: str, count: int) -> np.ndarray:
+    """Read a number of each edge as it is in the file; NaN where there is none."""
+    low, high = _EDGE_NUMBERS[name]
+    out = np.full(count, math.nan)
+    for e, value in enumerate(_of_edges(data.get(name), name, count)):
+        if value is not None:
+            out[e] = check_number(f"{name}[{e}]", value, low, high, FoldFileError)
+    return out

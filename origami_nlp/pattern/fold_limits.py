@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, OrigamiError, SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
 from origami_nlp.pattern.angles import parse_angles
@@ -227,16 +227,10 @@ def read_panels(given: object) -> tuple[float, float] | None:
     """
     if given is None:
         return None
-    try:
-        thickness, taper = (float(a) for a in given)  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
-        thickness = taper = math.nan
-    if not (0 < thickness < math.inf and 0 <= taper < math.inf):
-        raise SceneError(
-            f"panels = {shown(given)} must be thickness > 0 and taper >= 0 [mm], both given; "
-            "paper has none: leave them out"
-        )
-    return thickness, taper
+    if not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
+        raise SceneError(f"panels = {shown(given)} must be thickness and taper [mm], both given")
+    thickness = check_number("panels, thickness [mm]", given[0], math.ulp(0.0), error=SceneError)
+    return thickness, check_number("panels, taper [mm]", given[1], 0.0, error=SceneError)
 
 
 def thick_limits(limits: Limits, degree: int, panels: tuple[float, float] | None) -> Limits:

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.drawings import half_edges
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import INPUT_TOL, groups
+from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.polygons import side, sides_of
@@ -32,7 +33,11 @@ class Rings:
             self.edge[a][b] = self.edge[b][a] = e
         self.notes: tuple[str, ...] = ()
         self.next: list[dict[int, int]] = [{} for _ in frame.coords]
-        border = self._by_faces() if frame.folded else self._by_azimuth()
+        border = self._by_faces(
+            self._oriented()
+            if frame.folded
+            else [walk for walk, area in face_walks(frame) if area > 0]
+        )
         cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
         outside = {int(v) for e in border | cut for v in frame.edges[e]}
         drawn = sorted(border - cut)
@@ -61,48 +66,6 @@ class Rings:
             here = after[here]
         return list(ring), ""
 
-    def _by_azimuth(self) -> set[int]:
-        """Order the edges of a flat pattern by azimuth; edges on the outer face are the border."""
-        xy = self.frame.coords[:, :2]
-        tail = np.repeat(np.arange(len(xy)), [len(near) for near in self.edge])
-        head = np.array([b for near in self.edge for b in near], dtype=int)
-        d = xy[head] - xy[tail]
-        turn = np.lexsort((np.arctan2(d[:, 1], d[:, 0]), tail))  # stable: by vertex, then azimuth
-        order, begin = head[turn].tolist(), 0
-        for v, near in enumerate(self.edge):
-            others = order[begin : begin + len(near)]
-            self.next[v] = dict(zip(others, others[1:] + others[:1], strict=True))
-            begin += len(near)
-        border: set[int] = set()
-        for walk, area in self.walks():
-            if area <= 0:
-                border |= {self.edge[walk[i - 1]][v] for i, v in enumerate(walk)}
-        return border
-
-    def walks(self) -> list[tuple[tuple[int, ...], float]]:
-        """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
-
-        The outer face of a piece has a negative area.
-        """
-        xy = self.frame.coords[:, :2]
-        before = [{b: a for a, b in after.items()} for after in self.next]
-        seen: set[tuple[int, int]] = set()
-        found = []
-        for first in ((a, b) for a, near in enumerate(self.edge) for b in near):
-            step, walk = first, []
-            while step not in seen:
-                seen.add(step)
-                a, b = step
-                walk.append(a)
-                # clockwise from where one came: the face stays on the left
-                step = (b, before[b][a])
-            if walk:
-                here = xy[walk] - xy[walk[0]]
-                then = np.roll(here, -1, axis=0)
-                area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
-                found.append((tuple(walk), area))
-        return found
-
     def _open_ends(self, border: set[int], cut: set[int]) -> str:
         """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
         of = self.frame.edges.tolist()
@@ -120,11 +83,11 @@ class Rings:
             'interior: add the outline of the paper, edges with assignment "B" that join the ends'
         )
 
-    def _by_faces(self) -> set[int]:
+    def _by_faces(self, faces: Sequence[tuple[int, ...]]) -> set[int]:
         """Order by faces; edges with one face only are the border."""
         sides = np.zeros(len(self.frame.edges), dtype=int)
         missing, twisted = set(), False
-        for face in self._oriented():
+        for face in faces:
             n = len(face)
             for i, v in enumerate(face):
                 after, before = face[(i + 1) % n], face[i - 1]
@@ -147,6 +110,29 @@ class Rings:
         if against:
             self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
         return faces
+
+
+def face_walks(frame: Frame) -> list[tuple[tuple[int, ...], float]]:
+    """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
+
+    The outer face of a piece has a negative area.
+    """
+    xy, m = frame.coords[:, :2], len(frame.edges)
+    tail, _, after = half_edges(xy, frame.edges)
+    seen: set[int] = set()
+    found = []
+    for step in np.lexsort((np.tile(np.arange(m), 2), tail)).tolist():
+        walk = []
+        while step not in seen:
+            seen.add(step)
+            walk.append(int(tail[step]))
+            step = int(after[step])
+        if walk:
+            here = xy[walk] - xy[walk[0]]
+            then = np.roll(here, -1, axis=0)
+            area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
+            found.append((tuple(walk), area))
+    return found
 
 
 def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:
@@ -263,54 +249,3 @@ def check_sides(faces: Sequence[Face]) -> None:
                 f"faces_vertices cannot be oriented alike: across the edge between vertices {a} and {b} they come back "
                 "turned over; on a one-sided surface, a Moebius band, there are no mountains and valleys"
             )
-
-
-def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> None:
-    """Raise an error for faces that fall apart.
-
-    Parameters
-    ----------
-    frame
-        Where they are.
-    faces
-        With corners of their own on both sides of cuts.
-    origin
-        The vertex of the frame that each corner is.
-    """
-    part = groups(len(faces), [(fs[0], g) for fs in sides_of(faces).values() for g in fs[1:]])
-    count = int(part.max(initial=-1)) + 1
-    if count > 1:
-        own = [(f, tuple(origin[v] for v in face)) for f, face in enumerate(faces)]
-        hint = "" if frame.folded else _hint(frame.coords[:, :2], own, part)
-        raise FoldFileError(
-            f"the facets fall into {count} parts that no crease joins: "
-            + (
-                hint
-                or "give each part a file of its own; of a drawing origami-nlp convert --part K takes one"
-            )
-        )
-
-
-def _hint(xy: np.ndarray, faces: list[tuple[int, Face]], part: np.ndarray) -> str:
-    """Look for vertices of one part in the place of a vertex, or on a side, of another."""
-    near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
-    of: dict[int, set[int]] = {}
-    for f, face in faces:
-        for v in face:
-            of.setdefault(v, set()).add(int(part[f]))
-    used: np.ndarray = np.array(sorted(of))
-    for f, face in faces:
-        others = np.asarray(used)[np.array([int(part[f]) not in of[int(v)] for v in used], bool)]
-        for i, b in enumerate(face):
-            a = face[i - 1]
-            side, out = xy[b] - xy[a], xy[others] - xy[a]
-            length = float(np.linalg.norm(side))
-            along = np.asarray(out @ side / length)
-            off = np.abs(out[:, 0] * side[1] - out[:, 1] * side[0]) / length
-            on = others[(off <= near) & (along > near) & (along <= length + near)]
-            if on.size:
-                v = int(on.flat[0])
-                if float(np.linalg.norm(xy[v] - xy[b])) <= near:
-                    return f"vertices {min(b, v)} and {max(b, v)} are in the same place, make them one vertex"
-                return f"vertex {v} lies on the side of a facet from vertex {a} to {b}, add it to that facet"
-    return ""

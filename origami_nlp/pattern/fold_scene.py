@@ -16,13 +16,7 @@ from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
-from origami_nlp.pattern.fold_rings import Rings
-from origami_nlp.pattern.fold_springs import (
-    LETTERS_ONLY,
-    check_fold_springs,
-    fold_springs,
-    spring_notes,
-)
+from origami_nlp.pattern.fold_springs import check_fold_springs, fold_springs, spring_notes
 from origami_nlp.pattern.scene import Contact, Scene
 
 
@@ -75,48 +69,6 @@ def read_fold_scene(
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
     return vertex_scene(chosen, vertex, on_note=on_note, **options)
-
-
-def read_fold_scenes(
-    source: str | Path,
-    *,
-    frame: int | None = None,
-    on_note: Callable[[str], object] = _to_stderr,
-    **options: Any,
-) -> dict[int, Scene]:
-    """Read every interior vertex of a FOLD file that can be analysed, each as a scene of its own.
-
-    Parameters
-    ----------
-    source
-        FOLD file, or ``"-"`` for standard input.
-    frame
-        Which, from 0; by default the first.
-    on_note
-        Called with each note, as for `read_fold_scene`; vertices that cannot be analysed are among them.
-    options
-        Symmetry, contact, stiffness and rest angles, as `scene_at` takes them.
-
-    Returns
-    -------
-    dict of Scene
-        By the number of the vertex, from 0 as in the file.
-
-    Raises
-    ------
-    FoldFileError
-        If the file is no FOLD file, or no vertex can be analysed.
-
-    Examples
-    --------
-    >>> import os, tempfile, origami_nlp as o
-    >>> path = os.path.join(tempfile.mkdtemp(), "states.fold")
-    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
-    >>> [(number, scene.degree) for number, scene in o.read_fold_scenes(path, on_note=lambda note: None).items()]
-    [(0, 6)]
-    """
-    (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return vertex_scenes(chosen, on_note=on_note, **options)
 
 
 def scene_at(
@@ -229,54 +181,13 @@ def vertex_scene(
         vertex = good[0]
     here = _vertex_at(frame, vertex)
     scene = scene_at(frame, here, **options)
-    for note in (*frame.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
-        on_note(note)
-    for note in _spring_notes(frame, here, **options):
+    own = {k: o for k, o in options.items() if k in ("stiffness", "rest_angle", "rest_from")}
+    at = np.searchsorted(frame.numbers, here.edges)
+    said = spring_notes(frame, at, np.array(here.fold_angles), **own)
+    of_vertex = (f"vertex {vertex}: {note}" for note in here.notes)
+    for note in (*frame.notes, *notes, *of_vertex, *said):
         on_note(note)
     return scene
-
-
-def vertex_scenes(
-    frame: Frame, *, on_note: Callable[[str], object], **options: Any
-) -> dict[int, Scene]:
-    """Make a scene of every vertex of a frame that can be analysed.
-
-    Parameters
-    ----------
-    frame
-        Of `read_fold`.
-    on_note, options
-        As for `read_fold_scenes`.
-
-    Returns
-    -------
-    dict of Scene
-        By the number of the vertex.
-
-    Raises
-    ------
-    FoldFileError
-        If no vertex can be analysed, or an option does not fit.
-    """
-    check_type("frame", frame, Frame)
-    found, notes = fold_vertices(frame)
-    for note in (*frame.notes, *notes):
-        on_note(note)
-    scenes = {}
-    for v in found:
-        if not v.reason:
-            scenes[v.number] = scene_at(frame, v, **options)
-        for note in (*v.notes, *([f"cannot be analysed: {v.reason}"] if v.reason else [])):
-            on_note(f"vertex {v.number}: {note}")
-    if not scenes:
-        raise FoldFileError(
-            f"frame {frame.number} has no interior vertex that can be analysed: "
-            + ("; ".join(notes) or "origami-nlp inspect says why of each")
-        )
-    said = (_spring_notes(frame, v, **options) for v in found if v.number in scenes)
-    if any(LETTERS_ONLY in notes for notes in said):
-        on_note(LETTERS_ONLY)
-    return scenes
 
 
 def _vertex_at(frame: Frame, number: int) -> FoldVertex:
@@ -287,25 +198,8 @@ def _vertex_at(frame: Frame, number: int) -> FoldVertex:
     if here is None:
         some = listed([v.number for v in found], 12) or "none"
         raise FoldFileError(
-            f"--vertex {shown(number)} {_what_it_is(frame, number)}: take an interior vertex with creases, "
+            f"--vertex {shown(number)} is no interior vertex with creases of frame {frame.number}: "
             f"there {'is' if len(found) == 1 else 'are'} {some}"
             + ("" if found else "".join(f"; {note}" for note in notes))
         )
     return here
-
-
-def _what_it_is(frame: Frame, number: int) -> str:
-    """Describe what a vertex is that is no interior one with creases."""
-    here = f"frame {frame.number}"
-    if number >= len(frame.coords):
-        return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"
-    ring = Rings(frame)
-    if not ring.edge[number]:
-        return f"has no edge in {here}"
-    return f"has no crease in {here}" if number in ring.interior else f"is on the border of {here}"
-
-
-def _spring_notes(frame: Frame, v: FoldVertex, **options: Any) -> list[str]:
-    own = {k: o for k, o in options.items() if k in ("stiffness", "rest_angle", "rest_from")}
-    at = np.searchsorted(frame.numbers, v.edges)
-    return spring_notes(frame, at, np.array(v.fold_angles), **own)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from origami_nlp.drawings import DrawingOptions
 from origami_nlp.errors import FoldFileError
+from origami_nlp.io import parse_json
 
 MOST_ELEMENTS = 2_000_000
 """Vertices and edges of all frames together, those that they inherit included, where all are read."""
@@ -74,7 +74,13 @@ def decode_source(
             raise FoldFileError(
                 f"{source!r} is a FOLD file: the options of drawings are not for it"
             )
-        return FoldSource(_json(text, f"FOLD file {source!r}" if source else "FOLD file"))
+        name = f"FOLD file {source!r}" if source else "FOLD file"
+        data = parse_json(text, name, FoldFileError)
+        if not isinstance(data, Mapping):
+            raise FoldFileError(
+                f"{name} must be a JSON object: vertices_coords, edges_vertices, ..."
+            )
+        return FoldSource(data)
     made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
     return FoldSource(drawing_to_fold(made), made.notes, made.y_down)
 
@@ -102,28 +108,6 @@ def is_drawing(source: str, raw: bytes = b"") -> bool:
     from origami_nlp.drawings import drawing_kind
 
     return drawing_kind("-" if source in ("", STDIN) else source, raw) is not None
-
-
-def _json(text: str | bytes, name: str) -> Mapping[str, Any]:
-    def refuse(constant: str) -> float:
-        why = f"{name} holds {constant}, which is no JSON number: write null or a number"
-        raise FoldFileError(why)
-
-    try:
-        data = json.loads(text, parse_constant=refuse)
-    except FoldFileError:
-        raise
-    # JSONDecodeError and UnicodeDecodeError are ValueErrors
-    except (ValueError, RecursionError) as error:
-        why = str(error).splitlines()[0]
-        if isinstance(error, RecursionError):
-            why = "it is nested too deeply"
-        elif isinstance(error, UnicodeDecodeError):
-            why = f"it is not UTF-8 text: {error.reason}"
-        raise FoldFileError(f"{name} is not valid JSON: {why}") from None
-    if not isinstance(data, Mapping):
-        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
-    return data
 
 
 def check_total(frames: list[dict[str, Any]]) -> None:

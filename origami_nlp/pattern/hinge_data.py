@@ -80,20 +80,20 @@ class HingeData(ShortRepr):
             raise self._wrong("give as many torques, and weights, as angles")
         if len(x) > MOST_ROWS:
             raise self._wrong(f"{len(x):,} rows: at most {MOST_ROWS:,}; average some")
-        for values, what in ((x, "angle"), (y, "torque"), (w, "weight")):
-            if not np.isfinite(values).all():
-                row = int(np.argmin(np.isfinite(values))) + 1
-                raise self._wrong(f"the {what} of measurement {row} is not finite")
-        if not (w > 0).all():
-            raise self._wrong(
-                f"the weight of measurement {int(np.argmin(w > 0)) + 1} must be positive"
-            )
-        far = int(np.argmax(np.abs(x))) if len(x) else 0
-        if len(x) and abs(x[far]) > math.pi * (1 + INPUT_TOL):
-            raise self._wrong(
-                f"the angle of measurement {far + 1} is {math.degrees(x[far]):.4g} degrees: fold angles are within "
-                "+-180, 0 is flat"
-            )
+        beyond = ~(np.abs(x) <= math.pi * (1 + INPUT_TOL))
+        for wrong, what in (
+            (
+                beyond,
+                "angle",
+            ),
+            (~np.isfinite(y), "torque"),
+            (~((w > 0) & np.isfinite(w)), "weight"),
+        ):
+            if wrong.any():
+                raise self._wrong(
+                    f"the {what} of measurement {int(np.argmax(wrong)) + 1} does not fit: angles are within "
+                    "+-180 degrees, torques finite, weights positive"
+                )
         if len(np.unique(x)) < FEWEST_ROWS:
             raise self._wrong(
                 f"{len(np.unique(x))} different angles: a law needs {FEWEST_ROWS} at least"

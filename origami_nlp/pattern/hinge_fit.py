@@ -9,24 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
-from origami_nlp.errors import OptionError
 from origami_nlp.pattern.hinge_data import HingeData
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import FEWEST_ROWS
 
-FITS = ("spline", "pchip")
 MOST_INTERVALS = 40
 """Of the spline of the mean law; of that of the half-gap a quarter."""
 ROWS_AN_INTERVAL = 4
 """Different angles that there are at least for each interval of a spline."""
-AVERAGES = 64
-"""Points at most that a law goes through."""
-ROWS_AN_AVERAGE = 2
 LEAST_OVERLAP = 0.2
 """Share of the range that was loaded and unloaded, for there to be a loop."""
 GRID = 721
@@ -39,73 +32,68 @@ class LawFit:
 
     Attributes
     ----------
+    data
+        As measured.
     law
-        The mean law, known where it was measured.
-    intervals
-        Number of pieces between knots, or of averages.
+        The mean law, for `Scene(laws=)` and `Pattern.with_laws`, known where it was measured.
     knots
-        Inner knots of the spline, or angles of the averages [rad].
+        Inner knots of the spline [rad].
     angle
-        Where what follows is stated, [g] [rad].
-    torque
-        Of the mean law there, [g] [N m].
-    band
-        95 % half-width of the mean law at each angle, [g] [N m]; nan where the noise is not known.
+        Where the next four are stated, [g] [rad].
+    torque, band
+        Of the mean law, with the 95 % half-width at each angle, [g] [N m]; nan if the noise is not known.
     slope_band
-        The same of its stiffness, [g] [N m/rad].
+        95 % half-width of the stiffness, [g] [N m/rad].
     gap
         Half of what torques on loading are above those on unloading, [g] [N m]; 0 without a loop.
-    residuals
-        Torques less the mean law and the half-gap, [n] [N m].
+    residual_rms, residual_max
+        Of torques less the law and the half-gap [N m].
     noise
         Standard deviation of a torque of weight 1 [N m]; nan if not known.
     correlation
-        Of residuals that follow each other; the band is wider for it.
-    loop
-        Area of the loop and its 95 % half-width [J]; nan without loading and unloading.
+        Of residuals that follow each other, for which the band is wider.
+    loop_area, loop_error
+        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
+    falling
+        Intervals of angles in which the stiffness is negative for certain (95 % at each angle) [rad].
+    unsure
+        Share of the range in which the sign of the stiffness is not known.
+    stored
+        Largest less least energy of the mean law [J].
     """
 
+    ALSO = ("falling", "unsure", "stored")
+
+    data: HingeData
     law: HingeLaw
-    intervals: int
     knots: np.ndarray
     angle: np.ndarray
     torque: np.ndarray
     band: np.ndarray
     slope_band: np.ndarray
     gap: np.ndarray
-    residuals: np.ndarray
+    residual_rms: float
+    residual_max: float
     noise: float
     correlation: float
-    loop: tuple[float, float]
+    loop_area: float
+    loop_error: float
 
+    @property
+    def falling(self) -> tuple[tuple[float, float], ...]:
+        """Intervals of angles in which the stiffness is negative for certain [rad]."""
+        slope = self.law.slope(self.angle)
+        return tuple(runs(slope + self.slope_band < 0, self.angle))
 
-def fit_data(data: HingeData, fit: str = "spline", name: str = "") -> LawFit:
-    """Fit a hinge law to measured torques.
+    @property
+    def unsure(self) -> float:
+        """Share of the range in which the sign of the stiffness is not known."""
+        return float(np.mean(~(np.abs(self.law.slope(self.angle)) > self.slope_band)))
 
-    Parameters
-    ----------
-    data
-        As measured.
-    fit
-        ``"spline"``: least squares by a cubic spline, whose number of knots has the least BIC; ``"pchip"``: through
-        the rows, or through averages of rows at equal or neighbouring angles, monotone between them.
-    name
-        Of the law; of the data by default.
-
-    Returns
-    -------
-    LawFit
-        The mean law, with its band and the loop.
-
-    Raises
-    ------
-    OptionError
-        If `fit` is neither.
-    """
-    check_type("data", data, HingeData)
-    if fit not in FITS:
-        raise OptionError(f"fit = {fit!r} must be one of {', '.join(FITS)}")
-    return (_spline if fit == "spline" else _through)(data, name or data.name)
+    @property
+    def stored(self) -> float:
+        """Largest less least energy of the mean law [J]."""
+        return float(np.ptp(self.law.energy(self.angle)))
 
 
 def _overlap(data: HingeData) -> tuple[float, float] | None:
@@ -118,7 +106,21 @@ def _overlap(data: HingeData) -> tuple[float, float] | None:
     return (low, high) if high - low > LEAST_OVERLAP * np.ptp(x) else None
 
 
-def _spline(data: HingeData, name: str) -> LawFit:
+def fit_data(data: HingeData, name: str = "") -> LawFit:
+    """Fit a hinge law to measured torques: least squares by a cubic spline whose number of knots has the least BIC.
+
+    Parameters
+    ----------
+    data
+        As measured.
+    name
+        Of the law; of the data by default.
+
+    Returns
+    -------
+    LawFit
+        The mean law, with its band and the loop.
+    """
     from scipy.interpolate import BSpline, PPoly
     from scipy.special import stdtrit
 
@@ -182,81 +184,12 @@ def _spline(data: HingeData, name: str) -> LawFit:
     pieces = PPoly.from_spline((t, c[: mean + 3], 3))
     keep = np.diff(pieces.x) > 0
     breaks = np.append(pieces.x[:-1][keep], pieces.x[-1])
-    law = HingeLaw(tuple(breaks.tolist()), _rows(pieces.c[:, keep].T), name)
+    law = HingeLaw(tuple(breaks.tolist()), _rows(pieces.c[:, keep].T), name or data.name)
+    bands = spread(value, factor[of_mean]), spread(slope, factor[of_mean])
+    rms, worst = float(np.sqrt(np.mean(residuals**2))), float(np.abs(residuals).max())
     return LawFit(
-        law,
-        mean,
-        breaks[1:-1],
-        grid,
-        law.torque(grid),
-        spread(value, factor[of_mean]),
-        spread(slope, factor[of_mean]),
-        half,
-        residuals,
-        math.sqrt(s2),
-        rho,
-        loop,
-    )
-
-
-def _through(data: HingeData, name: str) -> LawFit:
-    from scipy.interpolate import PchipInterpolator
-    from scipy.special import stdtrit
-
-    x, y, w, sweep, overlap = data.angle, data.torque, data.weight, data.sweep, _overlap(data)
-    different, of = np.unique(x, return_inverse=True)
-    if len(different) > AVERAGES:
-        count = max(FEWEST_ROWS, min(AVERAGES, len(x) // ROWS_AN_AVERAGE))
-        ends = np.linspace(x.min(), x.max(), count + 1)
-        of = np.unique(
-            np.clip(np.searchsorted(ends, x, "right") - 1, 0, count - 1), return_inverse=True
-        )[1]
-    groups = int(of.max()) + 1
-
-    def averages(values: np.ndarray, rows: Any = slice(None)) -> tuple[np.ndarray, np.ndarray]:
-        total = np.bincount(of[rows], w[rows], groups)
-        with np.errstate(invalid="ignore"):
-            return np.bincount(of[rows], (w * values)[rows], groups) / total, total
-
-    at = averages(x)[0]
-    half, loop, both = np.zeros(groups), (math.nan, math.nan), 0
-    if overlap:
-        high, low = averages(y, sweep > 0)[0], averages(y, sweep < 0)[0]
-        known = np.isfinite(high) & np.isfinite(low)
-        both = int(known.sum())
-        if both >= 2:
-            half = np.interp(at, at[known], 0.5 * (high - low)[known])
-            inside = np.linspace(*overlap, GRID)
-            gap = np.interp(inside, at, half)
-            area = float((gap[1:] + gap[:-1]) @ np.diff(inside))
-            loop = (area, math.nan)
-    rid = y - sweep * np.interp(x, at, half) if both >= 2 else y
-    mean, total = averages(rid)
-    left = len(x) - groups - both
-    within = rid - mean[of]
-    s2 = float(w @ within**2) / left if left > 0 else math.nan
-    rho = _correlation(np.sqrt(w) * within) if left > 0 else 0.0
-    wide = float(stdtrit(max(left, 1), 0.975)) * math.sqrt((1 + rho) / (1 - rho))
-    curve = PchipInterpolator(at, mean)
-    law = straight_on(HingeLaw(tuple(at.tolist()), _rows(curve.c.T), name), x.min(), x.max())
-    grid = np.linspace(x.min(), x.max(), GRID)
-    spread = wide * np.sqrt(s2 / total)
-    piece = np.clip(np.searchsorted(at, grid, "right") - 1, 0, groups - 2)
-    chord = np.hypot(spread[:-1], spread[1:]) / np.diff(at)
-    residuals = rid - law.torque(x)
-    return LawFit(
-        law,
-        groups,
-        at,
-        grid,
-        law.torque(grid),
-        np.interp(grid, at, spread),
-        chord[piece],
-        np.interp(grid, at, half),
-        residuals,
-        math.sqrt(s2),
-        rho,
-        loop,
+        *(data, law, breaks[1:-1], grid, law.torque(grid), *bands, half, rms, worst),
+        *(math.sqrt(s2), rho, *loop),
     )
 
 

@@ -20,10 +20,10 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import EPS, INPUT_TOL, LEVEL, RESOLVED
+from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED
 
-MOST_PIECES, MOST_KNOTS = 2_000, 32
-"""Of one law; and at so many of its knots curves are cut, more or less."""
+MOST_PIECES = 2_000
+"""Of one law."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,15 +49,13 @@ class HingeLaw(ShortRepr):
         Mean |dtorque/dphi| [N m/rad]: what scales and metrics are made with, no value is.
     rest
         Angle of least energy [rad]; of a law that is shifted that of the law, shifted.
-    monotone
-        Whether the torque nowhere falls: the energy is convex.
 
     Examples
     --------
     >>> from origami_nlp.pattern import double_well
     >>> law = double_well(energy=1.0, at=1.0)
-    >>> law.energy(np.array([-1.0, 0.0, 1.0])).round(6).tolist(), law.monotone
-    ([0.0, 1.0, 0.0], False)
+    >>> law.energy(np.array([-1.0, 0.0, 1.0])).round(6).tolist()
+    [0.0, 1.0, 0.0]
     """
 
     breaks: tuple[float, ...]
@@ -110,10 +108,14 @@ class HingeLaw(ShortRepr):
     @cached_property
     def _energy(self) -> Any:
         energy = self._torque.antiderivative()
-        roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
-        inside = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
-        energy.c[-1] -= energy(inside).min()
+        energy.c[-1] -= energy(self._turns(self._torque)).min()
         return energy
+
+    def _turns(self, of: Any) -> np.ndarray:
+        """Where a piecewise polynomial is 0 or a piece begins or ends, [r] [rad]."""
+        x = np.concatenate([of.roots(extrapolate=False), self.breaks])
+        # of nan neither holds
+        return np.asarray(x[(x >= self.breaks[0]) & (x <= self.breaks[-1])])
 
     @cached_property
     def _rounding(self) -> float:
@@ -177,8 +179,7 @@ class HingeLaw(ShortRepr):
         if self.made_from:
             law, _, by = self.made_from
             return float(np.clip(law.rest + by, -math.pi, math.pi))
-        roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
-        x = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
+        x = self._turns(self._torque)
         energy = self.energy(x)
         low = x[energy <= energy.min() + INPUT_TOL * max(float(energy.max()), np.finfo(float).tiny)]
         return float(low[np.lexsort((-low, np.round(np.abs(low), 9)))[0]])
@@ -186,10 +187,9 @@ class HingeLaw(ShortRepr):
     @cached_property
     def most(self) -> float:
         """Largest |torque| [N m], or more: what turns a spring as stiff once round."""
-        bends = self._slope.roots(extrapolate=False)
-        x = np.concatenate([bends[np.isfinite(bends)], self.breaks])
-        x = np.clip(x, self.breaks[0], self.breaks[-1])
-        return max(2 * math.pi * self.stiffness, float(np.abs(self.torque(x)).max()))
+        return max(
+            2 * math.pi * self.stiffness, float(np.abs(self.torque(self._turns(self._slope))).max())
+        )
 
     def least(self, low: float, high: float) -> float:
         """Return the least energy between two angles [rad], [J]."""
@@ -199,15 +199,6 @@ class HingeLaw(ShortRepr):
         """Return energies [J] between two angles [rad], the least and the largest among them."""
         x = np.concatenate([self._torque.roots(extrapolate=False), self.breaks, [low, high]])
         return self.energy(x[np.isfinite(x) & (x >= low) & (x <= high)])
-
-    @cached_property
-    def monotone(self) -> bool:
-        """Whether the torque nowhere falls."""
-        bent = self._slope.derivative().roots(extrapolate=False)
-        x = np.concatenate([bent[np.isfinite(bent)], np.array(self.breaks)])
-        x = x[(x >= self.breaks[0]) & (x <= self.breaks[-1])]
-        low = np.nextafter(x, -np.inf)  # where the slope jumps both sides count
-        return bool(min(self.slope(x).min(), self.slope(low).min()) >= -INPUT_TOL * self.stiffness)
 
     @cached_property
     def balanced(self) -> np.ndarray:
@@ -234,17 +225,6 @@ class HingeLaw(ShortRepr):
         """
         rests = self.rests(self.breaks[0], self.breaks[-1])
         return rests[0] if len(rests) == 1 else 0.0
-
-    @cached_property
-    def knots(self) -> np.ndarray:
-        """Breaks [rad] at which one cubic does not go on as the next; of many each second, fourth, ... one."""
-        x, c = np.array(self.breaks), np.array(self.coefficients)
-        steps = np.diff(x)
-        off = np.abs(moved_cubic(c[:-1].T, steps[:-1]).T - c[1:])
-        off *= steps[1:, None] ** np.arange(3, -1, -1)
-        # by how much the torque on the next piece would be another
-        inside = x[1:-1][off.sum(axis=1) > LEVEL * np.abs(c[:, 3]).max()]
-        return np.concatenate([x[:1], inside[:: 1 + len(inside) // MOST_KNOTS], x[-1:]])
 
     def times(self, factor: float) -> HingeLaw:
         """Return the law with `factor` times the torque: of a longer crease, or in other units."""
@@ -284,10 +264,9 @@ class HingeLaw(ShortRepr):
 
     def __str__(self) -> str:
         low, high = np.degrees([self.breaks[0], self.breaks[-1]])
-        kind = "energy convex" if self.monotone else "energy not convex"
         return (
             f"{self.name}: {len(self.coefficients)} pieces from {low:.4g} to {high:.4g} degrees, least energy at "
-            f"{math.degrees(self.rest):.4g} degrees, mean stiffness {self.stiffness:.4g} N m/rad, {kind}"
+            f"{math.degrees(self.rest):.4g} degrees, mean stiffness {self.stiffness:.4g} N m/rad"
         )
 
 

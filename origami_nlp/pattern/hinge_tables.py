@@ -13,48 +13,17 @@ import numpy as np
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import OptionError, SceneError
 from origami_nlp.pattern.hinge_law import HingeLaw
-from origami_nlp.pattern.hinge_types import (
-    detent,
-    double_well,
-    linear,
-    one_sided,
-    polynomial,
-    sum_of,
-    table,
-    well,
-)
+from origami_nlp.pattern.hinge_types import TYPES, of_type, sum_of, table
 
-TYPES: dict[str, tuple[Any, dict[str, tuple[str, bool]]]] = {
-    "linear": (linear, {"stiffness": ("stiffness", True), "rest_deg": ("rest", False)}),
-    "polynomial": (
-        polynomial,
-        {"coefficients": ("coefficients", True), "rest_deg": ("rest", False)},
-    ),
-    "well": (
-        well,
-        {"energy": ("energy", True), "at_deg": ("at", True), "width_deg": ("width", True)},
-    ),
-    "double-well": (
-        double_well,
-        {"energy": ("energy", True), "at_deg": ("at", True), "centre_deg": ("centre", False)},
-    ),
-    "detent": (
-        detent,
-        {"energy": ("energy", True), "wells": ("wells", True), "centre_deg": ("centre", False)},
-    ),
-    "one-sided": (
-        one_sided,
-        {
-            "stiffness": ("stiffness", True),
-            "from_deg": ("start", True),
-            "width_deg": ("width", False),
-        },
-    ),
-    "table": (table, {"angle_deg": ("angle", True), "torque": ("torque", True)}),
-    "pieces": (HingeLaw, {"breaks": ("breaks", True), "coefficients": ("coefficients", True)}),
+KINDS: dict[str, dict[str, bool]] = {
+    **{
+        kind: {number.key or name: number.usual is None for name, number in numbers.items()}
+        for kind, (_, numbers) in TYPES.items()
+    },
+    "table": {"angle_deg": True, "torque": True},
+    "pieces": {"breaks": True, "coefficients": True},
 }
-
-
+"""Keys of each type of law in files, and whether they must be there."""
 CHANGED = {"scale": 1.0, "shift_deg": 0.0}
 """Keys of every law, and what they are where they are not stated: a factor of its torque, and how far it is moved."""
 
@@ -92,7 +61,7 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
         return given
     if not isinstance(given, Mapping):
         raise SceneError(
-            f"laws.{name} = {shown(given)} must be a table with data, or a type: {', '.join(TYPES)}"
+            f"laws.{name} = {shown(given)} must be a table with data, or a type: {', '.join(KINDS)}"
         )
     if EXTRAPOLATE in given:
         if given[EXTRAPOLATE] != "linear":
@@ -119,28 +88,18 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
     if "data" in given:
         return _measured(given, name, folder)
     kind = given.get("type")
-    if not isinstance(kind, str) or kind not in TYPES:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise SceneError(
-            f"laws.{name}: type = {shown(kind)} must be one of {', '.join(TYPES)}; or give data"
+            f"laws.{name}: type = {shown(kind)} must be one of {', '.join(KINDS)}; or give data"
         )
-    make, keys = TYPES[kind]
+    keys = KINDS[kind]
     wrong = sorted(set(given) - set(keys) - {"type"})
-    missing = [key for key, (_, needed) in keys.items() if needed and key not in given]
+    missing = [key for key, needed in keys.items() if needed and key not in given]
     if wrong or missing:
         what = f"unknown {', '.join(wrong)}" if wrong else f"missing {', '.join(missing)}"
         raise SceneError(f"laws.{name} of type {kind!r}: {what}; it has {', '.join(keys)}")
     try:
-        numbers = {
-            argument: _radians(key, given[key]) if key.endswith("_deg") else given[key]
-            for key, (argument, _) in keys.items()
-            if key in given
-        }
-        if kind == "pieces":
-            numbers = {
-                "breaks": tuple(numbers["breaks"]),
-                "coefficients": tuple(map(tuple, numbers["coefficients"])),
-            }
-        made = make(**numbers)
+        return replace(_stated(kind, given), name=name)
     except SceneError:
         raise
     except OptionError as error:
@@ -149,19 +108,34 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
         raise SceneError(
             f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
         ) from None
-    return replace(made, name=name)
+
+
+def _stated(kind: str, given: Mapping[str, Any]) -> HingeLaw:
+    """Return the law of a table with the keys of its type."""
+    if kind == "pieces":
+        return HingeLaw(tuple(given["breaks"]), tuple(map(tuple, given["coefficients"])))
+    if kind == "table":
+        return table(np.radians(np.array(given["angle_deg"], float)).tolist(), given["torque"])
+    numbers: dict[str, Any] = {}
+    for name, number in TYPES[kind][1].items():
+        if name == "coefficients":
+            each = enumerate(given[name], start=1)
+            numbers |= {f"{name}[{i}]": value for i, value in each}
+        elif (key := number.key or name) in given:
+            numbers[name] = number.in_degrees(given[key]) if number.key else given[key]
+    return of_type(kind, numbers)
 
 
 def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> HingeLaw:
     """Fit the law to a table of measured torques."""
     from origami_nlp.pattern.hinge_data import read_hinge_data
-    from origami_nlp.pattern.hinge_fit import FITS, fit_data
+    from origami_nlp.pattern.hinge_fit import fit_data
 
-    if wrong := sorted(set(given) - {"data", "fit"}):
+    if wrong := sorted(set(given) - {"data"}):
         raise SceneError(
-            f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, fit, extrapolate"
+            f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, extrapolate"
         )
-    file, fit = given["data"], given.get("fit", FITS[0])
+    file = given["data"]
     if not isinstance(file, str) or not file or file == "-":
         raise SceneError(f"laws.{name}: data = {shown(file)} must be the name of a file")
     # a scene of somebody else shows no file of ours
@@ -169,17 +143,7 @@ def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> Hinge
         raise SceneError(
             f"laws.{name}: data = {shown(file)} must be a file beside the scene, or in a folder there"
         )
-    if fit not in FITS:
-        raise SceneError(f"laws.{name}: fit = {shown(fit)} must be one of {', '.join(FITS)}")
-    return fit_data(read_hinge_data((folder or Path()) / file), fit, name).law
-
-
-def _radians(key: str, degrees: Any) -> Any:
-    """Return an angle of a file in radians, checked in degrees, or the column of a table."""
-    if isinstance(degrees, list):
-        return np.radians(np.array(degrees, float)).tolist()
-    low, high = (1.2, 570.0) if key == "width_deg" else (-180.0, 180.0)
-    return math.radians(check_number(key, degrees, low, high))
+    return fit_data(read_hinge_data((folder or Path()) / file), name).law
 
 
 def law_to_dict(law: HingeLaw) -> dict[str, Any]:

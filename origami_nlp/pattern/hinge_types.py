@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -20,21 +21,22 @@ FEWEST_ROWS = 6
 """Of a table."""
 WIDTHS = 0.02, 10.0
 """Of wells [rad]."""
-MOST_WELLS = 32
-"""Of a detent, a turn."""
-
-
-def _hermite(
-    x: np.ndarray, torque: np.ndarray, slope: np.ndarray, name: str, stated: Any = None
-) -> HingeLaw:
-    from scipy.interpolate import CubicHermiteSpline
-
-    c = CubicHermiteSpline(x, torque, slope).c.T
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
 
 
 Formula = tuple[np.ndarray, np.ndarray]
 """Torque and stiffness at fold angles."""
+
+
+def _law(x: np.ndarray, c: np.ndarray, name: str, stated: Any = None) -> HingeLaw:
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
+
+
+def hermite(x: np.ndarray, formula: Formula, name: str, stated: Any = None) -> HingeLaw:
+    """Return the law whose pieces have the torque and stiffness of a formula at their ends."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    c = CubicHermiteSpline(x, *formula).c.T
+    return _law(x, c, name, stated)
 
 
 def _linear(x: np.ndarray, stiffness: Any, rest: Any) -> Formula:
@@ -69,24 +71,57 @@ def _one_sided(x: np.ndarray, stiffness: Any, start: float, width: float) -> For
     return side * stiffness * bent, stiffness * np.clip(d / width, 0.0, 1.0)
 
 
-FORMULAS: dict[str, Callable[..., Formula]] = {
-    "linear": _linear,
-    "polynomial": _polynomial,
-    "well": _well,
-    "double well": _double_well,
-    "detent": _detent,
-    "one-sided": _one_sided,
+@dataclass(frozen=True)
+class Number:
+    """A number of a type of law.
+
+    Attributes
+    ----------
+    low, high
+        Its range; whole numbers are those of a whole number.
+    usual
+        What it is where it is not stated; None: it must be.
+    key
+        Of an angle in files, where it is in degrees.
+    smooth
+        Whether its formula is analytic in it, so that states are followed over it: kinks move with others.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    usual: float | None = None
+    key: str = ""
+    smooth: bool = True
+
+    def read(self, name: str, value: Any) -> float:
+        """Return the number, or raise an error by its name."""
+        if isinstance(self.high, int):
+            return check_whole(name, value, int(self.low), self.high)
+        return check_number(name, value, self.low, self.high)
+
+    def in_degrees(self, value: Any) -> float:
+        """Return an angle [rad] that a file states in degrees."""
+        low, high = (
+            math.degrees(a) if math.isfinite(a) else math.copysign(180.0, a)
+            for a in (self.low, self.high)
+        )
+        return math.radians(check_number(self.key, value, low, high))
+
+
+_SIZE, _AT = Number(0.0), Number(-math.pi, math.pi, key="at_deg")
+_REST, _CENTRE = (Number(usual=0.0, key=f"{name}_deg") for name in ("rest", "centre"))
+_APART, _WIDTH = Number(WIDTHS[0], math.pi, key="at_deg"), Number(*WIDTHS, key="width_deg")
+_START = Number(-math.pi, math.pi, key="from_deg", smooth=False)
+_BEND = Number(RESOLVED, 1.0, math.radians(2.0), "width_deg", smooth=False)
+TYPES: dict[str, tuple[Callable[..., Formula], dict[str, Number]]] = {
+    "linear": (_linear, {"stiffness": _SIZE, "rest": _REST}),
+    "polynomial": (_polynomial, {"coefficients": Number(), "rest": _REST}),
+    "well": (_well, {"energy": Number(), "at": _AT, "width": _WIDTH}),
+    "double-well": (_double_well, {"energy": _SIZE, "at": _APART, "centre": _CENTRE}),
+    "detent": (_detent, {"energy": _SIZE, "wells": Number(1, 32, smooth=False), "centre": _CENTRE}),
+    "one-sided": (_one_sided, {"stiffness": _SIZE, "start": _START, "width": _BEND}),
 }
-"""Of types: torque and stiffness, analytic in each number of `CONTINUOUS`."""
-CONTINUOUS = {
-    "linear": ("stiffness", "rest"),
-    "polynomial": ("coefficients", "rest"),
-    "well": ("energy", "at", "width"),
-    "double well": ("energy", "at", "centre"),
-    "detent": ("energy", "centre"),
-    "one-sided": ("stiffness",),
-}
-"""Numbers of types over which laws are followed: the kinks of a one-sided spring move with its others."""
+"""Torque and stiffness of each type, and its numbers."""
 
 
 def pieces_for(every: Sequence[Callable[[np.ndarray], Formula]], name: str, x: np.ndarray) -> Any:
@@ -118,7 +153,7 @@ def pieces_for(every: Sequence[Callable[[np.ndarray], Formula]], name: str, x: n
             exact = formula(between)[0]
             if not np.isfinite(exact).all():
                 raise SceneError(f"hinge law {name!r}: its torque is not finite everywhere")
-            away = np.abs(_hermite(x, *formula(x), name).torque(between) - exact).max(axis=1)
+            away = np.abs(hermite(x, formula(x), name).torque(between) - exact).max(axis=1)
             off |= away > AS_STATED * np.abs(exact).max()
         if not off.any():
             return x
@@ -126,19 +161,50 @@ def pieces_for(every: Sequence[Callable[[np.ndarray], Formula]], name: str, x: n
     raise SceneError(f"hinge law {name!r} bends too sharply for {MOST_PIECES} pieces")
 
 
-def first_breaks(width: float) -> np.ndarray:
-    """Return equal pieces for what bends over a width [rad], [B + 1]."""
-    return np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
+def first_breaks(kind: str, numbers: Mapping[str, Any]) -> np.ndarray:
+    """Return equal pieces for what bends as fast as a law of a type, and where it has kinks, [B + 1]."""
+    width = {
+        "well": lambda: numbers["width"],
+        "detent": lambda: math.pi / numbers["wells"],
+    }.get(kind, lambda: math.tau)()
+    x = np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
+    if kind == "one-sided":
+        start = numbers["start"]
+        kinks = np.array([start, start + math.copysign(numbers["width"], start)])
+        x = np.unique([*x, *kinks[np.abs(kinks) < math.pi]])
+    return x
 
 
-def _sampled(
-    kind: str, numbers: dict[str, Any], width: float = math.tau, more: Sequence[float] = ()
-) -> HingeLaw:
-    """Return the law of a type whose torque bends over `width`, and at the angles `more`."""
-    x = np.unique(np.concatenate([first_breaks(width), [a for a in more if abs(a) < math.pi]]))
-    formula = partial(FORMULAS[kind], **numbers)
-    x = pieces_for([formula], kind, x)
-    return _hermite(x, *formula(x), kind, (kind, numbers))
+def of_type(kind: str, numbers: Mapping[str, Any]) -> HingeLaw:
+    """Return the law of a type.
+
+    Parameters
+    ----------
+    kind
+        One of `TYPES`.
+    numbers
+        Its numbers by name; of a list each by itself, as ``coefficients[1]``.
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
+    formula, known = TYPES[kind]
+    usual = {name: n.usual for name, n in known.items() if n.usual is not None}
+    places = list(known)
+    given = sorted(
+        {**usual, **numbers}.items(), key=lambda one: places.index(one[0].partition("[")[0])
+    )
+    read = {name: known[name.partition("[")[0]].read(name, value) for name, value in given}
+    of = partial(formula, **read)
+    x = pieces_for([of], kind, first_breaks(kind, read))
+    return hermite(x, of(x), kind, (kind, read))
 
 
 def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
@@ -161,8 +227,7 @@ def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    k, rest = check_number("stiffness", stiffness, 0.0), check_number("rest", rest)
-    return _sampled("linear", {"stiffness": k, "rest": rest})
+    return of_type("linear", {"stiffness": stiffness, "rest": rest})
 
 
 def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
@@ -185,11 +250,8 @@ def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    given = {
-        f"coefficients[{i}]": check_number(f"coefficients[{i}]", c)
-        for i, c in enumerate(coefficients, start=1)
-    }
-    return _sampled("polynomial", {"rest": check_number("rest", rest), **given})
+    each = {f"coefficients[{i}]": c for i, c in enumerate(coefficients, start=1)}
+    return of_type("polynomial", {"rest": rest, **each})
 
 
 def well(energy: float, at: float, width: float) -> HingeLaw:
@@ -214,10 +276,7 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    e, w = check_number("energy", energy), check_number("width", width, WIDTHS[0], WIDTHS[1])
-    at = check_number("at", at, -math.pi, math.pi)
-
-    return _sampled("well", {"energy": e, "at": at, "width": w}, w)
+    return of_type("well", {"energy": energy, "at": at, "width": width})
 
 
 def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
@@ -242,10 +301,7 @@ def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    e, w = check_number("energy", energy, 0.0), check_number("at", at, WIDTHS[0], math.pi)
-    centre = check_number("centre", centre)
-
-    return _sampled("double well", {"energy": e, "at": w, "centre": centre})
+    return of_type("double-well", {"energy": energy, "at": at, "centre": centre})
 
 
 def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
@@ -270,9 +326,7 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    e, w = check_number("energy", energy, 0.0), check_whole("wells", wells, 1, MOST_WELLS)
-    centre = check_number("centre", centre)
-    return _sampled("detent", {"energy": e, "wells": w, "centre": centre}, math.pi / w)
+    return of_type("detent", {"energy": energy, "wells": wells, "centre": centre})
 
 
 def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) -> HingeLaw:
@@ -297,15 +351,7 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
     SceneError, OptionError
         If a number does not fit.
     """
-    k, start = (
-        check_number("stiffness", stiffness, 0.0),
-        check_number("start", start, -math.pi, math.pi),
-    )
-    side = math.copysign(1.0, start)
-    w = check_number("width", width, RESOLVED, 1.0)
-
-    numbers = {"stiffness": k, "start": start, "width": w}
-    return _sampled("one-sided", numbers, more=(start, start + side * w))
+    return of_type("one-sided", {"stiffness": stiffness, "start": start, "width": width})
 
 
 def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") -> HingeLaw:
@@ -345,7 +391,7 @@ def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") 
     if np.abs(x).max() > math.pi * (1 + INPUT_TOL):
         raise SceneError(f"hinge law {name!r}: angles are beyond +-180 degrees")
     c = PchipInterpolator(x, y).c.T
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
+    return _law(x, c, name)
 
 
 def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
@@ -379,38 +425,4 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
         starts = np.array(law.breaks)[own]
         pieces = np.array(law.coefficients)[own]
         c += moved_cubic(pieces.T, x[:-1] - starts).T
-    stated = "sum", tuple(laws)
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
-
-
-def of_type(kind: str, numbers: dict[str, Any]) -> HingeLaw:
-    """Return the law of a type with other numbers (`HingeLaw.stated`).
-
-    Parameters
-    ----------
-    kind
-        A key of `FORMULAS`.
-    numbers
-        All of them.
-
-    Returns
-    -------
-    HingeLaw
-        As the function of that name makes it.
-
-    Raises
-    ------
-    SceneError, OptionError
-        If a number does not fit.
-    """
-    if kind == "polynomial":
-        rest = {k: v for k, v in numbers.items() if k != "rest"}
-        return polynomial(list(rest.values()), numbers["rest"])
-    makers: dict[str, Callable[..., HingeLaw]] = {
-        "linear": linear,
-        "well": well,
-        "double well": double_well,
-        "detent": detent,
-        "one-sided": one_sided,
-    }
-    return makers[kind](**numbers)
+    return _law(x, c, name, ("sum", tuple(laws)))

@@ -220,11 +220,8 @@ def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
         except OrigamiError as error:
             raise FoldFileError(f"{LAWS_KEY}[{k}]: {error}") from None
     for e, number in enumerate(numbers):
-        whole = isinstance(number, int) and not isinstance(number, bool)
-        if number is not None and not (whole and 0 <= number < len(laws)):
-            raise FoldFileError(
-                f"{LAW_KEY}[{e}] = {shown(number)} must be null or the number of a law, 0 to {len(laws) - 1}"
-            )
+        if number is not None:
+            check_whole(f"{LAW_KEY}[{e}]", number, 0, len(laws) - 1, FoldFileError)
     return tuple(None if numbers[e] is None else laws[numbers[e]] for e in keep.tolist())
 
 

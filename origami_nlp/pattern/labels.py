@@ -80,11 +80,7 @@ class Relabelling:
         vertex = Vertex(tuple(sectors.tolist()), scene.vertex.flat)
         # what the scene has decided stays decided: the same vertex, to the last bit
         decided = replace(
-            scene.relations,
-            sector_angles=vertex.sector_angles,
-            made_exact=(),
-            different=(),
-            moved=0.0,
+            scene.relations, sector_angles=vertex.sector_angles, made_exact=0, moved=0.0
         )
         return Scene(
             vertex,

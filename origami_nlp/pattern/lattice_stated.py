@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError
 
 LATTICE_KEY = "origaminlp:lattice"
@@ -19,13 +17,11 @@ def read_lattice(value: object) -> np.ndarray | None:
         return None
     rows = value if isinstance(value, list) else []
     sizes = {len(row) if isinstance(row, list) else 0 for row in rows}
-    numbers = [x for row in rows if isinstance(row, list) for x in row]
-    good = all(isinstance(x, int | float) and not isinstance(x, bool) for x in numbers)
-    if len(rows) != 2 or sizes not in ({2}, {3}) or not (good and all(map(math.isfinite, numbers))):
+    if len(rows) != 2 or sizes not in ({2}, {3}):
         raise FoldFileError(
             f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
         )
-    return np.array(rows, float)
+    return np.array([[check_number(LATTICE_KEY, x, error=FoldFileError) for x in r] for r in rows])
 
 
 ROLLED_KEY = "origaminlp:rolled"

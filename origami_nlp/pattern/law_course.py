@@ -19,10 +19,10 @@ from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import (
-    CONTINUOUS,
-    FORMULAS,
+    TYPES,
     Formula,
     first_breaks,
+    hermite,
     of_type,
     pieces_for,
     sum_of,
@@ -100,7 +100,7 @@ def law_course(laws: Laws, number: str, low: float, high: float) -> LawCourse:
     --------
     >>> from origami_nlp.pattern.hinge_types import double_well
     >>> from origami_nlp.pattern.law_course import law_course
-    >>> course = law_course((double_well(1.0, 0.8),), "laws.double well.energy", 0.5, 2.0)
+    >>> course = law_course((double_well(1.0, 0.8),), "laws.double-well.energy", 0.5, 2.0)
     >>> round(float(course.law(1.0).torque(0.4)), 6), round(float(course.rate(1.0, np.array(0.4))), 6)
     (-1.875, -1.875)
     """
@@ -157,7 +157,7 @@ def _formula(
     from scipy.interpolate import CubicHermiteSpline
 
     # of a table, measured data and a sum as such: none
-    known = [n for n in numbers if kind in CONTINUOUS and n.partition("[")[0] in CONTINUOUS[kind]]
+    known = [n for n in numbers if kind in TYPES and TYPES[kind][1][n.partition("[")[0]].smooth]
     if not keys or keys[0] not in known:
         few = ", ".join(known)
         if kind == "sum":
@@ -170,21 +170,16 @@ def _formula(
     key = keys[0]
 
     def formula(t: Any) -> Callable[[np.ndarray], Formula]:
-        return partial(FORMULAS[kind], **{**numbers, key: t})
+        return partial(TYPES[kind][0], **{**numbers, key: t})
 
     for t in ends:
         of_type(kind, {**numbers, key: t or TINY})  # which says what does not fit
     every = [formula(float(t)) for t in np.linspace(*ends, LOOKED_AT)]
-    thin = min(ends) if key == "width" else numbers.get("width", np.pi)
-    width = np.pi / numbers["wells"] if "wells" in numbers else thin
-    start = law.breaks if kind == "one-sided" else first_breaks(float(width))
-    x = pieces_for(every, law.name, np.array(start))
+    x = pieces_for(every, law.name, first_breaks(kind, {**numbers, key: min(ends)}))
 
     def made(t: float) -> HingeLaw:
         t = t or TINY
-        c = CubicHermiteSpline(x, *formula(t)(x)).c.T
-        stated = kind, {**numbers, key: t}
-        return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), law.name, stated=stated)
+        return hermite(x, formula(t)(x), law.name, (kind, {**numbers, key: t}))
 
     def rate(t: float, phi: np.ndarray) -> np.ndarray:
         change = [v.imag / IMAGINARY for v in formula(complex(t, IMAGINARY))(x + 0j)]

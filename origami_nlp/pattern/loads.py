@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern.angles import format_angle, parse_angle
@@ -137,15 +137,7 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
         if not isinstance(value, Load):
             raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
         what = "facet" if value.facet is not None else "crease"
-        n = len(sector_angles)
-        if (
-            isinstance(value.number, bool)
-            or not isinstance(value.number, int)
-            or not 1 <= value.number <= n
-        ):
-            raise SceneError(
-                f"loads[{i}]: {what} = {shown(value.number)} must be a number from 1 to {n}"
-            )
+        check_whole(f"loads[{i}]: {what}", value.number, 1, len(sector_angles), SceneError)
         if value.facet is not None and not 0 <= value.place[1] <= sector_angles[value.facet - 1]:
             raise SceneError(
                 f"loads[{i}]: the angle {format_angle(value.place[1])} of its point is not within facet {value.facet}, "
@@ -166,10 +158,7 @@ def _entries(name: str, value: object, count: int) -> list[Any]:
 
 
 def _number(name: str, value: object) -> float:
-    good = np.isscalar(value) and not isinstance(value, bool | np.bool_ | str | bytes | complex)
-    if not good or not abs(float(value)) <= LARGEST_FORCE:  # type: ignore[arg-type]
-        raise SceneError(f"{name} = {shown(value)} of a load must be a number")
-    return float(value)  # type: ignore[arg-type]
+    return check_number(f"{name} of a load", value, -LARGEST_FORCE, LARGEST_FORCE, SceneError)
 
 
 @dataclass(frozen=True, eq=False)

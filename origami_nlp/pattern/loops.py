@@ -92,7 +92,8 @@ def check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, lo
     parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
     if parts != 1:
         raise FoldFileError(
-            f"the facets fall into {parts} parts that no crease joins: give each part a file of its own"
+            f"the facets fall into {parts} parts that no crease joins: give each a file of its own (convert --part K), "
+            "or vertices in common where they touch"
             if parts
             else "there are no facets: give faces_vertices, or edges that enclose some"
         )

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.numerics import EPS, INPUT_TOL
+from origami_nlp.pattern.angles import parse_angles
 
 LARGEST_RATIO = 1e8
 """Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
@@ -22,19 +21,32 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 def check_range(stiffness: Sequence[float]) -> None:
     """Raise an error for stiffnesses that cannot be computed with, or not together."""
+    for i, k in enumerate(stiffness, start=1):
+        if not SMALLEST <= k <= LARGEST:
+            raise SceneError(
+                f"stiffness[{i}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g} N m/rad"
+            )
     soft, stiff = min(stiffness), max(stiffness)
     i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
-    if soft < SMALLEST or stiff > LARGEST:
-        wrong, k = (i, soft) if soft < SMALLEST else (j, stiff)
-        raise SceneError(
-            f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
-        )
     if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
         raise SceneError(
             f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
             f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
             "the facets at the stiff crease"
         )
+
+
+def read_rest_angles(values: object, degree: int) -> tuple[float, ...]:
+    """Read rest angles [rad]; degrees and texts as `parse_angles`."""
+    rest = parse_angles(values, "rest_angles")
+    check_length(rest, "rest_angles", degree)
+    for i, a in enumerate(rest, start=1):
+        if abs(a) > math.pi * (1 + 4 * EPS):
+            raise SceneError(
+                f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi]: fold angles are radians, valley positive "
+                "(degrees: rest_angles_deg); a torque beyond is stated as preload"
+            )
+    return rest
 
 
 def read_preload(
@@ -45,8 +57,6 @@ def read_preload(
         return ()
     preload = read_numbers(values, "preload", len(stiffness))
     for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
-        if not math.isfinite(m):
-            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
         if abs(a + m / k) > MOST_WOUND:
             raise SceneError(
                 f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
@@ -72,12 +82,8 @@ def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
         items = list(values)  # type: ignore[call-overload]
     except TypeError:
         raise wrong from None
-    for i, v in enumerate(items, start=1):
-        if isinstance(v, bool | str | bytes) or not np.isscalar(v):
-            raise SceneError(f"{name}[{i}] = {v!r} is not a number")
-    try:
-        numbers = tuple(float(v) for v in items)
-    except OverflowError:
-        raise wrong from None
+    numbers = tuple(
+        check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, start=1)
+    )
     check_length(numbers, name, degree)
     return numbers

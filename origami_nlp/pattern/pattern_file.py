@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
-from origami_nlp.pattern.cells import make_cell
+from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
 from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_rings import (
     Oddity,
-    Rings,
     check_drawing,
-    check_parts,
     check_sides,
     coincident,
+    face_walks,
     oriented,
 )
 from origami_nlp.pattern.fold_springs import (
@@ -36,7 +34,7 @@ from origami_nlp.pattern.fold_springs import (
     stated_sign,
 )
 from origami_nlp.pattern.polygons import Side, side, sides_of
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
 """Share of the sheet by which corners may be moved."""
@@ -161,29 +159,28 @@ def frame_pattern(
     found = np.array([measured.get(s, math.nan) for s in creases])
     k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
     sheet.notes += spring_notes(frame, at, found, stiffness, rest_angle, rest_from) if at else []
-    make = make_pattern
-    if frame.lattice is not None:
-        make = partial(make_cell, lattice=frame.lattice, rolled=frame.rolled)
-    made = make(
+
+    def of(values: Iterable[Any]) -> dict[Side, Any]:
+        return dict(zip(creases, values, strict=True))
+
+    made = make_sheet(
         sheet.corners,
         sheet.polygons,
-        assignment={s: frame.assignment[e].replace("?", "U") for s, e in edges},
+        frame.lattice,
+        rolled=frame.rolled,
+        assignment=of(frame.assignment[e].replace("?", "U") for e in at),
         joins=sheet.joins,
         fold_angles=measured,
-        numbers={s: int(frame.numbers[e]) for s, e in edges},
-        stiffness=dict(zip(creases, k, strict=True)),
-        rest=dict(zip(creases, rest, strict=True)),
-        file_angles=dict(zip(creases, frame.fold_angles[at], strict=True)),
-        limits=None
-        if frame.limits is None
-        else dict(zip(creases, map(tuple, frame.limits[at].tolist()), strict=True)),
+        numbers=of(frame.numbers[at].tolist()),
+        stiffness=of(k),
+        rest=of(rest),
+        file_angles=of(frame.fold_angles[at]),
+        limits=None if frame.limits is None else of(map(tuple, frame.limits[at].tolist())),
+        laws=of(frame.laws[e] for e in at) if frame.laws else None,
         name=frame.title or Path(frame.source).stem or f"frame {frame.number}",
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
-    if frame.laws:
-        laws = {frozenset(s): frame.laws[e] for s, e in zip(creases, at, strict=True)}
-        made = made.with_laws([laws[frozenset(pair)] for pair in made.ends.tolist()])
     return replace(made, source=frame.source)
 
 
@@ -267,7 +264,7 @@ class _Sheet:
             )
         check_drawing(frame)
         faces, holes = [], 0
-        for walk, area in Rings(frame).walks():
+        for walk, area in face_walks(frame):
             if area <= 0:
                 continue
             ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
@@ -341,7 +338,6 @@ class _Sheet:
             self.notes.append(
                 f"paper meets in points at vertices {listed(points)}: it is not joined there"
             )
-        check_parts(self.frame, self.polygons, self.origin)
 
     def _make_exact(self) -> None:
         unit, coarse = self.frame.unit, COARSE

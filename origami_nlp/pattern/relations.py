@@ -23,8 +23,6 @@ import numpy as np
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INDEPENDENT, RESOLVED, SUMMED
 
-NEAR = 1e-3
-"""Relations [rad] that miss by less, but are different, are shown with the model."""
 MOST_ROUNDS = 20
 """Of moving sector angles: each makes one more independent relation exact, and there are fewer than N."""
 LONGEST_RUN, MOST_SUMS = 12, 2**17
@@ -32,95 +30,25 @@ LONGEST_RUN, MOST_SUMS = 12, 2**17
 
 
 @dataclass(frozen=True, repr=False)
-class Relation(ShortRepr):
-    """Signed sum of consecutive sector angles that is, or nearly is, a multiple of pi.
-
-    Attributes
-    ----------
-    first
-        Crease (1-based) where the run of sectors starts.
-    signs
-        +1 or -1 for each sector of the run; a run of all N sectors is the whole vertex.
-    degree
-        Number of creases N.
-    multiple
-        The multiple of pi.
-    miss
-        Sum - multiple * pi of the angles as stated [rad].
-    """
-
-    first: int
-    signs: tuple[int, ...]
-    degree: int
-    multiple: int
-    miss: float
-
-    ALSO = ("text",)
-
-    @property
-    def text(self) -> str:
-        """The relation in words."""
-        n, m = self.degree, len(self.signs)
-        at_limit = [
-            (self.first - 1 + k) % n + 1 for k in range(1, m) if self.signs[k] != self.signs[k - 1]
-        ]
-        if m == n and self.signs[0] != self.signs[-1]:
-            at_limit.append(self.first)
-        named = ", ".join(map(str, sorted(at_limit)))
-        if m == n:
-            return f"folds flat with creases {named} fully folded"
-        last = (self.first - 1 + m) % n + 1
-        how = "coincide" if self.multiple % 2 == 0 else "lie on one line"
-        when = f" while {named} {'is' if len(at_limit) == 1 else 'are'} fully folded" * bool(
-            at_limit
-        )
-        return f"creases {self.first} and {last} {how}{when}"
-
-
-@dataclass(frozen=True, repr=False)
 class Relations(ShortRepr):
-    """What a scene decided on the special relations of its sector angles.
+    """Special relations of the sector angles of a vertex.
 
     Attributes
     ----------
     sector_angles
-        [N], with the relations in `made_exact` made to hold.
+        Those in which every relation that holds to 1e-7 rad holds exactly [rad].
     exact
-        How many relations hold to rounding.
+        How many held as stated.
     made_exact
-        Those that missed by at most `RESOLVED` and hold now.
-    different
-        Those that miss by more, but by at most `NEAR`.
+        How many hold since sectors were moved.
     moved
         Largest change of a sector angle [rad].
-    longest
-        Sectors in the longest run looked at.
     """
 
     sector_angles: tuple[float, ...]
     exact: int
-    made_exact: tuple[Relation, ...]
-    different: tuple[Relation, ...]
+    made_exact: int
     moved: float
-    longest: int
-
-    @property
-    def lines(self) -> list[str]:
-        """What was decided, a line each, as the model prints it."""
-        out = []
-        if self.exact:
-            out.append(f"{self.exact} hold exactly")
-        if self.made_exact:
-            out.append(
-                f"{len(self.made_exact)} made exact, sectors moved by up to {self.moved:.1e} rad:"
-            )
-            out += _shown(self.made_exact)
-        if self.different:
-            out.append(
-                f"{len(self.different)} nearly hold (to {NEAR:g} rad) and are kept different:"
-            )
-            out += _shown(self.different)
-        return out or ["none holds"]
 
 
 @lru_cache(maxsize=4096)
@@ -145,24 +73,20 @@ def find_relations(sector_angles: tuple[float, ...]) -> Relations:
     # which were decided once, and are read or relabelled, stay as they are
     for _ in range(MOST_ROUNDS):
         rows, multiples, left = _near_relations(moved, longest)
-        small = np.abs(left) <= RESOLVED
-        if not (small & (np.abs(left) > SUMMED)).any():
+        if not (np.abs(left) > SUMMED).any():
             break
         # all that hold or nearly do, and the sum of the angles: consistent, since their coefficients
         # are whole numbers and what they miss by is far below pi
-        system = np.vstack([rows[small], np.ones(n)])
-        target = np.append(multiples[small] * math.pi, math.fsum(sector_angles))
+        system = np.vstack([rows, np.ones(n)])
+        target = np.append(multiples * math.pi, math.fsum(sector_angles))
         for _ in range(2):
             moved = moved + np.linalg.lstsq(system, target - system @ moved, rcond=INDEPENDENT)[0]
-    miss = rows @ alpha - multiples * math.pi
-    loose = small & (np.abs(miss) > SUMMED)
+    loose = int((np.abs(rows @ alpha - multiples * math.pi) > SUMMED).sum())
     return Relations(
-        tuple(moved.tolist()) if loose.any() else tuple(sector_angles),
-        int((small & ~loose).sum()),
-        _named(rows, multiples, miss, loose),
-        _named(rows, multiples, miss, ~small),
+        tuple(moved.tolist()) if loose else tuple(sector_angles),
+        len(rows) - loose,
+        loose,
         float(np.abs(moved - alpha).max()),
-        longest,
     )
 
 
@@ -180,7 +104,7 @@ def _near_relations(alpha: np.ndarray, longest: int) -> tuple[np.ndarray, np.nda
             step = 2 if whole else 1
             multiple = step * np.round(total / (step * math.pi))
             miss = total - multiple * math.pi
-            good = np.abs(miss) <= NEAR
+            good = np.abs(miss) <= RESOLVED
             if whole:
                 good &= ~(signs > 0).all(
                     axis=1
@@ -198,23 +122,3 @@ def _near_relations(alpha: np.ndarray, longest: int) -> tuple[np.ndarray, np.nda
 def _signs(length: int) -> np.ndarray:
     """Return all signs of a run, the first +1, shape [2^(length-1), length]."""
     return np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=length - 1)])
-
-
-def _named(
-    rows: np.ndarray, multiples: np.ndarray, misses: np.ndarray, which: np.ndarray
-) -> tuple[Relation, ...]:
-    """Make relations of coefficient rows, nearest first."""
-    found = []
-    n = rows.shape[1]
-    for row, multiple, miss in zip(rows[which], multiples[which], misses[which], strict=True):
-        used = np.flatnonzero(row)
-        # a run starts where the crease before it is not used, or at crease 1 for the whole vertex
-        first = 0 if len(used) == n else next(int(i) for i in used if row[i - 1] == 0)
-        signs = tuple(int(row[(first + k) % n]) for k in range(len(used)))
-        found.append(Relation(first + 1, signs, n, int(multiple), float(miss)))
-    return tuple(sorted(found, key=lambda r: (abs(r.miss), len(r.signs), r.first)))
-
-
-def _shown(relations: tuple[Relation, ...], most: int = 4) -> list[str]:
-    lines = [f"  {r.text} (missed by {r.miss:+.1e} rad)" for r in relations[:most]]
-    return lines + [f"  and {len(relations) - most} more"] * (len(relations) > most)

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, shown
+from origami_nlp.arguments import check_angles, check_number, check_whole, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
-from origami_nlp.numerics import EPS, INPUT_TOL, NARROW, SUMMED, energy_or_zero
-from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.numerics import INPUT_TOL, NARROW, SUMMED, energy_or_zero
+from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.fold_limits import (
     Limits,
     limit_angles,
@@ -33,7 +32,12 @@ from origami_nlp.pattern.hinges_stated import (
     with_laws,
 )
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
-from origami_nlp.pattern.numbers_read import check_length, check_range, read_numbers, read_preload
+from origami_nlp.pattern.numbers_read import (
+    check_range,
+    read_numbers,
+    read_preload,
+    read_rest_angles,
+)
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import (
     Symmetry,
@@ -154,74 +158,53 @@ class Scene(PrettyRepr):
         if not isinstance(self.vertex, Vertex):
             raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
-        if n > MOST_CREASES:
-            raise SceneError(
-                f"vertex has {n} creases: at most {MOST_CREASES}, since its symmetries are looked for in N^2 steps"
-            )
-        if n > MOST_PAIRED and self.contact == "full":
-            raise SceneError(
-                f"vertex has {n} creases: with contact = 'full', which keeps every two facets apart, at most "
-                f"{MOST_PAIRED}; use contact = 'fold-limits'"
-            )
-        object.__setattr__(self, "laws", read_laws(self.laws, n))
-        stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
-        for i, k in enumerate(stiffness, start=1):
-            if not (math.isfinite(k) and k > 0):
-                raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
-        check_range(stiffness)
-        rest = parse_angles(self.rest_angles, "rest_angles")
-        check_length(rest, "rest_angles", n)
-        rest = with_laws(rest, self.laws, "rest")
-        for i, a in enumerate(rest, start=1):
-            if abs(a) > math.pi * (1 + 4 * EPS):
-                raise SceneError(
-                    f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi]: fold angles are radians, valley positive "
-                    "(degrees: rest_angles_deg); a torque beyond is stated as preload"
-                )
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
                 f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
             )
-        for i, a in enumerate(self.vertex.sector_angles, start=1):
-            if self.contact == "full" and a < NARROW:
-                raise SceneError(
-                    f"sector_angles[{i}] = {a:.6g} is narrower than {NARROW:g} rad: contact at so narrow a "
-                    "facet is below the accuracy of contacts; use contact = 'fold-limits', or merge its creases"
-                )
-        if self.name is not None and not isinstance(self.name, str):
-            raise SceneError(f"name = {shown(self.name)} must be text")
-        if self.name is not None and not is_unicode(self.name):
-            raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
-        object.__setattr__(self, "panels", read_panels(self.panels))
+        if n > (MOST_PAIRED if self.contact == "full" else MOST_CREASES):
+            raise SceneError(
+                f"vertex has {n} creases: at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full', which keeps "
+                "every two facets apart; use contact = 'fold-limits'"
+            )
+        narrow = min(self.vertex.sector_angles)
+        if self.contact == "full" and narrow < NARROW:
+            raise SceneError(
+                f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g} is narrower than "
+                f"{NARROW:g} rad: contact at so narrow a facet is below the accuracy of contacts; use contact = "
+                "'fold-limits', or merge its creases"
+            )
+        if self.name is not None and not (isinstance(self.name, str) and is_unicode(self.name)):
+            raise SceneError(
+                f"name = {shown(self.name)} must be text, without half surrogate pairs"
+            )
+        check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
+        self._set(laws=read_laws(self.laws, n), panels=read_panels(self.panels))
+        stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
+        check_range(stiffness)
+        rest = with_laws(read_rest_angles(self.rest_angles, n), self.laws, "rest")
         limits = thick_limits(read_limits(self.limits, n), n, self.panels)
-        object.__setattr__(self, "limits", limits)
+        self._set(stiffness=stiffness, rest_angles=rest, limits=limits)
         check_laws(self.laws, self.limit_angles, self.contact)
         if self.limits and self.contact == "none":
             raise SceneError(
                 "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
             )
-        object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "rest_angles", rest)
-        self._read_loads(stiffness, rest)
+        self._read_loads()
+        # relations are looked for in the vertex as stated, unless they are known
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
-            relations = find_relations(self.vertex.sector_angles)
-            object.__setattr__(self, "relations", relations)
-            if relations.moved:
-                moved = self.vertex.with_angles(relations.sector_angles)
-                object.__setattr__(self, "vertex", moved)
-        tolerance = self.symmetry_tolerance
-        if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
-            raise SceneError(f"symmetry_tolerance = {shown(tolerance)} must be a number [rad]")
-        if not INPUT_TOL <= tolerance <= 0.1:
-            raise SceneError(
-                f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
-            )
-        wanted = self.symmetry, self.mirror, tolerance
-        group = self._find_symmetry(stiffness, rest, *wanted)
-        object.__setattr__(self, "group", group)
-        if not group.is_trivial:
-            self._make_symmetric(*wanted)
+            found = find_relations(self.vertex.sector_angles)
+            self._set(relations=found)
+            if found.moved:
+                self._set(vertex=self.vertex.with_angles(found.sector_angles))
+        self._set(group=self._find_symmetry())
+        if not self.group.is_trivial:
+            self._make_symmetric()
         check_winding(self.winding, self.group, self.contact)
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @property
     def windings(self) -> tuple[int, ...]:
@@ -238,74 +221,64 @@ class Scene(PrettyRepr):
         """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
-    def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
-        """Read preload, loads and the facet that is fixed."""
+    def _read_loads(self) -> None:
+        """Add torques on creases to the preload, and keep forces."""
         loads = read_loads(self.loads, self.vertex.sector_angles)
         forces = tuple(load for load in loads if load.force is not None)
-        given: object = self.preload
+        springs = self.stiffness, self.rest_angles
+        preload = read_preload(self.preload, *springs)
         if len(forces) < len(loads):
-            total = list(read_preload(given, stiffness, rest) or (0.0,) * len(stiffness))
+            total = list(preload or (0.0,) * self.degree)
             for load in loads:
                 total[load.number - 1] += load.torque or 0.0
-            given = tuple(total)
-        object.__setattr__(self, "preload", read_preload(given, stiffness, rest))
-        object.__setattr__(self, "loads", forces)
-        held, n = self.fixed_facet, len(stiffness)
-        if held is None and not forces:
-            return
-        if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= n:
-            raise SceneError(
-                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
-                "facet is held"
-            )
+            preload = read_preload(tuple(total), *springs)
+        self._set(preload=preload, loads=forces)
+        if self.fixed_facet is not None or forces:
+            what = "fixed_facet, which facet is held where forces pull,"
+            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
 
-    def _find_symmetry(
-        self, stiffness: tuple[float, ...], rest: tuple[float, ...], *wanted: Any
-    ) -> Symmetry:
-        """Find the group; forces in space, with one facet fixed, leave none."""
-        if self.loads and wanted[0] not in ("auto", "none"):
+    def _find_symmetry(self) -> Symmetry:
+        """Find the symmetry that geometry and mechanics share; forces keep none."""
+        wanted = self.symmetry
+        if self.loads and wanted not in ("auto", "none"):
             raise SymmetryError(
-                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.fixed_facet} fixed: "
-                "use none or auto"
+                f"symmetry = {shown(wanted)} is not shared by loads with facet {self.fixed_facet} fixed: use "
+                "none or auto"
             )
-        wanted = ("none", *wanted[1:]) if self.loads else wanted
-        angles = [rest, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
-        return find_symmetry(self.vertex, stiffness, angles, *wanted)
+        angles = [self.rest_angles, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
+        return find_symmetry(
+            self.vertex,
+            self.stiffness,
+            angles,
+            "none" if self.loads else wanted,
+            self.mirror,
+            self.symmetry_tolerance,
+        )
 
-    def _make_symmetric(self, *wanted: Any) -> None:
-        """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
-
-        Averaged values may share a larger group within the tolerance, or another mirror: what is kept is exactly
-        symmetric.  What differs by no more than rounding stays as it is.
-        """
+    def _make_symmetric(self) -> None:
+        """Average what is equal only up to `symmetry_tolerance`, until the group finds nothing left to average."""
         stated = self._numbers
         while True:
             elements = self.group.elements
             sectors = averaged(self.vertex.sector_angles, elements, facets=True)
-            rest, k, preload = (
-                averaged(values, elements, facets=False) if values else ()
-                for values in (self.rest_angles, self.stiffness, self.preload)
+            rest, k, preload, *stops = (
+                averaged(values, elements, facets=False) if len(values) else ()
+                for values in (self.rest_angles, self.stiffness, self.preload, *self.limit_angles)
             )
-            made = [sectors, rest, np.divide(preload, k) if preload else (), k]
-            if self.limits:
-                low, high = (averaged(v, elements, facets=False) for v in self.limit_angles)
-                limits = tuple(zip(low, high, strict=True))
-                made[-1:-1] = [low, high]
+            wound = np.divide(preload, k) if preload else ()
+            made = [sectors, rest, wound, *(stops if self.limits else ()), k]
             if _change(made, self._numbers) <= SUMMED:
                 return
-            object.__setattr__(self, "adjusted", _change(made, stated))
-            object.__setattr__(self, "vertex", self.vertex.with_angles(sectors))
-            found = find_relations(self.vertex.sector_angles)
-            record = replace(
-                self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact
+            vertex = self.vertex.with_angles(sectors)
+            found = replace(
+                self.relations,
+                sector_angles=vertex.sector_angles,
+                exact=find_relations(vertex.sector_angles).exact,
             )
-            object.__setattr__(self, "relations", record)
-            object.__setattr__(self, "stiffness", k)
-            object.__setattr__(self, "rest_angles", rest)
-            object.__setattr__(self, "preload", preload)
-            if self.limits:
-                object.__setattr__(self, "limits", read_limits(limits, len(k)))
-            object.__setattr__(self, "group", self._find_symmetry(k, rest, *wanted))
+            limits = read_limits(tuple(zip(*stops, strict=True)), len(k)) if self.limits else ()
+            self._set(adjusted=_change(made, stated), vertex=vertex, relations=found, limits=limits)
+            self._set(stiffness=k, rest_angles=rest, preload=preload)
+            self._set(group=self._find_symmetry())
 
     @property
     def _numbers(self) -> tuple[Any, ...]:

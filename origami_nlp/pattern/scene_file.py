@@ -6,11 +6,12 @@ The file is data: text angles go through `parse_angle`, nothing is evaluated.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_type, shown
+from origami_nlp.arguments import check_number, check_type, shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
@@ -189,11 +190,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     in_degrees = rest_key.endswith("_deg")
     rest = parse_angles(creases[rest_key], rest_key, degrees=in_degrees)
     for i, stated in enumerate(creases[rest_key] if in_degrees else (), start=1):
-        if abs(stated) > 180:
-            raise SceneFileError(
-                f"{rest_key}[{i}] = {stated:.6g} deg is outside [-180, 180]: valley is positive; "
-                "a torque beyond is stated as preload"
-            )
+        check_number(f"{rest_key}[{i}]", stated, -180.0, 180.0, SceneFileError)
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more: dict[str, Any] = {"preload": creases["preload"]} if "preload" in creases else {}
@@ -329,16 +326,13 @@ def format_scene(scene: Scene) -> str:
     """
     lines = []
     for name, content in scene_to_dict(scene).items():
-        many = isinstance(content, list)
+        tables = [(f"[{name}]", content)]
         if name == "laws":
-            for law, table in content.items():
-                lines.append(f"[laws.{_toml(law)}]")
-                lines += [*(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
-            continue
-        for table in content if many else [content]:
-            lines.append(f"[[{name}]]" if many else f"[{name}]")
-            lines += [f"{key} = {_toml(value)}" for key, value in table.items()]
-            lines.append("")
+            tables = [(f"[laws.{_toml(law)}]", table) for law, table in content.items()]
+        elif isinstance(content, list):
+            tables = [(f"[[{name}]]", table) for table in content]
+        for head, table in tables:
+            lines += [head, *(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
     return "\n".join(lines)
 
 
@@ -349,16 +343,5 @@ def _exact(angle: float) -> str | float:
 
 
 def _toml(value: Any) -> str:
-    if isinstance(value, list):
-        return "[" + ", ".join(_toml(v) for v in value) + "]"
-    if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        escaped = "".join(
-            f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c for c in escaped
-        )
-        return f'"{escaped}"'
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(
-        float(value) if isinstance(value, float) else value
-    )  # of NumPy's, whose repr says so
+    """Write a value; TOML has JSON's numbers, lists and texts, but for the letter DEL."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -6,18 +6,17 @@ are for exchange (`pattern_states.pattern_to_fold`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
-from origami_nlp.pattern.cells import make_cell
-from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.cells import make_sheet
+from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws, laws_to_fold
+from origami_nlp.pattern.sheet import Pattern
 
 T = TypeVar("T")
 
@@ -42,6 +41,8 @@ class _Stated:
     limits: tuple[tuple[float, float], ...] = ()
     lattice: tuple[tuple[float, ...], ...] = ()
     rolled: tuple[int, int] | None = None
+    law: tuple[int | None, ...] = ()
+    laws: tuple[dict[str, Any], ...] = ()
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -82,15 +83,12 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
         limits=p.limits,
         lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
         rolled=p.cell.rolled if p.cell else None,
+        **dict(zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)),
     )
     data: dict[str, Any] = to_plain(stated)
-    for key in ("limits", "lattice", "rolled"):
+    for key in ("limits", "lattice", "rolled", "law", "laws"):
         if not data[key]:
             del data[key]
-    if p.laws:
-        every = list(dict.fromkeys(filter(None, p.laws)))
-        data["laws"] = [{"name": law.name, **law_to_dict(law)} for law in every]
-        data["law"] = [None if law is None else every.index(law) for law in p.laws]
     return data
 
 
@@ -112,22 +110,22 @@ def pattern_from_dict(data: Any) -> Pattern:
     FoldFileError
         If an entry is missing or wrong, or the facets are no sheet.
     """
-    laws, which = [], []
-    if isinstance(data, Mapping) and "laws" in data:
-        data = dict(data)
-        laws, which = data.pop("laws"), data.pop("law", [])
     said = from_plain(_Stated, data, "pattern", FoldFileError)
 
     def of(values: Iterable[T]) -> dict[tuple[int, int], T]:
         return dict(zip(said.creases, values, strict=True))
 
     try:
-        make: Any = make_pattern
-        if said.lattice:
-            make = partial(make_cell, lattice=said.lattice, rolled=said.rolled)
-        made = make(
+        laws: Laws = ()
+        if said.law:
+            stated = {LAW_KEY: list(said.law), LAWS_KEY: list(said.laws)}
+            laws = edge_laws(stated, len(said.creases), np.arange(len(said.creases)))
+        made = make_sheet(
             said.corners,
             list(said.polygons),
+            said.lattice or None,
+            rolled=said.rolled,
+            laws=of(laws) if laws else None,
             assignment=of(said.assignment),
             joins=list(said.joins),
             fold_angles=of(said.reference),
@@ -144,12 +142,4 @@ def pattern_from_dict(data: Any) -> Pattern:
         raise FoldFileError(f"pattern is not whole: {error}") from None
     if tuple(map(tuple, made.ends.tolist())) != said.creases:
         raise FoldFileError("pattern: its creases are not those of its polygons")
-    if not laws:
-        return made
-    try:
-        read = [
-            read_law({k: v for k, v in law.items() if k != "name"}, law["name"]) for law in laws
-        ]
-        return made.with_laws([None if k is None else read[k] for k in which])
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
-        raise FoldFileError(f"pattern: its hinge laws are not whole: {error}") from None
+    return made

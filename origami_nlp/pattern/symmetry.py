@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, quaternion
@@ -100,24 +100,18 @@ def find_symmetry(
     kind, order = _parse(wanted)
     if kind == "auto":
         kind, order = ("D", len(shifts)) if mirrors else ("C", len(shifts))
-    largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
-    if kind == "C":
-        if mirror is not None:
-            raise SymmetryError(
-                f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
-            )
-        if len(shifts) % order:
-            raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
-                f"fold limits: the largest common group is {largest}"
-            )
-        return _period(vertex, order)
-    if len(shifts) % order or not mirrors:
+    if len(shifts) % order or (kind == "D" and not mirrors):
         raise SymmetryError(
             f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
-            f"fold limits: the largest common group is {largest}"
+            f"fold limits: the largest common group is {'D' if mirrors else 'C'}{len(shifts)}"
         )
-    return _wedge(vertex, order, mirrors, mirror, tolerance)
+    if kind == "D":
+        return _wedge(vertex, order, mirrors, mirror, tolerance)
+    if mirror is not None:
+        raise SymmetryError(
+            f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
+        )
+    return _period(vertex, order)
 
 
 def shared_symmetries(
@@ -181,11 +175,22 @@ def _parse(wanted: object) -> tuple[str, int]:
     return match[1], int(match[2])
 
 
+def _made(kind: str, order: int, n: int, rays: Sequence[Ray], elements: Elements) -> Symmetry:
+    """Return a group; of each crease the ray whose crease is one of its images."""
+    place = {ray.crease: r for r, ray in enumerate(rays)}
+    orbit = tuple(
+        next(place[j] for j in images if j in place)
+        for i in range(n)
+        for images in [[((s - i) if mirrored else (i + s)) % n for s, mirrored in elements]]
+    )
+    return Symmetry(kind, order, tuple(rays), orbit, tuple(elements))
+
+
 def _period(vertex: Vertex, order: int) -> Symmetry:
-    n, period = vertex.degree, vertex.degree // order
-    rays = tuple(Ray(i, vertex.sector_angles[i]) for i in range(period))
+    period = vertex.degree // order
+    rays = [Ray(i, vertex.sector_angles[i]) for i in range(period)]
     rotations = tuple((m * period, False) for m in range(order))
-    return Symmetry("C", order, rays, tuple(i % period for i in range(n)), rotations)
+    return _made("C", order, vertex.degree, rays, rotations)
 
 
 def _wedge(
@@ -195,8 +200,7 @@ def _wedge(
     n = vertex.degree
     step = n // order  # the rotations of the wanted group shift creases by multiples of `step`
     if mirror is not None:
-        if isinstance(mirror, bool) or not isinstance(mirror, int) or not 1 <= mirror <= n:
-            raise SymmetryError(f"mirror = {shown(mirror)} must be a crease number from 1 to {n}")
+        check_whole("mirror, a crease,", mirror, 1, n, SymmetryError)
         start = 2 * (mirror - 1) % n
         if start not in mirrors:
             raise SymmetryError(f"mirror = {mirror}: no shared mirror runs through this crease")
@@ -222,18 +226,12 @@ def _wedge(
         rays.append(Ray(j, sector))
     if last % 2:
         rays.append(Ray(None, 0.0))
-    position = {ray.crease: r for r, ray in enumerate(rays) if ray.crease is not None}
-    orbit = []
-    for i in range(n):
-        images = [(i + m * step) % n for m in range(order)]
-        images += [(start - j) % n for j in images]
-        orbit.append(next(position[j] for j in images if j in position))
     total = math.fsum(ray.sector for ray in rays)
     whole = math.fsum(a)  # 2 pi unless the vertex is not flat
     assert abs(total - whole / (2 * order)) <= max(RESOLVED, n * tolerance), "wedge angle"
     elements = [(m * step, False) for m in range(order)]
     elements += [((start + m * step) % n, True) for m in range(order)]
-    return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))
+    return _made("D", order, n, rays, tuple(elements))
 
 
 def windings_of(group: Symmetry, contact: str) -> tuple[int, ...]:

@@ -235,50 +235,42 @@ def _creases(sector_angles: tuple[float, ...]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Unit:
-    """The unit in which sector angles were stated, for complaints: their field, and its number of units a radian."""
+    """Angles of a field as a person stated them: in radians or degrees."""
 
     field: str
     scale: float
 
-    @property
-    def in_degrees(self) -> bool:
-        return self.scale != 1.0
-
     def show(self, angle: float, digits: int = 6) -> str:
-        """Write an angle [rad] in the unit."""
-        return f"{angle * self.scale:.{digits}g} {'deg' if self.in_degrees else 'rad'}"
+        """Write an angle with its unit."""
+        return f"{angle * self.scale:.{digits}g} {'rad' if self.scale == 1.0 else 'deg'}"
 
     def check_each(self, angles: Sequence[float]) -> None:
-        """Raise an error for an angle that is no sector."""
+        """Raise an error for an angle that is no sector of a vertex."""
         for i, a in enumerate(angles, start=1):
-            if a <= 0:
-                raise VertexError(f"{self.field}[{i}] = {self.show(a)} must be positive")
-            if a >= math.pi - CLOSURE_TOL:
+            if not 0 < a < math.pi - CLOSURE_TOL:
                 raise VertexError(
-                    f"{self.field}[{i}] = {self.show(a)} must be below {'180' if self.in_degrees else 'pi'}: "
-                    + (self._other(angles) or "split the facet with a crease")
+                    f"{self.field}[{i}] = {self.show(a)} must be positive and below {self.show(math.pi)}: "
+                    + (self.other(angles) or "split the facet with a crease")
                 )
 
     def of_sum(self, angles: Sequence[float], total: float) -> str:
-        """Describe what is missing of a flat sheet, and what can be done about it."""
+        """Say by how much the sum misses a full turn, and what cures it."""
         missing = 2 * math.pi - total
-        full = "360 deg" if self.in_degrees else f"2 pi = {2 * math.pi:.9g} rad"
-        which = "missing" if missing > 0 else "too much"
+        cure = self.other(angles) or "a sector is missing or wrong"
         if abs(missing) <= MOST_SPREAD:
-            cure = (
-                f"correct them, or add normalize = true (each changes by {self.show(missing / len(angles), 3)})"
-                + ("" if self.in_degrees else '; exact multiples are written "pi/3"')
-            )
-        else:
-            cure = self._other(angles) or "a sector is missing or wrong"
-        return f"{self.field} sum to {self.show(total, 9)}, not {full}: {self.show(abs(missing), 4)} {which}; {cure}"
+            each = self.show(missing / len(angles), 3)
+            cure = f'correct them (multiples are written "pi/3"), or add normalize = true (each changes by {each})'
+        return (
+            f"{self.field} sum to {self.show(total, 9)}, not {self.show(2 * math.pi, 9)}, by "
+            f"{self.show(missing, 4)}; {cure}"
+        )
 
-    def _other(self, angles: Sequence[float]) -> str:
-        """Give the hint at the other unit, where the angles are none in this one, or sum to a sheet there."""
+    def other(self, angles: Sequence[float]) -> str:
+        """Say that angles are those of the other unit, if they are."""
         total = math.fsum(angles)
-        if not self.in_degrees and (max(angles) > 2 * math.pi or abs(total - 360) <= CLOSE_TO_360):
+        if self.scale == 1.0 and (max(angles) > 2 * math.pi or abs(total - 360) <= CLOSE_TO_360):
             return "these look like degrees, which are given as sector_angles_deg (Vertex.from_degrees)"
-        if self.in_degrees and abs(math.degrees(total) - 2 * math.pi) <= MOST_SPREAD:
+        if self.scale != 1.0 and abs(math.degrees(total) - 2 * math.pi) <= MOST_SPREAD:
             return "these look like radians, which are given as sector_angles"
         return ""
 
@@ -289,14 +281,11 @@ def _check_closes(angles: Sequence[float], unit: _Unit) -> None:
     Arcs a_i in (0, pi) close up exactly when, for every odd set S of them, sum_S a - sum_rest a <=
     (|S| - 1) pi (the spherical polygon inequalities).  The worst set of each size holds the longest.
     """
-    longest = sorted(angles, reverse=True)
-    total = math.fsum(angles)
+    longest, total = sorted(angles, reverse=True), math.fsum(angles)
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
         if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
-            what = (
-                f"the largest, {unit.show(longest[0])}, is more than all the others together"
-                if size == 1
-                else f"the {size} largest sum to {unit.show(chosen)}: too much for the others to bring back"
+            raise VertexError(
+                f"{unit.field} cannot close around a vertex: the {size} largest sum to {unit.show(chosen)}, too much "
+                "for the others to bring back"
             )
-            raise VertexError(f"{unit.field} cannot close around a vertex: {what}")

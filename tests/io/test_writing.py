@@ -94,19 +94,6 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
         assert file.read_bytes() == b"old" and os.listdir(tmp_path) == ["a"]
 
 
-def test_names_as_long_as_the_system_allows(tmp_path):
-    write_whole(tmp_path / ("a" * 255), b"x")
-    assert os.listdir(tmp_path) == ["a" * 255]
-    with pytest.raises(OrigamiError, match="too long") as caught:
-        check_writable(tmp_path / ("a" * 300), "-o")
-    assert len(str(caught.value)) < 300
-
-
-def test_a_check_leaves_no_trace(tmp_path):
-    check_writable(tmp_path / "a", "-o")
-    assert os.listdir(tmp_path) == []
-
-
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -161,14 +148,8 @@ def test_folders_that_cannot_be_made(tmp_path):
     assert make_folder(tmp_path / "a" / "b", "--folder").is_dir()
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "a", tmp_path / ("a" * 300)):
-        with pytest.raises(OrigamiError, match="--folder") as caught:
+        with pytest.raises(OrigamiError, match="--folder"):
             make_folder(folder, "--folder")
-        assert len(str(caught.value)) < 300
-    with pytest.raises(OrigamiError, match="is a file: name a folder"):
-        make_folder(tmp_path / "file", "--folder")
-
-
-# ---------------------------------------------------------------- anything else
 
 
 @needs_linux

@@ -59,7 +59,6 @@ def test_pieces_are_the_formula(law, energy):
     rounding = (1e-13 + EPS * len(law.breaks)) * exact.max()
     assert np.allclose(law.change(x[:-1], x[1:]), np.diff(law.energy(x)), rtol=0, atol=rounding)
     assert np.allclose(law.turned().energy(-x), law.energy(x), atol=1e-12 * exact.max())
-    assert law.monotone == bool((np.diff(law.torque(x)) > -1e-9).all())
 
 
 def with_knots(law, knots):
@@ -315,7 +314,6 @@ torque = [-0.4, -0.3, -0.5, 0, 0.5, 0.3, 0.4]
 def test_laws_are_stated_in_scene_files():
     scene = o.parse_scene(TEXT)
     assert scene.laws[0] is None and scene.laws[1] is scene.laws[3]
-    assert not scene.laws[2].monotone
     assert scene.torque(np.radians([10, 0, 80, 0]))[[0, 2]] == pytest.approx([0.0, 0.3])
 
 

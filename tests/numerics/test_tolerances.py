@@ -63,7 +63,7 @@ BESIDE_THE_TABLE = {
     "what is shown, or said in words": """
  chart/boundary.GRID chart/chart.TIE chart/boundary.SLIVER
         paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
+        pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """

@@ -154,8 +154,8 @@ def test_what_is_no_number_of_a_law_is_refused():
         with pytest.raises((OptionError, o.OrigamiError), match=why):
             o.follow(plain, what)
     twice = random_scene((double_well(1.0, 1.0), double_well(2.0, 1.0), None, None))
-    with pytest.raises(OptionError, match="2 different laws are called 'double well'"):
-        o.follow(twice, "laws.double well.at=0.5:1")
+    with pytest.raises(OptionError, match="2 different laws are called 'double-well'"):
+        o.follow(twice, "laws.double-well.at=0.5:1")
     with pytest.raises(OptionError, match="followed over alone"):
         o.find_bifurcation_set(
             replace(plain, laws=(law, None, None, None)),

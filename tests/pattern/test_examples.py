@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import examples, parse_fold, vertex_scenes
+from origami_nlp.pattern import examples, fold_vertices, parse_fold, scene_at
 from origami_nlp.pattern.labels import every_label
 from tests.independent.rotations import project
 
@@ -87,7 +87,7 @@ def put_down(scene):
 def test_the_scene_is_a_vertex_of_its_pattern_with_the_same_springs(name):
     scene = examples.by_name(name)
     (frame,) = parse_fold(json.dumps(examples.crease_pattern(name)))
-    scenes = vertex_scenes(frame, on_note=lambda note: None, symmetry=scene.symmetry).values()
+    scenes = [scene_at(frame, v, symmetry=scene.symmetry) for v in fold_vertices(frame)[0]]
     first = next(put_down(scene))
     alike = (s for s in scenes if s.degree == scene.degree and s.group.name == scene.group.name)
     assert any(np.allclose(x, first, rtol=1e-12, atol=1e-12) for s in alike for x in put_down(s))

@@ -98,14 +98,9 @@ def test_the_search_for_long_keys_is_linear(text):
 
 
 @pytest.mark.parametrize(
-    ("count", "contact", "words"),
-    [
-        (30_000, "fold-limits", "30000 creases: at most 1000"),
-        (30_000, "full", "1000"),
-        (500, "full", "400"),
-    ],
+    "count, contact", [(30_000, "fold-limits"), (30_000, "full"), (500, "full")]
 )
-def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
+def test_scenes_of_very_many_creases(tmp_path, count, contact):
     file = tmp_path / "a.toml"
     ones = ", ".join(["1"] * count)
     sectors = ", ".join([f'"2*pi/{count}"'] * count)
@@ -116,4 +111,4 @@ def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
     start = time.process_time()
     done = RUN.invoke(app, ["inspect", str(file)])
     assert time.process_time() - start < 5 * SLOWER
-    assert isinstance(done.exception, OrigamiError) and words in str(done.exception)
+    assert isinstance(done.exception, OrigamiError) and str(count) in str(done.exception)

@@ -5,7 +5,6 @@ import pytest
 
 from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import canonical_labels
-from origami_nlp.pattern.relations import find_relations
 from origami_nlp.proof import ReducedVertex
 
 
@@ -15,14 +14,6 @@ def near(seed, size):
     n = int(rng.integers(4, 8))
     noise = size * rng.uniform(-1, 1, n)
     return tuple(2 * np.pi / n + noise - noise.mean())
-
-
-@pytest.mark.parametrize("size", [3e-8, 1e-7, 3e-7, 1e-6])
-def test_a_decision_is_made_once(size):
-    for seed in range(40):
-        sectors = find_relations(near(seed, size)).sector_angles
-        again = find_relations(sectors)
-        assert again.moved == 0 and again.sector_angles == sectors
 
 
 @pytest.mark.parametrize("size", [1e-7, 3e-7, 1e-5, 1e-4])

@@ -8,7 +8,6 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import fold_vertices, frame_pattern, parse_fold
-from tests.command_line import run
 
 
 def noisy(noise, seed=0, rows=2, columns=3):
@@ -47,14 +46,3 @@ def test_what_is_off_by_more_stays_where_it_is():
     for wrong in (-1.0, 0.5, "x"):
         with pytest.raises(OptionError, match="snap"):
             frame_pattern(frame, snap=wrong)
-
-
-def test_a_command_names_both_ways_on(tmp_path):
-    path = tmp_path / "drawn.fold"
-    path.write_text(json.dumps(noisy(3e-4)[0]))
-    plain, snapped = run("inspect", path), run("inspect", path, "--snap", 3e-3)
-    assert "--snap" in plain.err and "--bend" in plain.err
-    assert "--snap" not in snapped.err and snapped.code == 0
-    assert "--snap" not in run("inspect", "miura:2x3").err
-    assert run("inspect", path, "--vertex", 5, "--snap", 1e-3).code == 2
-    assert run("inspect", path, "--snap", 1).code == 2
