@@ -98,9 +98,7 @@ class DescentTerrain(Terrain):
         self._closing = CompiledDescent(problem, problem.root)
         self._leaving, self._around = leaving or {}, around or {}
         self._pops = PopSigns(problem.pattern)
-        self._landed = dict[bytes, np.ndarray]()
-        self._down = dict[bytes, np.ndarray]()
-        self._short = dict[bytes, np.ndarray]()
+        self._landed, self._down, self._short = (dict[bytes, np.ndarray]() for _ in range(3))
         self._shut = dict[bytes, tuple[Contact, ...]]()
         self._orders = dict[bytes, bool]()
 
