@@ -29,6 +29,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult, points_on
+from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
@@ -191,7 +192,11 @@ class Barriers(Report, Viewable):
         for k, m in enumerate(self.result.minima, start=1):
             mine = [p for p in self.passes if k in (p.from_state, p.to_state)]
             if mine and math.isfinite((least := min(mine, key=lambda p: p.energy)).energy):
-                sure = least.every or all(p.known is Known.EXACT for p in mine)
+                near = least.energy / (1 + SAME_ENERGY)
+                sure = least.known is Known.EXACT and (
+                    least.every
+                    or all(p.known is Known.EXACT or self._floor(p) >= near for p in mine)
+                )
                 known.append((least.energy - m.energy, "" if sure else "at most ", k))
         known.sort()
         if not known:
@@ -217,6 +222,10 @@ class Barriers(Report, Viewable):
         """Return the energies of the minima on either side of a pass."""
         one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
         return one, two
+
+    def _floor(self, p: Pass) -> float:
+        """Return what each path between two minima climbs to at least."""
+        return float(np.nanmax([p.least, *self._energies(p)]))
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, and where they are."""

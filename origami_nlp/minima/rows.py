@@ -95,7 +95,8 @@ class StateRow:
     def caption(self, scale: float) -> str:
         """Return three lines of a picture: number, energy and verdict; kind; what it takes to leave it."""
         row = self.listed(scale)
-        said = f"{row.number}:  U = {row.energy:.4g} J, {row.stability}\n{row.kind}"
+        kind = ", ".join(filter(None, (row.kind, row.image)))
+        said = f"{row.number}:  U = {row.energy:.4g} J, {row.stability}\n{kind}"
         bound = row.escape.startswith("<")
         digits = bound or row.escape[:1].isdigit()
         leave = f"barrier {'' if bound else '= '}{row.escape} J".replace("<=", "\u2264")

@@ -104,9 +104,10 @@ def test_figures_are_complete_and_tidy(results, name, tmp_path):
     assert not overlapping(figure)
     assert not outside(figure)
     written = "\n".join(text for text, _ in texts(figure))
-    for number, m in enumerate(result.minima, start=1):
-        assert f"{number}:  U = {m.energy:.4g} J" in written
-        assert m.kind in written
+    said, printed = " ".join(written.split()), " ".join(str(result).split())
+    for row in result.rows:  # the picture and the table say the same
+        assert f"{row.number}: U = {row.energy:.4g} J, {row.stability} {row.kind}" in said
+        assert f"{row.number} {row.energy:.6g} {row.stability.split()[0]}" in printed
 
 
 @pytest.mark.parametrize("name", thinned([n for n in SCENES if n != "no chart"][::-1], 9))
