@@ -24,7 +24,7 @@ from origami_nlp.numerics import INPUT_TOL, PLACES, groups
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY
 from origami_nlp.pattern.loops import Loop
-from origami_nlp.pattern.polygons import Side, side
+from origami_nlp.pattern.polygons import Side, area, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 SMALL = 12
@@ -353,11 +353,7 @@ def _lattice(lattice: Sequence[Sequence[float]] | np.ndarray, alone: Pattern) ->
         raise FoldFileError(
             f"{LATTICE_KEY}: the two vectors are on one line: give two that span a cell"
         )
-    covered = 0.0
-    for polygon in alone.polygons:
-        x = alone.corners[list(polygon), :2]
-        x, y = (x - x[0]), np.roll(x - x[0], -1, axis=0)
-        covered += 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())
+    covered = sum(area(alone.corners[list(polygon), :2]) for polygon in alone.polygons)
     if abs(covered - span) > PLACES * span:
         raise FoldFileError(
             f"{LATTICE_KEY}: the vectors span an area of {span:.6g}, the facets have {covered:.6g}: give the facets of "

@@ -16,7 +16,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
-from origami_nlp.pattern.polygons import side, sides_of
+from origami_nlp.pattern.polygons import area, side, sides_of
 
 
 class Rings:
@@ -33,11 +33,7 @@ class Rings:
             self.edge[a][b] = self.edge[b][a] = e
         self.notes: tuple[str, ...] = ()
         self.next: list[dict[int, int]] = [{} for _ in frame.coords]
-        border = self._by_faces(
-            self._oriented()
-            if frame.folded
-            else [walk for walk, area in face_walks(frame) if area > 0]
-        )
+        border = self._by_faces(self._oriented() if frame.folded else face_walks(frame))
         cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
         outside = {int(v) for e in border | cut for v in frame.edges[e]}
         drawn = sorted(border - cut)
@@ -112,11 +108,8 @@ class Rings:
         return faces
 
 
-def face_walks(frame: Frame) -> list[tuple[tuple[int, ...], float]]:
-    """Walk around every face of a flat drawing, keeping it on the left: vertices, and twice the area.
-
-    The outer face of a piece has a negative area.
-    """
+def face_walks(frame: Frame) -> list[tuple[int, ...]]:
+    """Walk around every face of a flat drawing, keeping it on the left, none round the outside of a piece."""
     xy, m = frame.coords[:, :2], len(frame.edges)
     tail, _, after = half_edges(xy, frame.edges)
     seen: set[int] = set()
@@ -127,11 +120,8 @@ def face_walks(frame: Frame) -> list[tuple[tuple[int, ...], float]]:
             seen.add(step)
             walk.append(int(tail[step]))
             step = int(after[step])
-        if walk:
-            here = xy[walk] - xy[walk[0]]
-            then = np.roll(here, -1, axis=0)
-            area = float((here[:, 0] * then[:, 1] - here[:, 1] * then[:, 0]).sum())
-            found.append((tuple(walk), area))
+        if walk and area(xy[walk]) > 0:
+            found.append(tuple(walk))
     return found
 
 

@@ -33,7 +33,7 @@ from origami_nlp.pattern.fold_springs import (
     spring_notes,
     stated_sign,
 )
-from origami_nlp.pattern.polygons import Side, side, sides_of
+from origami_nlp.pattern.polygons import Side, area, side, sides_of
 from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
@@ -204,7 +204,8 @@ class _Sheet:
         self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
         self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
-        self._check_faces()
+        for one in face_oddities(frame, self.polygons):
+            raise FoldFileError(one.text)
         self._cut()
         sides = sides_of(self.polygons)
         shared = [s for s, polygons in sorted(sides.items()) if len(polygons) > 1]
@@ -236,11 +237,10 @@ class _Sheet:
                 raise FoldFileError(f"faces_vertices[{f}] comes to a vertex twice: split the face")
         check_sides(faces)
         if not self.frame.folded:
-            area = sum(_area(x[list(face), :2]) for face in faces)
-            if area < 0:
+            if sum(area(x[list(face), :2]) for face in faces) < 0:
                 faces = [face[::-1] for face in faces]
                 against = len(faces) - against
-            wrong = [f for f, face in enumerate(faces) if _area(x[list(face), :2]) < 0]
+            wrong = [f for f, face in enumerate(faces) if area(x[list(face), :2]) < 0]
             if wrong:
                 raise FoldFileError(
                     f"faces_vertices[{wrong[0]}] lies upside down in a flat sheet: it overlaps its neighbour, or its "
@@ -264,9 +264,7 @@ class _Sheet:
             )
         check_drawing(frame)
         faces, holes = [], 0
-        for walk, area in face_walks(frame):
-            if area <= 0:
-                continue
+        for walk in face_walks(frame):
             ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
             if ends:
                 v = walk[ends[0] - 1]
@@ -298,10 +296,6 @@ class _Sheet:
                 else 'edges_vertices encloses no facet: add the outline of the paper, edges with assignment "B"'
             )
         return faces
-
-    def _check_faces(self) -> None:
-        for one in face_oddities(self.frame, self.polygons):
-            raise FoldFileError(one.text)
 
     def _cut(self) -> None:
         """Give each piece of paper that meets at a vertex only, or across a cut, a corner of its own."""
@@ -466,10 +460,3 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
 def n_at(frame: Frame, number: int) -> int:
     """Return where in the frame the edge is that has this number in the file."""
     return int(np.searchsorted(frame.numbers, number))
-
-
-def _area(xy: np.ndarray) -> float:
-    """Signed area of a polygon [q, 2], about its first corner."""
-    p = xy - xy[0]
-    q = np.roll(p, -1, axis=0)
-    return 0.5 * float((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+import numpy as np
+
 Side = tuple[int, int]
 """Two corners: of a side as such in increasing order, of a polygon's own in the sense in which it runs."""
 
@@ -40,3 +42,10 @@ def rings(polygons: Sequence[Sequence[int]]) -> list[list[Side]]:
         if here == first and len(ring) == many[first[0]]:
             found.append(ring)
     return found
+
+
+def area(xy: np.ndarray) -> float:
+    """Return the area of a polygon in the plane [n, 2], negative where it runs clockwise."""
+    x = xy - xy[0]
+    y = np.roll(x, -1, axis=0)
+    return 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())

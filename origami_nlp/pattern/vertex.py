@@ -259,10 +259,12 @@ class _Unit:
         cure = self.other(angles) or "a sector is missing or wrong"
         if abs(missing) <= MOST_SPREAD:
             each = self.show(missing / len(angles), 3)
-            cure = f'correct them (multiples are written "pi/3"), or add normalize = true (each changes by {each})'
+            cure = f"correct them, or add normalize = true (each changes by {each})"
+            cure += '; exact multiples are written "pi/3"' * (self.scale == 1.0)
+        which = "missing" if missing > 0 else "too much"
         return (
-            f"{self.field} sum to {self.show(total, 9)}, not {self.show(2 * math.pi, 9)}, by "
-            f"{self.show(missing, 4)}; {cure}"
+            f"{self.field} sum to {self.show(total, 9)}, not {self.show(2 * math.pi, 9)}: "
+            f"{self.show(abs(missing), 4)} {which}; {cure}"
         )
 
     def other(self, angles: Sequence[float]) -> str:

@@ -81,7 +81,7 @@ BAD = [
     (LIKE.format("states.json#" + "9" * 5000), "FILE#NUMBER"),
     (LIKE.format("states.json#1"), "2 fold angles"),
     (LIKE.format("states.json#5"), "no fold_angles"),
-    (LIKE.format("nan.json#1"), "no JSON file"),
+    (LIKE.format("nan.json#1"), "not valid JSON"),
     (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", "[0.5, 0.1]"),
     (GOOD + "[springs]\nrest_angles = [1, -1]\n", "rest_angles = [1, -1]"),
     (GOOD + "[springs]\nrest_angles = [-180, 180]\n", "preload"),
