@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
@@ -117,9 +118,10 @@ def check_number(
     except OverflowError:
         number = math.inf
     if not (math.isfinite(number) and low <= number <= high):
+        above = 0.0 < low < sys.float_info.min  # the least of all numbers: any that is positive
         span = {
-            (True, True): f" from {low:g} to {high:g}",
-            (True, False): f", at least {low:g}",
+            (True, True): f" above 0, at most {high:g}" if above else f" from {low:g} to {high:g}",
+            (True, False): " above 0" if above else f", at least {low:g}",
             (False, True): f", at most {high:g}",
             (False, False): "",
         }[math.isfinite(low), math.isfinite(high)]
