@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.io import ShortRepr
 from origami_nlp.pattern.hinge_data import HingeData
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import FEWEST_ROWS
@@ -26,8 +27,8 @@ GRID = 721
 """Angles at which the band is stated."""
 
 
-@dataclass(frozen=True, eq=False)
-class LawFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class LawFit(ShortRepr):
     """A law fitted to measured torques.
 
     Attributes

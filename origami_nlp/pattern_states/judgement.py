@@ -7,13 +7,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import Classification, State, classify, not_told_apart, singular_beside
+from origami_nlp.kkt import (
+    Classification,
+    State,
+    classify,
+    not_told_apart,
+    polished_nearby,
+    singular_beside,
+)
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import (
     ANSWERED,
     BESIDE_SINGULAR,
     CLOSURE_TOL,
     LEVEL,
+    NEAR_CONTACT,
     NONZERO,
     STATIONARY,
     energy_or_zero,
@@ -124,11 +132,19 @@ def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
 def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
     """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it.
 
-    An end that is not decided gives way to the state beside it at which creases are flat or fully folded, if that is.
+    One held by contacts that leave torque gives way to what is beside it with less, and one that is not decided to the
+    state beside it at which creases are flat or fully folded, if that is.
     """
     state = judge(problem, phi, contact)
     better = beside(problem, state)
     state = state if better is None else judge(problem, better, contact)
+    if state.verdict == "minimum" and state.contacts and state.kkt_residual > STATIONARY:
+        # a soft hinge may pull off a limit by less than is seen beside stiff ones
+        ends = polished_nearby(
+            problem.with_contact(contact), problem.reduce(state.phi), NEAR_CONTACT
+        )
+        others = (judge(problem, end.x, contact) for end in ends if end.converged)
+        state = min((state, *others), key=lambda s: s.kkt_residual)
     if (
         state.verdict == "undecided"
         and (near := singular_beside(problem, problem.reduce(state.phi))) is not None

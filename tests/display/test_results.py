@@ -166,7 +166,7 @@ def test_saved_and_read_back(kind, tmp_path):
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)
     path.write_text("{")
-    with pytest.raises(o.OrigamiError, match="no JSON"):
+    with pytest.raises(o.OrigamiError, match="JSON"):
         type(found).load(path)
 
 
@@ -175,7 +175,7 @@ def broken(data):
     first = next(k for k in ("minima", "pattern", *data) if isinstance(data.get(k), list | dict))
     of_another = {**data, "schema": "origami-nlp/paper/1"}
     text = json.dumps(data)
-    yield text[: len(text) // 2], "no JSON"
+    yield text[: len(text) // 2], "JSON"
     yield "", "is empty"
     yield "[" * 100_000, "nested"
     yield "[]", "schema"

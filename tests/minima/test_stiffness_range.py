@@ -26,8 +26,8 @@ def scene(sectors, stiffness):
         ([1e300, 1e-300, 1, 1], ["stiffness[1] = 1e+300", "1e+08 times stiffness[2]", "ratio"]),
         ([1e12, 1, 1, 1], ["stiffness[1] = 1e+12", "1e+08 times stiffness[2]"]),
         ([1, 1, 1.01e-8, 1.02], ["stiffness[4] = 1.02", "stiffness[3] = 1.01e-08"]),
-        ([1e301] * 4, ["stiffness[1] = 1e+301", "other units"]),
-        ([1, 1, 5e-324, 1], ["stiffness[3]", "other units"]),
+        ([1e301] * 4, ["stiffness[1] = 1e+301"]),
+        ([1, 1, 5e-324, 1], ["stiffness[3]"]),
     ],
 )
 def test_stiffnesses_that_cannot_be_computed_with_are_refused(stiffness, words):
