@@ -34,7 +34,7 @@ def test_of_several_vertices_one_line_says_what_takes_them(name):
 
 def test_results_and_programmes_of_patterns_are_refused_in_one_line():
     found = o.find_minima("metasheet:2x2", starts=1, escape=False)
-    with pytest.raises(o.OrigamiError, match="find_contacts takes a pattern"):
+    with pytest.raises(o.OrigamiError, match="of a pattern"):
         o.find_segments(found)
     with pytest.raises(o.OrigamiError, match="must be a ReducedVertex"):
         prove(found.pattern)
