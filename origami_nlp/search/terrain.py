@@ -94,8 +94,7 @@ class DescentTerrain(Terrain):
         self._go, self._most = Follower(problem), most
         drawn = np.random.default_rng(0).normal(size=problem.size)
         self._aside = drawn if aside is None else aside
-        # states are drawn back onto closure whatever the springs
-        self._closing = CompiledDescent(problem, problem.root)
+        self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
         self._leaving, self._around = leaving or {}, around or {}
         self._pops = PopSigns(problem.pattern)
         self._landed, self._down, self._short = (dict[bytes, np.ndarray]() for _ in range(3))
@@ -500,20 +499,21 @@ class DescentTerrain(Terrain):
             x = self.minima[k]
             kept = np.isin(np.arange(len(x)), creases)
             flat = self._lowest_flat(x, kept) if x[creases].any() else None
-            near = (
-                (np.abs(flat - y).max() <= NEAR_SINGULAR_TOL for y in seen)
-                if flat is not None
-                else ()
-            )
-            if flat is None or not flat.any() or any(near):
+            if flat is None or not flat.any():
+                continue
+            if any(np.abs(flat - y).max() <= NEAR_SINGULAR_TOL for y in seen):
                 continue
             seen.append(flat)
             sides = []
             for y in (x, -x, *self.others(k)):
                 starts = (self._closed_one(np.where(kept, POPPED * y, t * flat)) for t in NEARLY)
                 beside = next((z for z in starts if z is not None), None)
-                if beside is not None and len(d := self.path_down(beside, lambda _: False)) > 1:
-                    sides.append(d)
+                if beside is None:
+                    continue
+                down = self.quick_path_down(beside, lambda _: False)
+                if np.abs(self.minima - down[-1]).max(axis=1).min() > NEAR_SINGULAR_TOL:
+                    down = self.path_down(beside, lambda _: False)
+                sides += [down] * (len(down) > 1)
             for down, other in itertools.permutations(sides, 2):
                 apart = np.abs(self.minima - down[-1]).max(axis=1)
                 j = int(apart.argmin())
