@@ -87,8 +87,8 @@ class SearchOptions:
         if starts is None:
             cheap = CHEAP if problem.contact else CHEAPER
             dof, share = min(max(problem.dof, 1), MOST_DOF), cheap / problem.pattern.creases
-            more = share * max(1.0, min(dof, MOST_MORE) / 2) if share > 1.0 else 1.0
-            starts = int(self.in_a_row * dof * more)
+            more = max(share - 1.0, 0.0) * max(1.0, min(dof, MOST_MORE) / 2)
+            starts = int(self.in_a_row * dof * (1.0 + more))
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
