@@ -30,7 +30,11 @@ EVENTS, MOMENTS, EIGENVALUES = 1e-9, 1e-7, 1e-9
 """Relative differences that numbers may have: places of events, moments of contacts, eigenvalues."""
 SHARE = 0.99
 LOWER = ("saddle", "not stationary")
-FAULTS = ("near6: closed states beside it fall linearly",)
+FAULTS = (
+    "near6: closed states beside it fall linearly",
+    # creases 2 and 6 lie on each other: it lists the contact of one of the two pieces of the feasible set that meet
+    "state of symmetric 12, D1, full",
+)
 """Questions that the first commit answers wrong: told like others, but the exit code is about what came after it."""
 
 
