@@ -260,11 +260,13 @@ class PatternContacts(PatternEquations):
             found += [self.contact_of(t) for t, gap in facing if gap > CONTACT_TOL]
         return tuple(found)
 
+    def within(self, x: np.ndarray, tolerance: float) -> np.ndarray:
+        """Return which fold angles [..., n] are within the limits that are imposed, up to a tolerance."""
+        return self.fold_limits.inside(x, tolerance) | (not self.has_limits)
+
     def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
         """Return the fold limits that a state is beyond by more than `tolerance`."""
-        return self.fold_limits.contacts(
-            x, ~self.fold_limits.inside(x, tolerance) & self.has_limits
-        )
+        return self.fold_limits.contacts(x, ~self.within(x, tolerance))
 
     def guess(self, x: np.ndarray, pull: np.ndarray) -> tuple[Contact, ...]:
         """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""

@@ -322,7 +322,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
         """Return which closed states [K, n] are admissible; layers are not ordered."""
-        good = np.isfinite(x).all(axis=1) & self.fold_limits.inside(x, tolerance).all(axis=1)
+        good = np.isfinite(x).all(axis=1) & self.within(x, tolerance).all(axis=1)
         for k in np.flatnonzero(good):
             good[k] = self.lifts_to_one(x[k]) and not self.crossed(x[k])
         return good

@@ -157,13 +157,8 @@ class Parts:
             if state.verdict == "undecided"
             else None
         )
-        stopped = not self.problem.has_limits and np.abs(state.phi).max() >= self.problem.bound
         if state.dof < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif (
-            stopped and state.verdict == "undecided"
-        ):  # by a whole turn: what is beyond is not modelled
-            self.tally.stalled += 1
         elif near is not None and self.known(near):  # not distinguished from what was judged
             self.tally.stalled += 1
         elif not self.known(self.at_state(state), state.verdict) and not self._level_with_known(

@@ -18,7 +18,7 @@ from origami_nlp.kkt.second_order import (
     level_directions,
 )
 from origami_nlp.pattern_problem import pose
-from tests.independent.rotations import project
+from tests.independent.rotations import fold, project
 
 
 def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:
@@ -149,3 +149,19 @@ def test_a_fold_limit_that_moves_to_second_order_alone_holds_nothing(off):
         inside &= np.abs(y - x).max(axis=1) < 4 * radius
         change = ((y - x) * (0.5 * (y - x) + torque)).sum(axis=1)
         assert change[inside].min() < -0.03 * radius
+
+
+@pytest.mark.parametrize("turns", [(0, 0, 0, 0), (2, 2, -2, 2), (2, -2, -2, 2), (2, 2, 2, 2)])
+def test_what_is_folded_by_whole_turns_is_judged_as_what_is_flat(turns: tuple[int, ...]) -> None:
+    vertex = Vertex(tuple(map(math.radians, (60, 100, 152, 48))))
+    scene = Scene(vertex, (3.6, 0.2, 0.2, 3.2), (-2.0, 1.6, 0.5, 2.8), "none", "none")
+    problem = pose(scene)
+    state = State(problem, math.pi * np.array(turns, float))
+    found = classify(state)
+    assert state.residual < 1e-14 and found.verdict == "not stationary"
+    # the witness closes and is lower, by rotations alone and by the springs
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    energies = [k @ (x - rest) ** 2 / 2 for x in (state.x, found.lower)]
+    assert energies[1] < energies[0] and np.abs(found.lower - state.x).max() < 0.1
+    product = fold(vertex.sector_angles, found.lower)[1][0]
+    assert np.abs(product - np.eye(3)).max() < 1e-9

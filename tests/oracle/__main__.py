@@ -31,11 +31,11 @@ EVENTS, MOMENTS, EIGENVALUES = 1e-9, 1e-7, 1e-9
 SHARE = 0.99
 LOWER = ("saddle", "not stationary")
 FAULTS = (
-    "near6: closed states beside it fall linearly",
-    # creases 2 and 6 lie on each other: it lists the contact of one of the two pieces of the feasible set that meet
-    "state of symmetric 12, D1, full",
+    ("near6: closed states beside it fall linearly", "verdict"),
+    # creases 2 and 6 lie on each other: of two rows that close together it lists one, whose moment is unique then
+    ("state of symmetric 12, D1, full", "moment"),
 )
-"""Questions that the first commit answers wrong: told like others, but the exit code is about what came after it."""
+"""What the first commit answers wrong, or less fully: told, but the exit code is about what came after it."""
 
 
 @dataclass
@@ -185,6 +185,8 @@ def numbers(row: Row, record: Any, answer: Any, refused: list[Any]) -> None:
             for event in lost:
                 row.tell(record["name"], "event", event)
             continue
+        if key == "error":  # which one it is, not what it says
+            before, now = (str(text).split(":")[0] for text in (before, now))
         fine = near(before, now, 1e-4 if key == "margin" else EVENTS)
         row.found += fine
         row.differing += not fine
@@ -319,7 +321,7 @@ def main(words: list[str]) -> int:
     if asked.out:
         lines = [json.dumps({"group": g, **t}) for g, row in rows.items() for t in row.told]
         asked.out.write_text("".join(line + "\n" for line in lines))
-    faults = sum(t["name"] in FAULTS for row in rows.values() for t in row.told)
+    faults = sum((t["name"], t["what"]) in FAULTS for row in rows.values() for t in row.told)
     wrong = total.false + total.differing > faults or total.missing > (1 - SHARE) * total.found
     return 1 if wrong else 0
 
