@@ -28,7 +28,6 @@ from .line import (
     GeometryLine as GeometryLine,
     Line as Line,
     ParameterLine as ParameterLine,
-    line_between as line_between,
     load_line as load_line,
 )
 from .one_sided_branches import (

@@ -296,7 +296,7 @@ def _merged(
         if len(said) > 1:
             clashes += [len(kept) + i for i in range(len(said))]
         kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in said.values()]
-    kept = _straightened(points, kept, {i for i in clashes})
+    kept = _straightened(kept, set(clashes))
     many = Counter((a, b) for a, b, *_ in kept)
     clashes = [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
     used = np.unique(np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2))
@@ -313,7 +313,7 @@ def _merged(
 
 
 def _straightened(
-    points: np.ndarray, kept: list[tuple[int, int, str, float, frozenset[int]]], fixed: set[int]
+    kept: list[tuple[int, int, str, float, frozenset[int]]], fixed: set[int]
 ) -> list[tuple[int, int, str, float, frozenset[int]]]:
     """Join the two edges at a point where nothing but one line goes on: its split was that of a line on it."""
     at: dict[int, list[int]] = {}

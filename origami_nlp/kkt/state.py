@@ -167,8 +167,7 @@ class State:
     @cached_property
     def contacts(self) -> ClosedContacts:
         """Active constraints: contacts that are closed to `tolerance`."""
-        local = None if self.problem.sparse else self.local
-        return self.problem.closed(self.x, self.tolerance, local)
+        return self.problem.closed(self.x, self.tolerance)
 
     @property
     def limits(self) -> tuple[Contact, ...]:

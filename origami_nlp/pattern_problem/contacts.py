@@ -185,9 +185,7 @@ class PatternContacts(PatternEquations):
             return False
         return not c.near(x, 2 * INSIDE * c.size).any()
 
-    def closed(
-        self, x: np.ndarray, tolerance: float = CONTACT_TOL, local: Local | None = None
-    ) -> ClosedContacts:
+    def closed(self, x: np.ndarray, tolerance: float = CONTACT_TOL) -> ClosedContacts:
         """Find the contacts of a state that are closed, and the choices that keep facets apart."""
         near = (self.fold_limits.room(x) <= tolerance) & self.has_limits
         at_limit, limits = np.flatnonzero(near), self.fold_limits.contacts(x, near)

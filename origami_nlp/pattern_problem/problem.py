@@ -274,7 +274,7 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         other.contact = contact
         return other
 
-    def crossed(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[tuple[int, int], ...]:
+    def crossed(self, x: np.ndarray) -> tuple[tuple[int, int], ...]:
         """Return the pairs of facets (0-based) that cross at a state."""
         if not self.contact:
             return ()

@@ -97,9 +97,8 @@ def _vertex_foldings(
     q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
     for v, s, axis in zip(place, sign, axes, strict=True):
         turn = s * choices[:, v]
-        # cosine and sine of half of 0, +-pi or +-2 pi: exact
-        cosine, sine = 1.0 - np.abs(turn), turn * (np.abs(turn) == 1)
-        q = quaternion.multiply(quaternion.fold(cosine, sine, axis), q)
+        # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
+        q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
     at = round_vertex(pattern, loop) if problem.contact else None
     foldings = choices[closed]

@@ -342,10 +342,10 @@ class Search(Parts):
         folded = list_flat_folded(problem)
         states = folded.states
         if folded.reason:
-            tally.skip(
-                f"flat-folded states: not enumerated, {folded.reason}; only ways from the flat state are followed"
-            )
-            states = np.zeros((1, problem.size))
+            lies_flat = problem.pattern.lies_flat
+            words = "; only ways from the flat state are followed" * lies_flat
+            tally.skip(f"flat-folded states: not enumerated, {folded.reason}{words}")
+            states = np.zeros((int(lies_flat), problem.size))
         tally.flat_folded = len(states)
         rank = [(round(np.abs(x).sum(), 6), self.labels.key(x)) for x in states]
         states = states[sorted(range(len(states)), key=rank.__getitem__)]

@@ -70,13 +70,9 @@ class Problem(Protocol):
         weight: float = 1.0,
     ) -> np.ndarray: ...
     def lifts_to_one(self, x: np.ndarray) -> Any: ...  # noqa: D102
-    def closed(  # noqa: D102
-        self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
-    ) -> ClosedContacts: ...
+    def closed(self, x: np.ndarray, tolerance: float = ...) -> ClosedContacts: ...  # noqa: D102
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]: ...  # noqa: D102
-    def crossed(  # noqa: D102
-        self, x: np.ndarray, tolerance: float = ...
-    ) -> tuple[tuple[int, int], ...]: ...
+    def crossed(self, x: np.ndarray) -> tuple[tuple[int, int], ...]: ...  # noqa: D102
     def beyond(self, x: np.ndarray, tolerance: float = ...) -> tuple[Contact, ...]: ...  # noqa: D102
     def refuses(self, x: np.ndarray, tolerance: float = ...) -> str: ...  # noqa: D102
     def doubt(self, x: np.ndarray) -> str: ...  # noqa: D102

@@ -228,8 +228,8 @@ class DescentEnd:
         Whether it is stationary on what it holds.
     why
         One of `REASONS`.
-    steps, saddles, work
-        Steps, ways by which saddles were left, and evaluations of closure.
+    steps, work
+        Steps, and evaluations of closure.
     side
         Which fold limits are held, by sign, [n].
     slots
@@ -245,7 +245,6 @@ class DescentEnd:
     arrived: bool
     why: str
     steps: int
-    saddles: int
     work: int
     side: np.ndarray
     slots: tuple[Slot, ...]
@@ -456,14 +455,14 @@ class CompiledDescent:
             ),
         )
         out = []
-        for one, (status, steps, saddles, work, many, hold) in enumerate(ends.astype(int).tolist()):
+        for one, (status, steps, _, work, many, hold) in enumerate(ends.astype(int).tolist()):
             kept_slots = tuple(
                 Slot((a, b), (i, j), s)
                 for (a, i, b, j), s in zip(
                     pieces[one, :many].tolist(), sign[one, :many].tolist(), strict=True
                 )
             )
-            counts = status == 0, REASONS[status], steps, saddles, work
+            counts = status == 0, REASONS[status], steps, work
             held = side[one], kept_slots, forces[one, : n + many], bool(hold)
             out.append(DescentEnd(x[one], begun[one], *counts, *held))
         return out

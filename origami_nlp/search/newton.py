@@ -69,8 +69,6 @@ class Descended:
         Taken.
     why
         How it ended.
-    saddles
-        Number of saddles that were left to one side: the other may lead elsewhere.
     path
         Closed states on the way, from the start on.
     """
@@ -79,7 +77,6 @@ class Descended:
     arrived: bool
     steps: int
     why: str
-    saddles: int = 0
     path: tuple[np.ndarray, ...] = ()
 
 
@@ -110,7 +107,7 @@ def descend_by_newton(
     Descended
         A stationary state where it arrived: not yet judged.
     """
-    radius, saddles = TRUST, 0
+    radius = TRUST
     stays = np.zeros(len(phi), bool) if kept is None else kept
     limited = problem.fold_limits
     held = (np.abs(limited.room(phi)) <= OUTSIDE) | stays
@@ -129,15 +126,14 @@ def descend_by_newton(
         size, left = max(1.0, float(np.abs(lam).max(initial=0.0))), float(np.abs(balance).max())
         still = STILL * size
         if crept and left > FALLS * before:
-            return Descended(phi, left <= BALANCED, step, NO_LOWER, saddles, tuple(path))
+            return Descended(phi, left <= BALANCED, step, NO_LOWER, tuple(path))
         before = left
         if left <= ROUNDED * size and problem.size > MOST_SPECTRAL:  # no step leaves a saddle there
-            return Descended(phi, True, step, "still", saddles, tuple(path))
-        d, off_saddle = _direction(problem, phi, lam, held, radius, normal, side)
-        saddles += off_saddle
+            return Descended(phi, True, step, "still", tuple(path))
+        d = _direction(problem, phi, lam, held, radius, normal, side)
         slope = float(balance @ d)
         if left <= still and slope > -(still**2):
-            return Descended(phi, True, step, "still", saddles, tuple(path))
+            return Descended(phi, True, step, "still", tuple(path))
         moved = False
         while radius > ROUNDED:
             trial = _capped(d, radius)
@@ -157,9 +153,9 @@ def descend_by_newton(
             radius *= 0.3
         if not moved:
             at_rest = np.abs(balance).max() <= BALANCED
-            return Descended(phi, at_rest, step, NO_LOWER, saddles, tuple(path))
+            return Descended(phi, at_rest, step, NO_LOWER, tuple(path))
         radius = max(radius, SETTLED)
-    return Descended(phi, False, most, "too many steps", saddles, tuple(path))
+    return Descended(phi, False, most, "too many steps", tuple(path))
 
 
 def _direction(
@@ -170,8 +166,8 @@ def _direction(
     radius: float,
     normal: Normal,
     side: np.ndarray | None,
-) -> tuple[np.ndarray, bool]:
-    """Newton's step in the tangent space with negative curvature turned round; whether it leaves a saddle."""
+) -> np.ndarray:
+    """Newton's step in the tangent space with negative curvature turned round."""
     free = np.flatnonzero(~held)
     out = np.zeros(problem.size)
     g = problem.torque(phi)
@@ -179,16 +175,15 @@ def _direction(
     if problem.size <= MOST_SPECTRAL:
         z = problem.kernel(phi, np.flatnonzero(held))
         if not z.shape[1]:
-            return out, False
+            return out
         values, vectors = np.linalg.eigh(z.T @ (h @ z))
         slope = vectors.T @ (z.T @ g)
         size = np.maximum(np.abs(values), SINGULAR)
         y = -slope / size
-        saddle = bool(values[0] < -BALANCED and abs(slope[0]) < BALANCED)
-        if saddle:
+        if values[0] < -BALANCED and abs(slope[0]) < BALANCED:  # it leaves a saddle
             towards = slope[0] if side is None else -float(side @ (z @ vectors[:, 0]))
             y[0] = -math.copysign(radius, towards or 1.0)
-        return z @ (vectors @ y), saddle
+        return np.asarray(z @ (vectors @ y))
     j = normal.jacobian
     h = h[free][:, free] if held.any() else h
     steps = _steps(problem, phi, h, j, j.T @ lam - g[free])
@@ -200,7 +195,7 @@ def _direction(
             break
         shift = max((10 if bent else 3) * shift, 0.1)
     out[free] = d
-    return out, False
+    return out
 
 
 def _steps(

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from origami_nlp import State, classify, examples, find_minima
-from origami_nlp.continuation import BifurcationDiagram, line_between, load_line
+from origami_nlp.continuation import BifurcationDiagram, load_line
 from origami_nlp.continuation.diagram import STEPS
 from origami_nlp.continuation.one_sided_branches import touches
 from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.kkt import follow, project
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
+from tests.parameter_lines import line_between
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029
 """Torques on crease 1 [N m] between which a state of degree 6, 5 pi/12, r_k = 1 is unstable, of a prototype."""

@@ -10,13 +10,13 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
-from origami_nlp.continuation import line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.paths.family import same_problem
 from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
 from origami_nlp.pattern_problem import PatternProblem, pose
 from tests.computed_once import thinned
 from tests.independent import scan_four
+from tests.parameter_lines import line_between
 
 SECTORS = (70, 80, 120, 90)
 ALL = np.tile([[-math.pi], [math.pi]], 4)
