@@ -189,6 +189,8 @@ def read_result(path: str | PathLike[str]) -> Any:
                     f"{str(path)!r}: its entries do not fit together: {error}"
                 ) from None
             return found
+    if any(schema == f"origami-nlp/{wanted}" for wanted, *_ in _READ):
+        raise OptionError(f"{path} holds a result of {schema} that cannot be read back")
     known = ", ".join(dict.fromkeys(f"origami-nlp/{wanted}" for wanted, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 

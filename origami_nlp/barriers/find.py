@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_type, check_until, check_whole
+from origami_nlp.arguments import check_callback, check_until, check_whole
 from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
 from origami_nlp.barriers.graph import PathDown, graph_of, passes_over, pattern_passes
 from origami_nlp.barriers.passes import Known, both_sides, critical_near
@@ -37,7 +37,7 @@ from origami_nlp.kkt import (
     level_of,
     rounded_up,
 )
-from origami_nlp.minima import MinimaResult, canonical_states
+from origami_nlp.minima import MinimaResult, canonical_states, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
@@ -135,7 +135,7 @@ def find_barriers(
         result = find_states(
             stated, seed=seed, prove=False, escape=False, seconds=left, progress=progress and told
         )
-    check_type("result", result, MinimaResult)
+    check_result(result, stated)
     if isinstance(stated, Scene):
         # no path within the symmetry leads from one winding to another
         here = tuple(m for m in result.minima if m.winding == stated.windings[0])

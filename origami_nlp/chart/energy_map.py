@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_type, check_whole
-from origami_nlp.chart.chart import Chart, admissible, allowed, chart_of, family_of
+from origami_nlp.chart.chart import Chart, admissible, allowed, chart_limits, chart_of, family_of
 from origami_nlp.continuation import ContinuationOptions, End, Point, trace_held
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
@@ -166,7 +166,7 @@ def _degree6(chart: Chart, size: int) -> Landscape:
 
 def _wedge(chart: Chart, size: int) -> Landscape:
     scene = chart.scene
-    reach = math.pi / 2 if scene.contact == "full" else math.pi
+    reach = chart_limits(chart)[3]
     phi2 = cells(-math.pi, math.pi, size)
     branches = []
     for k, sign in enumerate(chart.signs):

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_flag, check_type, check_whole
 from origami_nlp.contact.margin import LoadMargin, load_margin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments, find_segments
 from origami_nlp.contact.symmetry_blocks import breaking_stiffnesses
@@ -225,9 +226,11 @@ def find_contacts(
     >>> [(s.number, s.margin.status) for s in report.states]
     [(2, 'zero')]
     """
-    count = len(result.minima)
-    if state is not None and not 1 <= state <= count:
-        raise OptionError(f"state = {state} must be the number of a minimum, 1 to {count}")
+    check_type("result", result, MinimaResult)
+    if state is not None:
+        check_whole("state", state, 1, len(result.minima))
+    check_flag("segments", segments)
+    check_flag("check", check)
     one = not result.is_pattern
     if segments and not one:
         raise OptionError(

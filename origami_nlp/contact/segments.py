@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
+from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
 from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary
 from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
 from origami_nlp.display import Content, Poser, Report, Section, record_table, shown
@@ -168,7 +168,7 @@ def find_segments(
     Raises
     ------
     OptionError
-        If the result is not that of one vertex.
+        If the result is not that of one vertex, or an argument is not what it must be.
 
     Examples
     --------
@@ -178,6 +178,10 @@ def find_segments(
     [('phi = -pi at crease 1',), ('phi = -pi at crease 4',)]
     """
     check_type("result", result, MinimaResult)
+    check_flag("every_boundary", every_boundary)
+    for name, value in (("slope", slope), ("stiffness", stiffness)):
+        check_number(name, value, math.ulp(0.0))
+    check_whole("seed", seed, 0)
     scene, model = result.scene, result.model
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []

@@ -56,6 +56,7 @@ from .picture import draw_minima as draw_minima
 from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
+    check_result as check_result,
 )
 from .rows import KINDS as KINDS, StateRow as StateRow
 from .stability import judged as judged

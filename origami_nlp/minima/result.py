@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp import pattern_problem
-from origami_nlp.arguments import check_whole
+from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.display import (
     Content,
     Details,
@@ -40,7 +40,7 @@ from origami_nlp.minima.report_lines import angle_lines, lattice_table, state_li
 from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_table, state_rows
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.summary import find_images, verdict_words
-from origami_nlp.numerics import rank
+from origami_nlp.numerics import INPUT_TOL, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
 
 if TYPE_CHECKING:
@@ -412,3 +412,34 @@ class MinimaResult(Report, Viewable):
         """
         content: Content = self._from_room("view_minima")(self, chart)  # charts are slow to import
         return content
+
+
+def check_result(result: Any, stated: Scene | Pattern) -> None:
+    """Raise an error unless `result` is what a search for the minima of an origami returned.
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    stated
+        The origami: the same shape, springs and loads.
+
+    Raises
+    ------
+    OptionError
+        If it is something else, or that of another origami.
+    """
+    check_type("result", result, MinimaResult)
+    for a, b in zip(*map(_folded, (pattern_problem.pose(stated), result.model)), strict=True):
+        if a.shape != b.shape or not np.allclose(a, b, rtol=INPUT_TOL, atol=INPUT_TOL):
+            raise OptionError(
+                f"result = minima of another origami, {result.title}: use those of {stated.title}"
+            )
+
+
+def _folded(problem: Any) -> list[np.ndarray]:
+    """Return the shape of what is folded, its springs and loads."""
+    corners, springs = problem.pattern.corners, problem.springs
+    zero, scale = np.zeros(problem.size), problem.scale
+    parts = (scale * springs.stiffness, springs.rest, scale * springs.load)
+    return [corners - corners.mean(axis=0), *(zero + part for part in parts)]

@@ -21,7 +21,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.arguments import check_whole
 from origami_nlp.chart import (
     BoundaryLine,
     all_edges,
@@ -33,7 +33,7 @@ from origami_nlp.chart import (
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum, project
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import (
     BALANCED,
     FIRM,
@@ -109,7 +109,7 @@ def find_critical_points(
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
     if result is not None:
-        check_type("result", result, MinimaResult)
+        check_result(result, scene)
     check_whole("rings", rings, *SIZES)
     problem = pose(scene)
     if problem.dof != 2:
@@ -388,6 +388,7 @@ def _point(
 
 def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
     """Return the same points with their minima matched, in fold angles, to those of a search."""
+    check_result(minima, found.scene)
     here = [k for k, p in enumerate(found.points) if p.kind == "minimum"]
     pairs = []
     for j, other in enumerate(minima.minima):

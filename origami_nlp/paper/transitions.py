@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.arguments import check_whole
 from origami_nlp.chart import MeshError
 from origami_nlp.display import Report, Section, Table, Words
 from origami_nlp.errors import OptionError
@@ -216,11 +217,11 @@ def find_transitions(
         ...
     origami_nlp.errors.OptionError: family = 'degree7' is unknown: use one of degree6, degree8
     """
-    make = FAMILIES.get(family)
+    make = FAMILIES.get(family) if isinstance(family, str) else None
     if make is None:
         raise OptionError(f"family = {family!r} is unknown: use one of {', '.join(FAMILIES)}")
-    if isinstance(samples, bool) or not isinstance(samples, int) or not 3 <= samples <= 10_000:
-        raise OptionError(f"samples = {samples!r} must be a whole number from 3 to 10000")
+    check_whole("samples", samples, 3, 10_000)
+    check_whole("seed", seed, 0)
 
     def look(alpha: float) -> Signature | None:
         try:

@@ -91,7 +91,7 @@ def capabilities() -> Iterator[Question]:
     )
     scene = e.degree6("pi/4", ratio=0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene))
-    yield "critical points", lambda: o.find_critical_points(scene, samples=16)
+    yield "critical points", lambda: o.find_critical_points(scene, rings=12)
     yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 
 

@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, find_minima
+from origami_nlp import (
+    Scene,
+    Vertex,
+    examples,
+    find_barriers,
+    find_critical_points,
+    find_minima,
+)
+from origami_nlp.errors import OptionError
 from tests.computed_once import panel_result
 
 REST = -110, 90, -90, 90, -110, 90, -90, 90
@@ -35,3 +43,16 @@ def test_without_contact_nothing_is_called_stable():
     scene = Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "fold-limits")
     found = find_minima(scene, prove=False)
     assert found.minima and not found.stable and not any(found.to_frame()["stable"])
+
+
+def test_a_verb_takes_the_minima_of_its_own_origami_only():
+    scene = examples.degree6("pi/4", ratio=0.01)
+    others = [examples.degree6("pi/4", ratio=2), examples.degree8(), "metasheet:2x3"]
+    for other in others:
+        result = find_minima(other, max_starts=4)
+        with pytest.raises(OptionError):
+            find_barriers(scene, result)
+        with pytest.raises(OptionError):
+            find_critical_points(scene, result, rings=12)
+    with pytest.raises(OptionError):
+        find_barriers(scene, scene)

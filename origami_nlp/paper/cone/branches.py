@@ -20,8 +20,8 @@ from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.paper.cone.classes import EnergyClass, direction_name
-from origami_nlp.paper.cone.flaps import Flaps, class_of, parse_flaps, symmetry_of, write_flaps
+from origami_nlp.paper.cone.classes import direction_name
+from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.rules import SLACK, Cone
 from origami_nlp.pattern import Scene, Vertex, format_angle
 
@@ -58,11 +58,6 @@ class ConeBranch:
     def cone(self) -> Cone:
         """The cone it is a branch of."""
         return Cone(self.degree, end=self.end_rule)
-
-    @property
-    def energy_class(self) -> EnergyClass:
-        """The branches that have its energy."""
-        return EnergyClass(self.cone, *class_of(self.flaps), self.direction)
 
     @property
     def degree(self) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -65,12 +66,7 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
             elif letter != " ":
                 raise OptionError(f'flaps = {text!r}: write V and M, one a flap, such as "VVM"')
     else:
-        values = text.tolist() if isinstance(text, np.ndarray) else text
-        if not isinstance(values, Sequence) or not all(
-            isinstance(f, Real) and f in (1, -1) for f in values
-        ):
-            raise OptionError(f"flaps = {shown(text)}: {MEANING}")
-        flaps = [int(f) for f in values]
+        flaps = _signs(text)
     if degree is not None and len(flaps) != degree // 2:
         raise OptionError(
             f"flaps = {write_flaps(flaps)!r} has {len(flaps)} flaps, a cone of degree {degree} "
@@ -78,6 +74,17 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
         )
     check_degree(2 * len(flaps))
     return tuple(flaps)
+
+
+def _signs(flaps: Any) -> list[int]:
+    values = flaps.tolist() if isinstance(flaps, np.ndarray) else flaps
+    if (
+        not isinstance(values, Sequence)
+        or isinstance(values, str)
+        or not all(isinstance(f, Real) and f in (1, -1) for f in values)
+    ):
+        raise OptionError(f"flaps = {shown(flaps)}: {MEANING}")
+    return [int(f) for f in values]
 
 
 def write_flaps(flaps: Sequence[int]) -> str:
@@ -104,9 +111,7 @@ def write_flaps(flaps: Sequence[int]) -> str:
     >>> cone.write_flaps((1, 1, -1))
     'VVM'
     """
-    if not isinstance(flaps, Sequence) or isinstance(flaps, str) or not {*flaps} <= {1, -1}:
-        raise OptionError(f"flaps = {shown(flaps)}: {MEANING}")
-    return "".join("V" if f > 0 else "M" for f in flaps)
+    return "".join("V" if f > 0 else "M" for f in _signs(flaps))
 
 
 def class_of(flaps: Sequence[int]) -> tuple[int, int]:
@@ -122,14 +127,20 @@ def class_of(flaps: Sequence[int]) -> tuple[int, int]:
     tuple of int
         Both numbers.
 
+    Raises
+    ------
+    OptionError
+        Unless `flaps` are +1 and -1.
+
     Examples
     --------
     >>> from origami_nlp.paper import cone
     >>> cone.class_of((1, -1, 1, -1))
     (2, 4)
     """
-    changes = sum(flaps[i - 1] != flaps[i] for i in range(len(flaps)))
-    return sum(f > 0 for f in flaps), changes
+    signs = _signs(flaps)
+    changes = sum(signs[i - 1] != signs[i] for i in range(len(signs)))
+    return signs.count(1), changes
 
 
 def symmetry_of(flaps: Sequence[int]) -> str:

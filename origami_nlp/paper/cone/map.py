@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
 from origami_nlp.paper.cone.classes import assignment_classes
@@ -97,8 +98,9 @@ def count_map(
     """
     cone = Cone.of(cone)
     depth = check_depth(depth)
-    given = np.array([check_ratio(r, "ratios") for r in np.atleast_1d(ratios)])
-    columns = np.atleast_1d(np.asarray(elevations, dtype=float))
+    given = np.array([check_ratio(r, "ratios") for r in np.atleast_1d(ratios).tolist()])
+    rows = np.atleast_1d(elevations).tolist()
+    columns = np.array([check_number("elevations", v) for v in rows])
     if given.ndim != 1 or columns.ndim != 1 or not given.size or not columns.size:
         raise OptionError("ratios and elevations must be lists of numbers")
     classes = assignment_classes(cone.degree)
