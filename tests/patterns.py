@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.kkt import follow
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.search import TRUST
+from origami_nlp.search import TRUST, descent_path
 
 
 class Downhill(NamedTuple):
@@ -20,8 +19,8 @@ class Downhill(NamedTuple):
 
 def downhill(problem, phi: np.ndarray) -> Downhill:
     """Follow the energy downhill from a closed state in which no facets cross."""
-    found = follow(problem, phi, curved=True, longest=TRUST, most_steps=400)
-    return Downhill(found.end, found.what.verdict == "minimum", len(found.states) - 1)
+    found = descent_path(problem, phi, longest=TRUST)
+    return Downhill(found.end, found.arrives, len(found.states) - 1)
 
 
 def grid(points: np.ndarray, without: tuple[tuple[int, int], ...] = (), **options) -> Pattern:

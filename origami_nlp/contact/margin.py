@@ -33,7 +33,6 @@ from origami_nlp.kkt import (
     State,
     Stratum,
     find_multipliers,
-    follow,
     judge_branch,
     newton,
     polish,
@@ -50,7 +49,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern import most_torque
 from origami_nlp.problem import Problem
-from origami_nlp.search import solve_with
+from origami_nlp.search import descent_path, solve_with
 
 LEAST_DAMPING, SOFT = 1e-2, 1e-2
 """Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
@@ -340,8 +339,8 @@ def _orbit(piece: Stratum, v: int, cap: float) -> CreaseMargin:
 def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray) -> tuple[bool, float]:
     """Solve the loaded scene from a state beside `near` with row i slightly open: is it closed, its multiplier.
 
-    By IPOPT (and polish), or, where that jumps to another basin because the loaded state is shallow, by `kkt.follow`,
-    which cannot jump.
+    By IPOPT (and polish), or, where that jumps to another basin because the loaded state is shallow, by
+    `search.descent_path`, which does not jump.
     """
     model, rows = piece.state.problem, piece.contacts
     loaded = under_load(model, load)
@@ -353,7 +352,7 @@ def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray) -> tupl
     dead = loaded.parameters.dead is not None  # forces in space have no symbols
     y = start if dead else polish(loaded, *solve_with(loaded, start, rows)[:2]).x
     if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
-        y = follow(loaded, start).end
+        y = descent_path(loaded, start).end
     there = State(loaded, y).on(rows)
     # on another piece of the feasible set it opens to the other side
     closed = abs(float(there.openings[i])) <= CONTACT_TOL

@@ -3,6 +3,7 @@ from .classification import (
     Classification as Classification,
     Kind as Kind,
     Verdict as Verdict,
+    classified as classified,
     classify as classify,
 )
 from .contact_forces import (

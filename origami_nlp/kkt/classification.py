@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -109,6 +109,12 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
+    return what
+
+
+def classified(problem: Any, x: np.ndarray) -> Classification:
+    """Return what is decided on a closed state [n] of a problem; kept, as a descent asks before its end is judged."""
+    what: Classification = problem.kept("classified", x, lambda: classify(State(problem, x)))
     return what
 
 

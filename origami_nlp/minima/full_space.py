@@ -17,10 +17,11 @@ import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt import Classification, Followed, State, classify, follow
+from origami_nlp.kkt import State, classified
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem, pose
+from origami_nlp.search import DescentPath, descent_path
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 MOST_CREASES = 12
@@ -136,9 +137,8 @@ def judge_in_full_space(
     """
     model = pose(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
-    state = State(model, x)
-    eigenvalues, breaking = hessian_spectra(state, scene)
-    what = classify(state)
+    eigenvalues, breaking = hessian_spectra(State(model, x), scene)
+    what = classified(model, x)
     if what.verdict == "minimum":
         return FullSpace(
             "stable",
@@ -152,7 +152,7 @@ def judge_in_full_space(
             None,
         )
     # a descent to a lower state proves that it is not a minimum
-    path = follow(model, x)
+    path = descent_path(model, x)
     if len(path.states) < 2:
         why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"
         return _undecided(why, eigenvalues, breaking)
@@ -161,7 +161,7 @@ def judge_in_full_space(
         Step(tuple(state.tolist()), float(energy))
         for state, energy in zip(path.states, path.energies, strict=True)
     )
-    if path.what.verdict != "minimum":
+    if not path.arrives:
         why = f"lower states exist, but the descent stopped at no minimum: {path.what.reason}"
         return FullSpace("unstable", why, None, 0, eigenvalues, breaking, mode, descent, None)
     return FullSpace(
@@ -181,8 +181,8 @@ def _undecided(why: str, eigenvalues: tuple[float, ...], breaking: tuple[float, 
     return FullSpace("undecided", why, None, 0, eigenvalues, breaking, None, None, None)
 
 
-def _landing(path: Followed, others: tuple[np.ndarray, ...]) -> LandsOn:
-    what: Classification = path.what
+def _landing(path: DescentPath, others: tuple[np.ndarray, ...]) -> LandsOn:
+    what = path.what
     near = [float(np.abs(np.asarray(o) - path.end).max()) for o in others]
     same = int(np.argmin(near)) + 1 if near and min(near) <= ENDPOINT_TOL else None
     return LandsOn(

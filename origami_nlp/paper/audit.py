@@ -1,7 +1,7 @@
 """What published candidate states are: which exact minimum each belongs to, or which artefact it is.
 
 Every candidate is checked for closure and admissibility, and is then followed downhill through closed, admissible
-states (`kkt.follow`) to the exact minimum of its panel that it belongs to.
+states (`search.descent_path`) to the exact minimum of its panel that it belongs to.
 
 The charts in which the paper's grids sample a vertex end where the manifold of states does not.  Degree 6,
 (phi_2, phi_3): at (0, 0) the half-vertex is straight and phi_1 = phi_4 is free, so that one step of the grid next to it
@@ -24,13 +24,14 @@ from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
 from origami_nlp.io import pick
-from origami_nlp.kkt import State, follow, lower_dimensional_at, project, sample_neighbourhood
+from origami_nlp.kkt import State, lower_dimensional_at, project, sample_neighbourhood
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import ENDPOINT_TOL, null_space
 from origami_nlp.paper.candidates import INDEPENDENT, PRINTED, Candidate
 from origami_nlp.pattern import Scene, Vertex, format_angle
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import find_states
+from origami_nlp.search import descent_path
 
 ON_MINIMUM = 2.0
 """A candidate within this many grid steps of an exact minimum, in its chart, is that minimum as a grid sees it."""
@@ -297,7 +298,7 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     exact = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
     start = np.clip(project(model, x, ())[0], -model.bound, model.bound)
     try:
-        end = follow(model, start).end
+        end = descent_path(model, start).end
     except ValueError:  # it touches itself in a way that the model's contacts refuse
         return base
     near = [float(np.abs(end - y).max()) for y in exact]

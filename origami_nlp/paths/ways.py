@@ -9,12 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origami_nlp.continuation import LATE, Equilibrium, SpecialPoint
-from origami_nlp.kkt import Classification, State, classify, follow, singular_beside
+from origami_nlp.kkt import Classification, State, classified, classify, singular_beside
 from origami_nlp.numerics import SETTLED, first_largest
 from origami_nlp.paths.followed import FollowedDiagram
-from origami_nlp.pattern_problem import MOST_DENSE
-from origami_nlp.pattern_states import classified
-from origami_nlp.search import TRUST, descend_by_newton
+from origami_nlp.search import TRUST, descent_path
 
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
@@ -25,8 +23,6 @@ LEAST_SPAN = 1e-3
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
 rest at a certified minimum."""
-MOST_STEPS = 400
-"""Of a descent."""
 UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 WALL = ("refused", "singular", "touches", "closes")
@@ -156,10 +152,7 @@ class Ways(FollowedDiagram):
     def release(
         self, node: SpecialPoint, toward: float
     ) -> tuple[np.ndarray, float, Classification] | str:
-        """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none.
-
-        By the kernel; on sheets too large for it, and where nothing touches, by steps in the null space of closure.
-        """
+        """Descend from the end of a way, a little beyond its load: the minimum, its load, certificate; or why none."""
         phi, why = node.point[:-1], ""
         posed: Any = self.line.problem
         span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
@@ -180,13 +173,7 @@ class Ways(FollowedDiagram):
                         aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
                         starts = [phi + aside, phi - aside]
                 for start in starts:
-                    end, lost = start, ""
-                    if free := problem.sparse and all(c.is_limit for c in node.held):
-                        down = descend_by_newton(problem, start)
-                        free = not any(map(problem.crossings.find, (*down.path, down.phi)))
-                        end, lost = down.phi, "" if down.arrived else down.why
-                    if not free:
-                        end, lost = _downhill(problem, start)
+                    end, lost = _downhill(problem, start)
                     if np.abs(end - phi).max() <= 10 * share:
                         continue
                     what = classified(problem, end)
@@ -240,16 +227,10 @@ class Ways(FollowedDiagram):
 
 def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:
     """Follow the energy downhill along states in which no facets cross; where to, and why that is no minimum."""
-    if problem.size > MOST_DENSE:
-        many = f"the pattern has {problem.size:,} creases, contact is solved up to {MOST_DENSE}"
-        return start, many
     try:
-        found = follow(problem, start, curved=True, longest=TRUST, most_steps=MOST_STEPS)
+        found = descent_path(problem, start, longest=TRUST)
     except np.linalg.LinAlgError:  # a ValueError as well
         raise
     except ValueError as refused:
         return start, str(refused)
-    if found.what.verdict != "minimum":
-        return found.end, UNTOLD
-    problem.kept("classified", found.end, lambda: found.what)
-    return found.end, ""
+    return found.end, "" if found.arrives else UNTOLD

@@ -177,10 +177,8 @@ class PatternProblem(PatternContacts, Energies, PrettyRepr):
         return plain + (bent if isinstance(plain, np.ndarray) else sp.sparse.csr_array(bent))
 
     def scaled_energy(self, phi: np.ndarray) -> float:
-        """Energy, load included, over `scale`; with a constant, so that it is positive."""
-        # the load is kept over `scale`, the springs of the pattern that complete its square are not
-        room = 0.0 if self._dead is None else self._dead.room(self.scale)
-        return float(self.parameters.energy(phi)) + room
+        """Energy, load included, over `scale`."""
+        return float(self.parameters.energy(phi))
 
     def constraints(
         self, x: np.ndarray, contacts: Sequence[Contact] = ()

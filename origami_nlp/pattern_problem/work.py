@@ -10,7 +10,6 @@ At closed states all walks lead to the same place.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, TypeAlias
@@ -209,17 +208,6 @@ class Torque(_OfPattern):
         """Return its second derivative; None where it is zero."""
         return None
 
-    def room(self, t: float) -> float:
-        """Return what makes U - t w positive: it completes the square."""
-        # k/2 (phi - phi0)^2 - t phi = k/2 (phi - phi0 - t/k)^2 - t phi0 - t^2 / (2 k)
-        p = self.pattern
-        of_laws = [i - 1 for i in self.creases if p.laws and p.laws[i - 1]]
-        i = np.setdiff1d(np.array(self.creases) - 1, of_laws)
-        each = t * self._share
-        room = np.sum(each[i] * p.rest[i] + each[i] ** 2 / (2 * p.stiffness[i]))
-        # laws are 0 at least, and fold angles within +-pi
-        return float(room + math.pi * np.abs(each[of_laws]).sum())
-
     def loaded(self, t: float) -> Pattern:
         """Return the pattern whose springs are wound by the torque; to laws it is added."""
         p = self.pattern
@@ -286,10 +274,6 @@ class Pull(_OfPlaces):
         along = first @ apart / far
         return far, along, (first @ first.T - np.outer(along, along)) / far + second @ apart / far
 
-    def room(self, t: float) -> float:
-        """Return what makes U - t w positive."""
-        return abs(t) * _longest(self.pattern)
-
 
 @dataclass(frozen=True, eq=False)
 class DeadForce(_OfPlaces):
@@ -350,23 +334,6 @@ class DeadForce(_OfPlaces):
         way = np.array(self.direction)
         return float(x @ way), first @ way, second @ way
 
-    def room(self, t: float) -> float:
-        """Return what makes U - t w positive."""
-        return abs(t) * float(np.linalg.norm(self.direction)) * 2 * _longest(self.pattern)
-
-
-def _longest(pattern: Pattern) -> float:
-    """Return a length beyond which no corner is from another, nor from the origin: all sides in a row."""
-    sides = sum(
-        float(
-            np.linalg.norm(
-                pattern.corners[list(p)] - np.roll(pattern.corners[list(p)], 1, axis=0), axis=1
-            ).sum()
-        )
-        for p in pattern.polygons
-    )
-    return sides + float(np.linalg.norm(pattern.corners, axis=1).max())
-
 
 Work: TypeAlias = Torque | Pull | DeadForce
 """What drives a load path of a sheet."""
@@ -415,10 +382,6 @@ class Worked:
     def drift(self, sectors: np.ndarray, x: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Return how the gradient changes with a change of `vector`, [n]."""
         return -change[0] * self.work.gradient(x)
-
-    def room(self, scale: float) -> float:
-        """Return what completes squares under the load, over the scale of the problem."""
-        return self.work.room(scale * self.t) / scale
 
     def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the gradient of the energy at a state [n], same shape."""

@@ -23,7 +23,6 @@ from .interpolant import (
     wells as wells,
 )
 from .judgement import (
-    classified as classified,
     judge as judge,
     judge_end as judge_end,
 )

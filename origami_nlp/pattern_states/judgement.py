@@ -8,9 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.kkt import (
-    Classification,
-    State,
-    classify,
+    classified,
     not_told_apart,
     polished_nearby,
     singular_beside,
@@ -121,12 +119,6 @@ def is_level_along(problem: PatternProblem, phi: np.ndarray, modes: np.ndarray) 
         if residual <= CLOSURE_TOL and level:
             return True
     return False
-
-
-def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
-    """Return what the kernel decides on a closed state; kept, as a descent asks before its end is judged."""
-    what: Classification = problem.kept("classified", phi, lambda: classify(State(problem, phi)))
-    return what
 
 
 def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:

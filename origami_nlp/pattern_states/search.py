@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from origami_nlp.kkt import TangentCone, Verdict, polished_nearby, singular_beside
+from origami_nlp.kkt import TangentCone, Verdict, classified, polished_nearby, singular_beside
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
@@ -35,7 +35,6 @@ from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
 from origami_nlp.pattern_states.judgement import (
-    classified,
     judge,
     judge_end,
 )

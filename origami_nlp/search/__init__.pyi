@@ -7,6 +7,7 @@ from .descend import (
     StartState as StartState,
     compile_descents as compile_descents,
 )
+from .descent_path import DescentPath as DescentPath, descent_path as descent_path
 from .draws import DEEP as DEEP, MOST_TRIED as MOST_TRIED, Draws as Draws
 from .escape import (
     MOST_CREASES as MOST_CREASES,

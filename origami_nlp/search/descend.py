@@ -265,6 +265,7 @@ class CompiledDescent:
 
     def __init__(self, problem: PatternProblem, measure: np.ndarray | None = None) -> None:
         self.problem, self._measure = problem, measure
+        self._failed: BaseException | None = None
         self._library: Any = (
             compiled("descend", _source) if problem.closure.compiled.usable else None
         )
@@ -292,10 +293,13 @@ class CompiledDescent:
 
         def evaluate(x: Any, order: int, out: Any) -> float:
             at = np.ctypeslib.as_array(x, (n,)).copy()
-            if order == 0:
-                return problem.scaled_energy(at)
-            what = problem.torque(at) if order == 1 else problem.hessian(at, none)
-            np.ctypeslib.as_array(out, (n**order,))[:] = np.asarray(what).ravel()
+            try:
+                if order == 0:
+                    return problem.scaled_energy(at)
+                what = problem.torque(at) if order == 1 else problem.hessian(at, none)
+                np.ctypeslib.as_array(out, (n**order,))[:] = np.asarray(what).ravel()
+            except BaseException as failed:  # C cannot raise it: it is raised where C returns
+                self._failed = failed
             return 0.0
 
         return _OUTSIDE(evaluate)
@@ -454,6 +458,9 @@ class CompiledDescent:
                 address(ends),
             ),
         )
+        if self._failed is not None:
+            failed, self._failed = self._failed, None
+            raise failed
         out = []
         for one, (status, steps, _, work, many, hold) in enumerate(ends.astype(int).tolist()):
             kept_slots = tuple(

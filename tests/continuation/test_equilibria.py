@@ -14,8 +14,9 @@ from origami_nlp.continuation import BifurcationDiagram, load_line
 from origami_nlp.continuation.diagram import STEPS
 from origami_nlp.continuation.one_sided_branches import touches
 from origami_nlp.continuation.system import BorderedSystem, Hold
-from origami_nlp.kkt import follow, project
+from origami_nlp.kkt import project
 from origami_nlp.pattern_problem import pose
+from origami_nlp.search import descent_path
 from tests.computed_once import thinned
 from tests.parameter_lines import line_between
 
@@ -62,7 +63,8 @@ def test_a_torque_snaps_a_state_and_another_holds_it_again(torques):
     fold = events(torques)[0]
     before = next(f for _, f in torques.states_at(fold.s + 0.01) if not f.index)
     stays, leaves = (
-        follow(torques.line.at(fold.s + e), before.state).end - before.state for e in (0.01, -0.01)
+        descent_path(torques.line.at(fold.s + e), before.state).end - before.state
+        for e in (0.01, -0.01)
     )
     assert np.abs(stays).max() < 1e-8 and np.abs(leaves).max() > 0.5
 
@@ -223,7 +225,7 @@ def facets_that_begin_to_overlap(ratio, low, high):
     line = line_between(*map(pose, scenes), 1.0)
     web = BifurcationDiagram(line, math.log(low), math.log(high))
     angles = np.radians([-65.5, 142.2, -58.2, 142.0, -65.5, 142.2, -58.2, 142.0])
-    start = follow(line.at(math.log(ratio)), angles).end
+    start = descent_path(line.at(math.log(ratio)), angles).end
     assert web.add(start, math.log(ratio))
     return web
 
@@ -247,7 +249,7 @@ def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
             for k in range(20)
         )
         start = next(x for x in aside if not f.problem.refuses(x))
-        assert np.abs(follow(f.problem, start).end - f.state).max() < 1e-7
+        assert np.abs(descent_path(f.problem, start).end - f.state).max() < 1e-7
     back = facets_that_begin_to_overlap(3.5, 3.1, 3.6)
     (again,) = events(back)
     assert again.located and again.s == pytest.approx(event.s, abs=1e-11)

@@ -137,10 +137,6 @@ def test_labels_and_place_do_not_matter():
     assert again.softest == pytest.approx(state.softest, rel=1e-9)
     both = [sorted(c.force for c in s.contacts) for s in (state, again)]
     assert both[0] == pytest.approx(both[1], abs=1e-9)
-    _, start = sprung("yoshimura", (4, 4), 8)
-    end = downhill(PatternProblem(other), start[at])
-    assert end.arrived
-    assert end.phi == pytest.approx(state.phi[at], abs=1e-8)
 
 
 def test_a_descent_keeps_to_the_time():
