@@ -25,7 +25,7 @@ PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
-    "pattern_problem search continuation display hinges chart proof "
+    "pattern_problem search escapes continuation display hinges chart proof "
     "minima pattern_states contact barriers paper paths inverse_design "
     "sweep validity results verbs cli __main__"
 ).split()

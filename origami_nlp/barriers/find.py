@@ -1,7 +1,7 @@
 """Barriers: for each pair of minima the lowest pass between them that is known, and a path through it.
 
 Along traced curves where there are some, exactly with one degree of freedom (`graph`), and
-along ways on one terrain (`search.DescentTerrain`): escape paths, straight walks, and descents from saddles, which
+along ways on one terrain (`search.Terrain`): escape paths, straight walks, and descents from saddles, which
 Newton on the KKT system finds where the lowest ways are highest (`passes`).  `bounds` says what lies below.
 """
 
@@ -24,11 +24,13 @@ from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.barriers.walks import Walks, number_of
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
-from origami_nlp.kkt import (
+from origami_nlp.escapes import (
     ALONE,
     BOUND,
+    MOST_CREASES,
     TRACED,
     Escape,
+    Terrain,
     barriers,
     down_to,
     energy_scale,
@@ -36,13 +38,13 @@ from origami_nlp.kkt import (
     highest,
     level_of,
     rounded_up,
+    softest_modes,
 )
 from origami_nlp.minima import MinimaResult, canonical_states, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import TracedPasses, find_states
-from origami_nlp.search import MOST_CREASES, DescentTerrain, softest_modes
 
 SEARCHING = 0.5
 """Share of a time limit that the search for minima gets."""
@@ -179,7 +181,7 @@ class _Paths:
             if m.local_dimension and (k in left or on_curves is None):
                 self.loose.append(k)
         leaving = {k: softest_modes(posed.problem, posed.minima[k]) for k in self.loose}
-        self.terrain = DescentTerrain(posed.problem, posed.minima, leaving=leaving)
+        self.terrain = Terrain(posed.problem, posed.minima, leaving=leaving)
         for part, find in (
             (BETWEEN, self._between),
             (ESCAPES, self._escapes),

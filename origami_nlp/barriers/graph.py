@@ -18,7 +18,8 @@ from origami_nlp.barriers.bounds import FOLLOWED, NONE, SHOWN
 from origami_nlp.barriers.passes import Known, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OutOfTime
-from origami_nlp.kkt import State, energy_scale, level_of, project
+from origami_nlp.escapes import energy_scale, level_of
+from origami_nlp.kkt import State, project
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED, merge_tree
 from origami_nlp.pattern_states import TracedPasses, curve_passes

@@ -16,8 +16,9 @@ from typing import Literal
 
 import numpy as np
 
+from origami_nlp.escapes import Terrain, down_to
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import State, Terrain, down_to, judge_branch, newton, project
+from origami_nlp.kkt import State, judge_branch, newton, project
 from origami_nlp.numerics import (
     BALANCED,
     CLOSURE_TOL,

@@ -12,9 +12,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.kkt import down_to
+from origami_nlp.escapes import Move, Terrain, down_to
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, groups
-from origami_nlp.search import DescentTerrain, Move
 
 NEAREST = 8
 """Other minima that walks from a minimum lead to, while no way to them is known."""
@@ -47,7 +46,7 @@ class Walks:
 
     def __init__(
         self,
-        terrain: DescentTerrain,
+        terrain: Terrain,
         tops: Sequence[np.ndarray],
         joined: Sequence[tuple[int, int]],
         moves: Sequence[Move],

@@ -11,29 +11,6 @@ from .contact_forces import (
     ContactForce as ContactForce,
     contact_forces as contact_forces,
 )
-from .descent import (
-    KNOWN as KNOWN,
-    LONGEST as LONGEST,
-    STOPPED as STOPPED,
-    Followed as Followed,
-    follow as follow,
-    polished_nearby as polished_nearby,
-)
-from .elder_rule import barriers as barriers, bounds as bounds, level_of as level_of
-from .escape import (
-    ALONE as ALONE,
-    BOUND as BOUND,
-    OPEN as OPEN,
-    TRACED as TRACED,
-    Escape as Escape,
-    EscapePath as EscapePath,
-    Method as Method,
-    down_to as down_to,
-    escape_paths as escape_paths,
-    escape_paths_of_each as escape_paths_of_each,
-    highest as highest,
-    rounded_up as rounded_up,
-)
 from .large import smallest_curvature as smallest_curvature
 from .lower_dimensional import (
     lower_dimensional_at as lower_dimensional_at,
@@ -47,6 +24,7 @@ from .polishing import (
     exact_beside as exact_beside,
     newton as newton,
     polish as polish,
+    polished_nearby as polished_nearby,
 )
 from .projection import LONGEST_MOVE as LONGEST_MOVE, PROJECTED as PROJECTED, project as project
 from .singular_beside import (
@@ -61,11 +39,4 @@ from .tangent_cone import (
     combine as combine,
     loop_modes as loop_modes,
     tangent_cone as tangent_cone,
-)
-from .terrain import (
-    FARTHEST as FARTHEST,
-    FLOOR as FLOOR,
-    Terrain as Terrain,
-    energy_scale as energy_scale,
-    over_flat as over_flat,
 )

@@ -9,17 +9,21 @@ consistent.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origami_nlp.kkt.projection import project
+from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     ANSWERED,
+    CARRIES,
     CLOSURE_TOL,
     DEPENDENT,
     EPS,
     FOLLOWED,
+    NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
     NONZERO,
     RANK,
@@ -41,6 +45,8 @@ LARGE = 100
 MOST_REPAIRS = 8
 RESOLVED = 0.1
 """A state is distinguished from a singular one at a distance of which its uncertainty is at most this share."""
+MOST_GUESSES = 8
+"""Sets of closed contacts that are tried when the end of a path is polished."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
 
@@ -376,3 +382,48 @@ def _closed_exactly(model: Problem, x: np.ndarray) -> np.ndarray:
     if not model.has_limits or (at_limits == y).all():
         return y
     return at_limits if np.abs(model.closure(at_limits)[0]).max() <= CLOSURE_TOL else y
+
+
+def polished_nearby(
+    model: Problem, x: np.ndarray, tolerance: float = NEAR_CONTACT
+) -> Iterator[Polished]:
+    """Return stationary states that Newton reaches within `NEAR_SINGULAR_TOL` of x [n], contacts that are closed there
+    held first.
+
+    Parameters
+    ----------
+    model
+        The problem.
+    x
+        A state, shape [n] [rad].
+    tolerance
+        Opening [rad] up to which a contact counts as closed.
+
+    Returns
+    -------
+    iterator of Polished
+        One for each set of closed contacts from which Newton converges.
+    """
+    state = State(model, x, tolerance)
+    pull = np.zeros(model.size)
+    for contact in state.contacts.base:
+        if contact.is_limit:
+            pull[contact.index] = 1.0
+    answer = Solve(x, "followed", 0, 0.0, pull)
+    # the contacts that are closed first: a guess from near gaps may close one that the path never met
+    if state.few:
+        guesses = state.pieces[:MOST_GUESSES]
+    else:  # those that push
+        guesses = [_pushing(state.on(state.contacts.base))]
+    for guess in (*guesses, None):
+        done = polish(model, answer, guess)
+        if not done.converged:
+            done = exact_beside(model, done)
+        if done.converged and np.abs(done.x - x).max() <= NEAR_SINGULAR_TOL:
+            yield done
+
+
+def _pushing(piece: Stratum) -> tuple[Contact, ...]:
+    """Return the contacts with a positive multiplier."""
+    forces = piece.multiplier_set.found
+    return tuple(c for c, f in zip(piece.contacts, forces, strict=True) if f > CARRIES)

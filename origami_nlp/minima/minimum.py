@@ -10,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.display import shown
+from origami_nlp.escapes import Escape
 from origami_nlp.io import ShortRepr, to_plain
-from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
+from origami_nlp.kkt import OMIT, ContactForce, Kind, Verdict
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.numerics import CLOSURE_TOL, STATIONARY

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from origami_nlp.display import Table, record_table, shown
-from origami_nlp.kkt import OPEN, ContactForce
+from origami_nlp.escapes import OPEN
+from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import ROUNDED, residual_words

@@ -96,7 +96,6 @@ from .tolerances import (
     SETTLED as SETTLED,
     SHALLOW as SHALLOW,
     SINGULAR as SINGULAR,
-    SLIDES as SLIDES,
     STATIONARY as STATIONARY,
     STEP_NOISE as STEP_NOISE,
     SUMMED as SUMMED,

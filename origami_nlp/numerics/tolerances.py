@@ -112,8 +112,6 @@ ENDPOINT_TOL = 1e-5
 BESIDE_SINGULAR = 1e-5
 """Distance [rad] at which a state is distinguished from a singular one, and a vertex from a flat one: any fold angles
 close there to its square, a hundred times `CLOSURE_TOL`."""
-SLIDES = 3e-5
-"""Contacts open by less [rad] are slid along: three times `UNPOLISHED`, to which they are known on the way."""
 SAME_DIRECTION = 1e-5
 """Unit directions, bases and slopes that differ by less are one: subspaces are intersected to `RANK`, whose error grows
 with the number of loops that they pass, a hundred at most."""

@@ -8,13 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.kkt import TRACED, Escape, barriers, energy_scale, level_of
+from origami_nlp.escapes import TRACED, Escape, barriers, energy_scale, find_escapes, level_of
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.traced_passes import CurvePasses, curve_passes
-from origami_nlp.search import find_escapes
 
 
 def with_escapes(

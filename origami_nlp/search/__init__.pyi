@@ -1,21 +1,19 @@
 from .descend import (
     CLOSES_NOT as CLOSES_NOT,
     NO_LOWER as NO_LOWER,
+    STAYS as STAYS,
     CompiledDescent as CompiledDescent,
     DescentEnd as DescentEnd,
     Slot as Slot,
     StartState as StartState,
     compile_descents as compile_descents,
 )
-from .descent_path import DescentPath as DescentPath, descent_path as descent_path
-from .draws import DEEP as DEEP, MOST_TRIED as MOST_TRIED, Draws as Draws
-from .escape import (
-    MOST_CREASES as MOST_CREASES,
-    NOTHING_NEAR as NOTHING_NEAR,
-    Move as Move,
-    find_escapes as find_escapes,
-    softest_modes as softest_modes,
+from .descent_path import (
+    DescentPath as DescentPath,
+    descent_path as descent_path,
+    lower_beside as lower_beside,
 )
+from .draws import DEEP as DEEP, MOST_TRIED as MOST_TRIED, Draws as Draws
 from .follow import Follower as Follower
 from .ipopt import (
     OPTIONS as OPTIONS,
@@ -57,5 +55,4 @@ from .starts import (
     other_wells as other_wells,
     variables_around as variables_around,
 )
-from .terrain import DescentTerrain as DescentTerrain
 from .ways import WayDown as WayDown, way_down as way_down

@@ -98,12 +98,13 @@ def descent_path(
 
     Examples
     --------
-    >>> import origami_nlp as o
+    >>> import numpy as np
+    >>> from origami_nlp import examples, pose
     >>> from origami_nlp.search import descent_path
-    >>> problem = o.pose(o.examples.miura("pi/3"))
-    >>> path = descent_path(problem, o.find_minima(o.examples.miura("pi/3")).minima[0].phi + 0.01)
-    >>> path.arrives
-    True
+    >>> problem = pose(examples.miura("pi/3"))
+    >>> path = descent_path(problem, problem.project(np.full(problem.size, 0.5))[0])
+    >>> path.arrives, bool(path.energies[-1] < path.energies[0])
+    (True, True)
     """
     x, residual = project(problem, np.asarray(start, dtype=float), ())
     x = problem.fold_limits.clip(x)
@@ -136,7 +137,7 @@ def lower_beside(problem: PatternProblem, x: np.ndarray, what: Classification) -
     for step in TRIED:
         y, residual = project(problem, x + step * what.descent, ())
         y = problem.fold_limits.clip(y)
-        closes = max(residual, problem.residual(y)) <= CLOSURE_TOL
+        closes = max(float(residual), problem.residual(y)) <= CLOSURE_TOL
         if closes and problem.energy_change(x, y) < -_noise(problem, x) and not problem.refuses(y):
             return y
     return None
@@ -155,13 +156,13 @@ def _steps(
 
 def _polished(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
     """Return the stationary state beside an end that no step leaves."""
-    most = RISE * max(problem.energy(x), problem.scale)
+    most = RISE * max(float(problem.energy(x)), float(problem.scale))
     ends = (p.x for p in polished_nearby(problem, x) if problem.energy_change(x, p.x) <= most)
     return next(ends, None)
 
 
 def _noise(problem: PatternProblem, x: np.ndarray) -> float:
-    return 2 * EPS * max(abs(problem.energy(x)), problem.scale)  # two roundings
+    return float(2 * EPS * max(abs(problem.energy(x)), problem.scale))  # two roundings
 
 
 def _falling(problem: PatternProblem, states: list[np.ndarray]) -> np.ndarray:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from origami_nlp.barriers.walks import Walks
+from origami_nlp.escapes import Terrain
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.search import DescentTerrain
 from tests.independent.search_sheets import sheet_of
 
 
@@ -21,7 +21,7 @@ def test_sheets_folded_onto_themselves_are_unfolded_in_stages():
     row, flat = np.array(degrees) == 180, np.zeros(problem.size)
     state, residual = problem.project(np.radians(degrees), row)
     assert residual < 1e-12 and np.abs(np.degrees(state) - degrees).max() < 0.01
-    terrain = DescentTerrain(problem, state[None])
+    terrain = Terrain(problem, state[None])
     assert not terrain.walk_to(state, flat)[1]
     ((start, to, path),) = Walks(terrain, [flat], [], []).ways()
     assert (start, to) == (-1, 0) and not path[0].any() and (path[-1] == state).all()

@@ -10,22 +10,30 @@ import origami_nlp as o
 from origami_nlp.kkt import project
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
-from origami_nlp.search import descend_by_newton
-from tests.patterns import downhill
+
+PRESSED = [
+    -2.331612372844, -2.751278626491, 2.673477596616, -1.918457257182, -1.811938470404,
+    1.495417962439, -1.813620435504, -1.653634383231, 1.853341851247, -2.721261083745,
+    2.043505764134, -2.105111888116, -1.416086989552, 0.821686234229, -1.685311327102,
+    -2.119641567579, 2.302080274209, -2.579275077539, -1.968291234041, 1.189806297996,
+    -1.642180860566, 3.141592653590, -1.463894213642, -1.997524601995, 2.939527352171,
+    -2.117398726967, -1.686414972550, 1.398903212495, -1.968291234041, -2.706786186815,
+    1.953141245815, -1.736418065388, 2.369222088556, -3.141592653590, -2.591621584925,
+    -1.738318595773, -1.974567762085, -1.844074931590, -1.897345352155, -3.077658453831,
+]  # fmt: skip
+"""Fold angles [rad] of a Yoshimura pattern of random rest angles, folded until corners meet."""
 
 
 @cache
 def pressed():
-    """A yoshimura pattern of random rest angles, folded until corners meet, and where it ends."""
     pattern = o.examples.pattern("yoshimura", 4, 4)
     rest = np.minimum(np.random.default_rng(3).uniform(2.2, 3.2, pattern.creases), math.pi)
     problem = PatternProblem(pattern.with_springs(1.0, list(pattern.signs * rest)))
-    start, _ = problem.project(0.3 * pattern.signs)
-    path = descend_by_newton(problem, start).path
-    free = [x for x in path if not problem.crossings.find(x)]
-    end = downhill(problem, free[-1])
-    assert len(free) < len(path) and end.arrived
-    return problem, o.State(problem, end.phi)
+    x = problem.fold_limits.clip(
+        np.where(np.abs(PRESSED) > 3.1415926, np.sign(PRESSED) * math.pi, PRESSED)
+    )
+    assert problem.residual(x) < 1e-11 and o.classify(o.State(problem, x)).verdict == "minimum"
+    return problem, o.State(problem, x)
 
 
 def least(rates, choice):

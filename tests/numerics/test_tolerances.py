@@ -27,7 +27,7 @@ BESIDE_THE_TABLE = {
         chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
         cli/timed.SHORTEST contact/margin.ASIDE
         paper/links.RADII paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
-        kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
+        kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
         paper/landscape.PIECE paths/ways.OFF_BRANCH paths/job.SIDE
@@ -39,12 +39,12 @@ BESIDE_THE_TABLE = {
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS
-        search/terrain.FIRST search/terrain.POPPED
+        escapes/terrain.FIRST escapes/rays.POPPED search/descent_path.TRIED search/descent_path.RISE
         search/ipopt.BESIDE pattern_states/near_folded.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
-        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/partings.CERTAIN
+        pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID escapes/partings.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN
         continuation/events.POLE pattern_states/branch_points.FORMS
         search/newton.FAR_FROM_SINGULAR search/newton.LEAVES pattern_states/interpolant.ON_CURVE
@@ -110,14 +110,14 @@ BESIDE_THE_TABLE = {
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
-        kkt/descent.RISE pattern_states/judgement.LEFT
+        pattern_states/judgement.LEFT
         search/newton.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "accuracy of published states, and of the grid that they lie on": """
         paper/audit.CLOSED paper/audit.ON_GRID paper/candidates.PRINTED
     """,
     "weights of rows and steps": """
-        pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT kkt/descent.SOFTEST numerics/factors.WEIGHT
+        pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT numerics/factors.WEIGHT
         search/newton.WEIGHTS
     """,
 }

@@ -146,14 +146,14 @@ def test_a_state_that_does_not_close_has_no_certificate():
 
 
 def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypatch):
-    true, x = judgement.classify, unclosed().minima[2].phi
+    true, x = judgement.classified, unclosed().minima[2].phi
 
-    def breaks(state, **options):
-        if np.abs(state.x - x).max() < 1e-6:
+    def breaks(problem, phi):
+        if np.abs(phi - x).max() < 1e-6:
             raise np.linalg.LinAlgError("Singular matrix")
-        return true(state, **options)
+        return true(problem, phi)
 
-    monkeypatch.setattr(judgement, "classify", breaks)
+    monkeypatch.setattr(judgement, "classified", breaks)
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert len(result.minima) == 3
     assert result.search.failed["LinAlgError: Singular matrix"]

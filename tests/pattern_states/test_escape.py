@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_minima, read_result
-from origami_nlp.kkt import ALONE, BOUND, TRACED, State, energy_scale, escape_paths, project
+from origami_nlp.escapes import ALONE, BOUND, TRACED, Terrain, energy_scale, escape_paths, rays
+from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.question import question_of
-from origami_nlp.search import DescentTerrain
 from tests.computed_once import panel_result, thinned
 from tests.kernels.answers import generic
 
@@ -158,8 +158,8 @@ def test_middles_of_many_steps_are_those_of_each():
     result = panel_result(examples.degree6("pi/3", ratio=1))
     terrain = terrain_of(result.scene, result.minima)
     # 2: a handle, on which contacts stay closed; the others fold freely
-    rays = [ray for k, ray in terrain.rays([0, 2]) if len(ray) > 5]
-    a, b = (np.array([ray[i] for ray in rays]) for i in (4, 5))
+    ways = [ray for k, ray in rays(terrain, [0, 2]) if len(ray) > 5]
+    a, b = (np.array([ray[i] for ray in ways]) for i in (4, 5))
     each = [terrain.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]
     closed = [i for i, y in enumerate(each) if y is not None]
     assert len(closed) > 10
@@ -171,7 +171,7 @@ def terrain_of(scene, minima):
     """States of a scene with descents between them."""
     problem = pose(scene)
     states = np.array([problem.reduce(np.array(m.fold_angles)) for m in minima])
-    return DescentTerrain(problem, states)
+    return Terrain(problem, states)
 
 
 @cache
@@ -256,7 +256,7 @@ def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
     loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
     terrain = terrain_of(result.scene, result.minima)
     lowest = {k: [] for k in loose}
-    for k, ray in terrain.rays(loose):
+    for k, ray in rays(terrain, loose):
         rise = terrain.rise(k, ray)
         for i in range(1, len(ray)):
             end = terrain.land(ray[i : i + 1])[0]
@@ -265,11 +265,11 @@ def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
                 break
     seen = {}
     monkeypatch.setattr(
-        "origami_nlp.kkt.partings._sharpen",
+        "origami_nlp.escapes.partings._sharpen",
         lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
     )
-    monkeypatch.setattr("origami_nlp.kkt.partings._track", lambda terrain, parts, sections: [])
-    monkeypatch.setattr(DescentTerrain, "proved_paths", lambda terrain, which: {})
+    monkeypatch.setattr("origami_nlp.escapes.partings._track", lambda terrain, parts, sections: [])
+    monkeypatch.setattr("origami_nlp.escapes.paths.paths_over_flat", lambda terrain, which: {})
     escape_paths(terrain_of(result.scene, result.minima), loose, confirmed=1)
     for k in loose:
         heights = sorted(p.height for p in seen.values() if p.k == k)

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from origami_nlp.kkt.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
-from origami_nlp.kkt.terrain import FLOOR
+from origami_nlp.escapes.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
+from origami_nlp.escapes.terrain import FLOOR
 from origami_nlp.numerics import LEVEL, SHALLOW
 
 

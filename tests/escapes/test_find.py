@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.kkt import BOUND, TRACED, EscapePath
+from origami_nlp.escapes import BOUND, TRACED, EscapePath
+from origami_nlp.escapes.find import _images, _openings
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image
 from origami_nlp.pattern_states import find_states
-from origami_nlp.search.escape import _images, _openings
 from tests.computed_once import states
 from tests.relabelled import relabelled
 

@@ -1,109 +1,24 @@
-"""How much energy it takes to leave a stable state: passes between states, and upper bounds of them from descents.
-
-For whatever has states, energies and descents (`Terrain`).  The **escape barrier** is the least energy that a path to
-a state of no higher energy has to climb; where there is none such, to one that is not shallow itself (the elder rule).
-"""
+"""Ways out of stable states that climb little: over partings of descents, over passes, and over the flat state."""
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Final, Literal, NamedTuple, TypeAlias
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.io import ShortRepr
-from origami_nlp.kkt.partings import (
+from origami_nlp.escapes.escape import EscapePath
+from origami_nlp.escapes.partings import (
     CERTAIN,
     MOST_CONFIRMED,
     SECTIONS,
     Parting,
-    listed,
     tracked_partings,
 )
-from origami_nlp.kkt.terrain import Terrain
-from origami_nlp.numerics import NONZERO, SETTLED, coarse
-
-DescentPath: TypeAlias = Callable[[np.ndarray, Callable[[np.ndarray], bool]], np.ndarray]
-Method = Literal["exact (traced)", "upper bound (descents)", "not determined", "isolated"]
-TRACED: Final = "exact (traced)"
-BOUND: Final = "upper bound (descents)"
-OPEN: Final = "not determined"
-ALONE: Final = "isolated"
-
-
-@dataclass(frozen=True, repr=False)
-class Escape(ShortRepr):
-    """What it takes to leave a stable state.
-
-    Attributes
-    ----------
-    barrier
-        Energy that has to be put in [the scene's units]; of a vertex upper bounds are rounded up to two digits.  inf
-        where no way leads to another state, nan where it is not determined.  Under an imposed symmetry it is that of
-        ways that keep the symmetry.
-    method
-        ``exact (traced)`` (curves of one degree of freedom), ``upper bound (descents)`` (an explicit escape path: there
-        may be lower ones), ``isolated`` (no other state is near: geometry holds it), or ``not determined``.
-    why
-        What that rests on.
-    to
-        Number (1-based) of the state that the way leads to; 0 for none, or one that is not listed.
-    top
-        Fold angles where the way is highest [rad], shape [N]; empty where that is not known.
-    shallow
-        Whether the barrier is below `SHALLOW` of the energy that it takes to fold every crease by pi.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> result = o.find_minima(o.examples.miura("pi/3"))
-    >>> result.minima[1].escape.method
-    'exact (traced)'
-    """
-
-    barrier: float
-    method: Method
-    why: str
-    to: int = 0
-    top: tuple[float, ...] = field(default=(), repr=False)
-    shallow: bool = False
-
-    def __post_init__(self) -> None:
-        if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
-            object.__setattr__(self, "barrier", math.inf)  # no escape path
-
-    @property
-    def known(self) -> bool:
-        """Whether there is a number."""
-        return math.isfinite(self.barrier)
-
-    def words(self) -> str:
-        """Format it for a cell of a table: "0.0123", "<= 0.013", "none" (no escape path), "?" (not determined)."""
-        if not self.known:
-            return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no escape path")
-        return f"<= {rounded_up(self.barrier)}" if self.method == BOUND else f"{self.barrier:.3g}"
-
-
-def rounded_up(value: float) -> str:
-    """Return a positive number with two digits, not below it: an upper bound stays one."""
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0 else 1.0
-    # what rounding, and the accuracy of a bisection, may change does not show
-    return f"{math.ceil(value / unit * (1 - SETTLED)) * unit:.2g}"
-
-
-class EscapePath(NamedTuple):
-    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1.
-
-    states: on the way, [S, n], to where descents in batches take over; empty where they are not kept.
-    """
-
-    height: float
-    top: np.ndarray
-    to: int
-    states: np.ndarray = np.zeros((0, 0))
+from origami_nlp.escapes.rays import lowest_flat, paths_over_flat
+from origami_nlp.escapes.terrain import Terrain
+from origami_nlp.kkt import newton, project
+from origami_nlp.numerics import NONZERO, OUTSIDE, SETTLED, coarse
 
 
 def escape_paths(
@@ -135,29 +50,24 @@ def escape_paths(
         A way by number, where one was found.
     """
     found = dict[int, EscapePath]()
-    for k, (least, states, to) in terrain.proved_paths(which).items():
+    for k, (least, states, to) in paths_over_flat(terrain, which).items():
         over = highest(terrain, k, states)
         if over is not None and over[0] <= max(least * (1 + CERTAIN), terrain.floor):
             found[k] = EscapePath(over[0], over[1], to, over[2])
     left = [k for k in which if k not in found]
     for k, parts in tracked_partings(terrain, left, sections, confirmed):
-        # long steps first: where these lead nowhere else careful ones slide along what contacts leave open
-        descents = (terrain.quick_path_down, terrain.path_down)
-        ways = (_lowest_way(terrain, parts, path_down) for path_down in descents)
-        if (way := next(filter(None, ways), None)) is not None:
+        if (way := _lowest_way(terrain, parts)) is not None:
             found[k] = way
     return found
 
 
-def _lowest_way(
-    terrain: Terrain, parts: Sequence[Parting], path_down: DescentPath
-) -> EscapePath | None:
+def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None:
     """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
     best: EscapePath | None = None
     for part in parts:
         if best is not None and part.height >= best.height:
             break
-        way = _way_by(terrain, part, path_down)
+        way = _way(terrain, part)
         best = way if best is None or (way is not None and way.height < best.height) else best
     return best
 
@@ -173,6 +83,8 @@ def escape_paths_of_each(
         yield k, filter(None, (_way(terrain, part) for part in parts))
 
 
+PASS_NEAR = 0.5
+"""Newton finds a pass within this distance [rad] of where descents part."""
 MOST_CUTS, A_ROUND = 400, 32
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
@@ -247,26 +159,17 @@ ASIDE = 0.75
 
 
 def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
-    """Follow the way over a parting, state by state; None where it does not lead elsewhere.
-
-    Long steps first: where these do not lead elsewhere careful ones slide along what contacts leave open.
-    """
-    descents = (terrain.quick_path_down, terrain.path_down)
-    return next(filter(None, (_way_by(terrain, part, down) for down in descents)), None)
-
-
-def _way_by(terrain: Terrain, part: Parting, path_down: DescentPath) -> EscapePath | None:
-    """Follow the way over a parting by one kind of descent."""
+    """Follow the way over a parting, state by state; None where it does not lead elsewhere."""
     k = part.k
-    down = path_down(part.high, lambda x: terrain.is_lower(k, x))
+    down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
     lower = terrain.is_lower(k, down[-1])
     # gaps alone do not see that layers have no order
     if lower and terrain.problem.refuses(down[-1]):
         return None
     # lower than the state: any state that this descends to has been reached without climbing
-    last = _end(terrain, down[-1]) if lower else down[-1]
-    to = listed(terrain, last) if np.isfinite(last).all() else -1
-    if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
+    last = terrain.path_down(down[-1])[-1] if lower else down[-1]
+    to = terrain.listed(last) if np.isfinite(last).all() else -1
+    if _jumps(down):
         return None
     # beside the state itself what closure and contacts leave open to rounding may be lower: that is nowhere else
     if np.abs(down[-1] - terrain.minima[k]).max() <= SETTLED:
@@ -275,8 +178,8 @@ def _way_by(terrain: Terrain, part: Parting, path_down: DescentPath) -> EscapePa
         return None
     best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
     if best is None or best[0] > terrain.worth:
-        back = path_down(part.low, lambda x: False)
-        if listed(terrain, back[-1]) == k:
+        back = terrain.path_down(part.low)
+        if terrain.listed(back[-1]) == k:
             for states, meets in _over_passes(terrain, back, down):
                 over = highest(terrain, k, states)
                 if over is not None and (best is None or over[0] < best[0]):
@@ -292,17 +195,16 @@ def _way_by(terrain: Terrain, part: Parting, path_down: DescentPath) -> EscapePa
     return EscapePath(max(height, rest[0]), top, -1 if to == k else to, way)
 
 
-def _end(terrain: Terrain, state: np.ndarray) -> np.ndarray:
-    """Return where a descent from a state ends whose steps are looked at, or, where there is none such, in batches."""
-    steps = terrain.quick_path_down(state, lambda _: False)
-    return steps[-1] if len(steps) > 1 else terrain.land(state[None])[0]
+def _jumps(path: np.ndarray) -> bool:
+    """Whether a step of a descent [S, n] is longer than its fold angles were told to go: it left its curve."""
+    return bool((np.abs(np.diff(path, axis=0)) > JUMP).any())
 
 
 def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Go down carefully to a listed state: states [S, n], and its number; None where that fails, or a step is long."""
-    down = terrain.path_down(state, lambda _: False)
-    to = listed(terrain, down[-1])
-    if to < 0 or any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
+    down = terrain.path_down(state)
+    to = terrain.listed(down[-1])
+    if to < 0 or _jumps(down):
         return None
     return np.concatenate([down, terrain.minima[to][None]]), to
 
@@ -320,10 +222,33 @@ def _over_passes(
     j = int(np.flatnonzero(near.any(axis=0))[-1])
     # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
-    for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
+    for middle in ([], *([x] for x in _passes(terrain, back[i], down[j]))):
         ways.append((np.array([*back[i:][::-1], *middle, down[j]]), j))
     return ways
 
 
 TOGETHER = 0.1
 """Descents that are no further apart [rad] are together."""
+
+
+def _passes(terrain: Terrain, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+    """Stationary states between two, with what both hold, or nothing, and those of least energy with a vertex flat.
+
+    Motions of paper pass a vertex that pops where it is flat.
+    """
+    found, p, middle = list[np.ndarray](), terrain.problem, (a + b) / 2
+    limits = p.fold_limits.contacts(middle, (a == b) & (p.fold_limits.room(a) <= OUTSIDE))
+    both = tuple(c for c in terrain.contacts(a) if c in terrain.contacts(b))
+    for rows in dict.fromkeys([(*limits, *both), ()]):
+        start, _ = project(p, middle, rows)
+        done, _ = newton(p, start, rows)
+        if done is None or not done.converged or np.abs(done.x - start).max() > PASS_NEAR:
+            continue
+        if not p.refuses(done.x):
+            found.append(done.x)
+    if p.orbits is None and p.contact and terrain.pops.around:
+        for v in np.flatnonzero(terrain.pops.sums(a) * terrain.pops.sums(b) < 0):
+            kept = np.isin(np.arange(len(a)), terrain.pops.around[v])
+            if (x := lowest_flat(terrain, middle, kept)) is not None:
+                found.append(x)
+    return found

@@ -1,4 +1,4 @@
-"""Stable states with descents between them, of a vertex or of a sheet: what `kkt.escape_paths` walks on.
+"""Stable states with descents between them, of a vertex or of a sheet: what `escape_paths` walks on.
 
 Rays lead out of a state; descents from their states, many at a time, say where they begin to end elsewhere.  A way is
 what is gone down step by step: each state closed and admissible.  Vertices pass their flat state exactly there.
@@ -12,18 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from origami_nlp.kkt import (
-    FARTHEST,
-    GOES,
-    LONGEST,
-    State,
-    Terrain,
-    energy_scale,
-    follow,
-    newton,
-    over_flat,
-    project,
-)
+from origami_nlp.kkt import GOES, State, classified
 from origami_nlp.numerics import (
     CLOSURE_TOL,
     LEVEL,
@@ -31,36 +20,58 @@ from origami_nlp.numerics import (
     NONZERO,
     OUTSIDE,
     RESOLVED,
+    SETTLED,
+    SHALLOW,
     coarse,
 )
 from origami_nlp.pattern_problem import PatternProblem, PopSigns
 from origami_nlp.problem import Contact
-from origami_nlp.search.descend import CLOSES_NOT, STAYS, CompiledDescent, Slot, StartState
-from origami_nlp.search.follow import Follower
-from origami_nlp.search.newton import descend_by_newton
-from origami_nlp.search.starts import at_limits
+from origami_nlp.search import (
+    CLOSES_NOT,
+    STAYS,
+    CompiledDescent,
+    Follower,
+    Slot,
+    StartState,
+    at_limits,
+    lower_beside,
+)
 
 FIRST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
-PASS_NEAR = 0.5
-"""Newton finds a pass within this distance [rad] of where descents part."""
-POPPED = 0.02
-"""Share of a state by which creases round a vertex are folded beside its flat state."""
-SHRUNK = 1.0, 0.75, 0.5, 0.25, 0.0
-"""Of a state, its folds times these, whose vertex is made flat: the first at which facets do not cross."""
-NEARLY = 1.0, 0.97, 0.9
-"""Of a state with a vertex flat, its other folds times these, beside which the vertex pops."""
-HALVINGS = 12
-"""Of a step into contact."""
 DENSE = 0.1
 """Steps of a way down are cut to this length [rad], and each state on it looked at."""
 FINER = 7
 """How often steps beside the highest states of other ways are halved: these climb by a millionth more at most."""
-MOST_TURNED = 12
-"""Variables up to which rays turn each of them by itself."""
+LONGEST = 0.1
+"""Step of a descent [rad]."""
+MOST_REFUTED = 2
+"""Refuted states that a descent goes on from."""
+NEAREST = 3
+"""Other stable states that rays lead towards, those at equal distances counted as one."""
+FARTHEST = 12.0
+"""How far rays go [rad]: fifteen creases turned by pi are as far."""
+FLOOR = SHALLOW / 100
+"""Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
 
 
-class DescentTerrain(Terrain):
+def energy_scale(stiffness: np.ndarray) -> float:
+    """Return the energy that it takes to fold every crease by pi from rest: what barriers are measured by.
+
+    Parameters
+    ----------
+    stiffness
+        Of all creases, [N].
+
+    Returns
+    -------
+    float
+        sum k pi^2 / 2, in the units of the stiffness.
+    """
+    return float(np.sum(stiffness)) * math.pi**2 / 2
+
+
+class Terrain:
     """Stable states of a problem with descents between them.
 
     Parameters
@@ -77,9 +88,26 @@ class DescentTerrain(Terrain):
         Variables round vertices that pop, by number.
     most
         Counted work of descents (evaluations of closure) after which none is made.
+
+    Attributes
+    ----------
+    problem, minima, leaving, around
+        As given.
+    floor
+        Energies over a state that are not distinguished from nothing.
+    worth
+        Heights above this are made lower where a pass shows how.
+    noise
+        Of the energy of each state, [M].
+    pops
+        On which side of flat vertices are.
+    landed
+        Where descents from states ended.
+    together
+        Descents from states along the rays of one state that are made at once, from low ones before high ones.
     """
 
-    problem: PatternProblem
+    together = 64
 
     def __init__(
         self,
@@ -90,14 +118,17 @@ class DescentTerrain(Terrain):
         around: Mapping[int, Sequence[list[int]]] | None = None,
         most: float = math.inf,
     ) -> None:
-        super().__init__(problem, minima, energy_scale(problem.pattern.stiffness))
+        scale = energy_scale(problem.pattern.stiffness)
+        self.problem, self.minima = problem, minima
+        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
+        self.noise = LEVEL * np.maximum(np.abs(problem.energies(minima)), problem.scale)
         self._go, self._most = Follower(problem), most
         drawn = np.random.default_rng(0).normal(size=problem.size)
         self._aside = drawn if aside is None else aside
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
-        self._leaving, self._around = leaving or {}, around or {}
-        self._pops = PopSigns(problem.pattern)
-        self._landed, self._down, self._short = (dict[bytes, np.ndarray]() for _ in range(3))
+        self.leaving, self.around = leaving or {}, around or {}
+        self.pops = PopSigns(problem.pattern)
+        self.landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
         self._orders = dict[bytes, bool]()
 
@@ -116,17 +147,15 @@ class DescentTerrain(Terrain):
     def _jumps(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Whether a step takes a vertex past its flat state, through facets."""
         p = self.problem
-        return bool(p.contact and self._pops.around) and self._pops.is_jump(
-            p.expand(a), p.expand(b)
-        )
+        return bool(p.contact and self.pops.around) and self.pops.is_jump(p.expand(a), p.expand(b))
 
     def sides(self, states: np.ndarray) -> np.ndarray:
         """On which side of its flat state each vertex is, in states [S, n]: 1, -1, or 0 where it is flat, [S, v]."""
         phi = self.problem.expand(states)
-        flat = np.array(list(map(self._pops.flat, phi)))
-        return np.asarray(self.problem.contact * np.sign(self._pops.sums(phi)) * ~flat)
+        flat = np.array(list(map(self.pops.flat, phi)))
+        return np.asarray(self.problem.contact * np.sign(self.pops.sums(phi)) * ~flat)
 
-    def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
+    def contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
         """Return the gaps that are closed at a state, whichever way facets pass."""
         if (key := x.tobytes()) not in self._shut:
             base = State(self.problem, x).contacts.base if self.problem.contact else ()
@@ -165,7 +194,7 @@ class DescentTerrain(Terrain):
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def _closed_one(self, start: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray | None:
+    def closed_one(self, start: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray | None:
         """Close a start [n], what is kept as it is; None where that is no admissible state."""
         still = None if kept is None else kept[None]
         # first with what is at its limit there
@@ -194,7 +223,7 @@ class DescentTerrain(Terrain):
         x, good = self._closed(want, still)
         if not good.all():  # with gaps held that both states hold
             rows = [
-                tuple(c for c in self._contacts(y) if c in self._contacts(z))
+                tuple(c for c in self.contacts(y) if c in self.contacts(z))
                 for y, z in zip(a[~good], b[~good], strict=True)
             ]
             if not all(rows):
@@ -237,12 +266,12 @@ class DescentTerrain(Terrain):
             out[stays], left[stays] = y, False
         # rays share states: to the flat state, and from there
         keys = [x.tobytes() for x in states]
-        new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self._landed}
+        new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self.landed}
         some = sorted(new.values())
         for at in range(0, len(some), self.together):
             self._land(states[some[at : at + self.together]])
         for i in np.flatnonzero(left):
-            out[i] = self._landed.get(keys[i], out[i])
+            out[i] = self.landed.get(keys[i], out[i])
         return out
 
     def _land(self, states: np.ndarray) -> None:
@@ -258,41 +287,46 @@ class DescentTerrain(Terrain):
         self._go.work += sum(end.work for end in ends)
         for x, end in zip(states, ends, strict=True):
             near = np.abs(end.x - self.minima).max(axis=1).min() <= NEAR_SINGULAR_TOL
-            self._landed[x.tobytes()] = end.x if end.arrived or near else np.full(len(x), math.nan)
+            self.landed[x.tobytes()] = end.x if end.arrived or near else np.full(len(x), math.nan)
 
-    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
-        """Go down step by step, see `kkt.follow`; paths to their ends are kept, as other states ask for them again."""
+    def listed(self, x: np.ndarray) -> int:
+        """Number of the stable state at x [n], -1 for none."""
+        apart = np.abs(self.minima - x).max(axis=1)
+        nearest = int(apart.argmin())
+        return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
+
+    def path_down(
+        self, state: np.ndarray, until: Callable[[np.ndarray], bool] = lambda x: False
+    ) -> np.ndarray:
+        """Go down as descents in batches do, by short steps, as far as they are admissible and lower, [S, n].
+
+        `until` says where to stop.  Paths to their ends are kept, as other states ask for them again.
+        """
         key = state.tobytes()
-        if (known := self._down.get(key)) is not None:
-            return _up_to(known, until)
-        try:
-            down = follow(
-                self.problem,
-                state,
-                curved=True,
-                most_rescues=2,
-                until=until,
-                leads=lambda x, y: not self._jumps(x, y),
-            ).states
-        except (ValueError, ArithmeticError):
-            down = state[None]
-        out = self.cut(list(down))
-        out = state[None] if out is None or self.over(state, out).max() > self.floor else out
-        if not until(out[-1]):
-            self._down[key] = out
-        return out
+        if key not in self._down:
+            self._down[key] = self._path_down(state)
+        path = self._down[key]
+        stops = (i for i, x in enumerate(path) if until(x))
+        return path[: next(stops, len(path)) + 1]
 
-    def quick_path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
-        """Go down by Newton's steps as descents in batches do, made short; as far as they are admissible and lower."""
-        key = state.tobytes()
-        if key not in self._short:
-            self._short[key] = self._short_steps(state)
-        return _up_to(self._short[key], until)
-
-    def _short_steps(self, state: np.ndarray) -> np.ndarray:
-        p = self.problem
+    def _path_down(self, state: np.ndarray) -> np.ndarray:
         if not self.usable:
             return state[None]
+        path = self._steps(state)
+        for _ in range(MOST_REFUTED):
+            end = path[-1]
+            if self.listed(end) >= 0:
+                break
+            # held by contacts that only a way aside leaves
+            lower = lower_beside(self.problem, end, classified(self.problem, end))
+            if lower is None or self._jumps(end, lower):
+                break
+            path = np.concatenate([path, self._steps(lower)])
+        return path
+
+    def _steps(self, state: np.ndarray) -> np.ndarray:
+        """Return the steps down from a state [S, n], it the first, up to where they rise or take a vertex past flat."""
+        p = self.problem
         x = np.array([state, *self._go.steps(state, self._aside, LONGEST)])
         x = x[np.append(True, np.abs(np.diff(x, axis=0)).max(axis=1) > 0)]
         over, level = self.over(state, x), LEVEL * max(abs(p.energy(state)), p.scale)
@@ -301,74 +335,7 @@ class DescentTerrain(Terrain):
         good[1:] &= np.array([not self._jumps(a, b) for a, b in itertools.pairwise(x)], dtype=bool)
         return x[: len(x) if good.all() else max(int(np.argmin(good)), 1)]
 
-    def proved_paths(self, which: Sequence[int]) -> dict[int, tuple[float, np.ndarray, int]]:
-        """Paths over the flat state, where all states of no more energy are on its other side.
-
-        Where facets of a flat vertex of all creases must not cross no admissible path leads round it
-        (docs/validation/landscapes.md).
-        """
-        p, flat = self.problem, np.zeros(self.problem.size)
-        every = self._pops.around and len(set(self._pops.around[0])) == p.pattern.creases
-        if not (every and p.contact and p.pattern.lies_flat) or p.refuses(flat):
-            return {}
-        energies = p.energies(self.minima)
-        side = np.sign(self._pops.sums(np.array([p.expand(x) for x in self.minima]))[:, 0])
-        aims = dict[int, int]()
-        for k in which:
-            others = np.arange(len(side)) != k
-            lower = others & (energies <= energies[k] + self.noise[k])
-            aim = np.flatnonzero(lower if lower.any() else others)
-            if len(aim) and (side[k] * side[aim] < 0).all():
-                aims[k] = int(aim[0])
-        ends = sorted({*aims, *aims.values()})
-        walked = dict(
-            zip(
-                ends,
-                self._walk(self.minima[ends], None, np.tile(flat, (len(ends), 1))),
-                strict=True,
-            )
-        )
-        return {
-            k: (-float(self.over(flat, self.minima[k])), np.r_[walked[k], walked[to][-2::-1]], to)
-            for k, to in aims.items()
-            if not (walked[k][-1].any() or walked[to][-1].any())
-        }
-
-    def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
-        """Go along directions, turn variables, pop vertices, go to the flat state and on, and to other states."""
-        flat, n = np.zeros(self.problem.size), self.problem.size
-        unit = np.eye(n) if n <= MOST_TURNED else np.zeros((0, n))
-        of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
-        slots, free = list[tuple[Contact, ...]](), list[bool]()
-        for k in which:
-            ways = [*self._leaving.get(k, ()), *unit, *-unit]
-            aims = [flat, *self.others(k)]
-            # contacts of the state are held, and opened, in turn
-            rows = self._contacts(self.minima[k])
-            for held in (
-                (True, False) if rows or at_limits(self.problem, self.minima[k]).any() else (True,)
-            ):
-                of += [k] * (len(ways) + len(aims))
-                along += [*ways, *[flat] * len(aims)]
-                goals += [*[np.full(n, math.nan)] * len(ways), *aims]
-                slots += [rows if held else ()] * (len(ways) + len(aims))
-                free += [not held] * (len(ways) + len(aims))
-        if not of:
-            return []
-        out = list(
-            zip(
-                of,
-                self._walk(
-                    self.minima[of], np.array(along), np.array(goals), slots, np.array(free)
-                ),
-                strict=True,
-            )
-        )
-        for k in which:
-            out += [(k, self._popped(self.minima[k], np.array(v))) for v in self._around.get(k, ())]
-        return out + over_flat(out) + self._over_flat_vertices(which)
-
-    def _walk(
+    def walk(
         self,
         x: np.ndarray,
         along: np.ndarray | None,
@@ -414,7 +381,7 @@ class DescentTerrain(Terrain):
 
     def walk_to(self, x: np.ndarray, goal: np.ndarray) -> tuple[np.ndarray, bool]:
         """Walk straight from state x [n] to another, over any height: states looked at [S, n]; whether it arrives."""
-        (path,) = self._walk(x[None], None, goal[None])
+        (path,) = self.walk(x[None], None, goal[None])
         arrives = bool(np.abs(path[-1] - goal).max() <= NEAR_SINGULAR_TOL)
         if arrives:
             path[-1] = goal
@@ -429,10 +396,10 @@ class DescentTerrain(Terrain):
         sums, out = self.sides(path), [path[0]]
         for k, x in enumerate(path[1:]):
             if (passed := sums[k] * sums[k + 1] < 0).any():
-                around = [self._pops.around[v] for v in np.flatnonzero(passed)]
+                around = [self.pops.around[v] for v in np.flatnonzero(passed)]
                 creases = np.isin(np.arange(self.problem.pattern.creases), np.concatenate(around))
                 kept = self.problem.reduce(1.0 * creases) != 0
-                middle = self._closed_one(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
+                middle = self.closed_one(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
                 if middle is None or np.abs(middle - x).max() > DENSE:
                     return None
                 out.append(middle)
@@ -470,91 +437,64 @@ class DescentTerrain(Terrain):
             out.append(x)
         return np.array(out)
 
-    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
-        """Stationary states between two, with what both hold, or nothing, and those of least energy with a vertex flat.
+    def over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Energies of states [..., n] over those of others, without cancellation."""
+        p = self.problem
+        return np.asarray(p.scale * p.parameters.energy_change(at, states))
 
-        Motions of paper pass a vertex that pops where it is flat.
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies of states [..., n] over that of state k."""
+        return self.over(self.minima[k], states)
+
+    def torque(self, x: np.ndarray) -> np.ndarray:
+        """The energy's gradient at states [..., n], in the metric of all fold angles, same shape."""
+        p = self.problem
+        return np.asarray(p.scale * p.parameters.torque(x) / p.root)
+
+    def slope(self, x: np.ndarray) -> np.ndarray:
+        """Norm of that, [...]."""
+        p = self.problem  # squares of torques in N m may overflow
+        return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance of two states, in the same metric."""
+        return float(np.linalg.norm(self.problem.root * (a - b)))
+
+    def distances(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Distances of states [S, n] from others, [S]."""
+        return np.asarray(np.linalg.norm(self.problem.root * (a - b), axis=1))
+
+    def are_lower(self, k: int, x: np.ndarray) -> np.ndarray:
+        """Which states [S, n] have less energy than state k, by more than rounding."""
+        return self.rise(k, x) < -self.noise[k]
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state [n] has less energy than state k, by more than rounding."""
+        return bool(self.are_lower(k, x))
+
+    def are_ways(self, k: int, ends: np.ndarray) -> np.ndarray:
+        """Which ends [S, n] are another state, of no more energy; of any for a state than which none listed has less.
+
+        nan is none.
         """
-        found, p, middle = list[np.ndarray](), self.problem, (a + b) / 2
-        limits = p.fold_limits.contacts(middle, (a == b) & self._at_limit(a))
-        both = tuple(c for c in self._contacts(a) if c in self._contacts(b))
-        for rows in dict.fromkeys([(*limits, *both), ()]):
-            start, _ = project(p, middle, rows)
-            done, _ = newton(p, start, rows)
-            if done is None or not done.converged or np.abs(done.x - start).max() > PASS_NEAR:
-                continue
-            if not p.refuses(done.x):
-                found.append(done.x)
-        if p.orbits is None and p.contact and self._pops.around:
-            for v in np.flatnonzero(self._pops.sums(a) * self._pops.sums(b) < 0):
-                kept = np.isin(np.arange(len(a)), self._pops.around[v])
-                if (x := self._lowest_flat(middle, kept)) is not None:
-                    found.append(x)
-        return found
+        at = self.minima[k]
+        apart = np.abs(ends - at).max(axis=-1) > NEAR_SINGULAR_TOL
+        others = np.arange(len(self.minima)) != k
+        if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
+            return np.asarray(apart)
+        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
+        slopes = self.slope(ends) + self.slope(at)
+        return np.asarray(apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL))
 
-    def _over_flat_vertices(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
-        """Go from states of least energy with one vertex flat down to both sides: backwards, these are escape paths."""
-        out, seen = list[tuple[int, np.ndarray]](), list[np.ndarray]()
-        for k, creases in ((j, creases) for j in which for creases in self._around.get(j, ())):
-            x = self.minima[k]
-            kept = np.isin(np.arange(len(x)), creases)
-            flat = self._lowest_flat(x, kept) if x[creases].any() else None
-            if flat is None or not flat.any():
-                continue
-            if any(np.abs(flat - y).max() <= NEAR_SINGULAR_TOL for y in seen):
-                continue
-            seen.append(flat)
-            sides = []
-            for y in (x, -x, *self.others(k)):
-                starts = (self._closed_one(np.where(kept, POPPED * y, t * flat)) for t in NEARLY)
-                beside = next((z for z in starts if z is not None), None)
-                if beside is None:
-                    continue
-                down = self.quick_path_down(beside, lambda _: False)
-                if np.abs(self.minima - down[-1]).max(axis=1).min() > NEAR_SINGULAR_TOL:
-                    down = self.path_down(beside, lambda _: False)
-                sides += [down] * (len(down) > 1)
-            for down, other in itertools.permutations(sides, 2):
-                apart = np.abs(self.minima - down[-1]).max(axis=1)
-                j = int(apart.argmin())
-                if apart[j] <= NEAR_SINGULAR_TOL and (kept @ down[0]) * (kept @ other[0]) < 0:
-                    back = [self.minima[j], *down[-2::-1], flat, other[0]]
-                    self._landed |= {y.tobytes(): self.minima[j] for y in down}
-                    self._landed[other[0].tobytes()] = other[-1]
-                    out.append((j, np.array(back)))
-        return out
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end [n] is one, as `are_ways`."""
+        return bool(self.are_ways(k, end))
 
-    def _lowest_flat(self, x: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
-        """Go down from a state with some creases made flat, which stay so, as far as facets do not cross."""
-        starts = (self._closed_one(np.where(kept, 0.0, t * x), kept) for t in SHRUNK)
-        good = next((y for y in starts if y is not None), None)
-        if good is None:
-            return None
-        for y in descend_by_newton(self.problem, good, kept=kept).path[1:]:
-            share = 1.0
-            for _ in range(HALVINGS):
-                new = self._closed_one(good + share * (y - good), kept)
-                if new is not None:
-                    good = new
-                    break
-                share /= 2
-            if share < 1.0:
-                break
-        return good
-
-    def _popped(self, x: np.ndarray, creases: np.ndarray) -> np.ndarray:
-        """Go to where the creases round a vertex are flat, and on to their folds turned over."""
-        flat = x.copy()
-        flat[creases] = 0.0
-        (path,) = self._walk(x[None], None, flat[None])
-        if np.abs(path[-1][creases]).max() > 0:
-            return path
-        over = path[-1].copy()
-        over[creases] = -x[creases]
-        return np.concatenate([path, self._walk(path[-1:], None, over[None])[0][1:]])
-
-
-def _up_to(path: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
-    """Return a path [S, n] up to the first state of which `until` says so."""
-    stops = (i for i, x in enumerate(path) if until(x))
-    return path[: next(stops, len(path)) + 1]
+    def others(self, k: int) -> np.ndarray:
+        """The other states that are nearest to one, [S, n]."""
+        apart = np.linalg.norm(self.problem.root * (self.minima - self.minima[k]), axis=1)
+        apart[k] = math.inf
+        # all at the distance of the last one: labels do not choose among them
+        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
+        return np.asarray(self.minima[near])

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt.terrain import Terrain
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, coarse
+from origami_nlp.escapes.rays import rays
+from origami_nlp.escapes.terrain import Terrain
+from origami_nlp.numerics import coarse
 
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
@@ -68,8 +69,8 @@ def _track(terrain: Terrain, parts: Sequence[Parting], sections: int) -> list[Pa
             lowest[i] = new[i]
     found = list[Parting]()
     for p in (p for p, first in zip(lowest, parts, strict=True) if p is not first):
-        back = terrain.quick_path_down(p.low, lambda _: False)
-        if listed(terrain, back[-1]) == p.k:
+        back = terrain.path_down(p.low)
+        if terrain.listed(back[-1]) == p.k:
             p.before = [terrain.minima[p.k], *back[::-1]]
             found.append(p)
     return found
@@ -78,8 +79,8 @@ def _track(terrain: Terrain, parts: Sequence[Parting], sections: int) -> list[Pa
 def _further(terrain: Terrain, part: Parting) -> Parting | None:
     """Go down on both sides of a parting as long as both are beside each other; None where that leads nowhere."""
     k = part.k
-    a = terrain.quick_path_down(part.low, lambda x: False)
-    b = terrain.quick_path_down(part.high, lambda x: terrain.is_lower(k, x))
+    a = terrain.path_down(part.low)
+    b = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
     apart = np.linalg.norm((a[:, None] - b[None]) * terrain.problem.root, axis=2)
     heights = np.maximum(terrain.rise(k, a)[:, None], terrain.rise(k, b)[None])
     heights[apart > max(NEIGHBOURING, float(apart[0, 0]))] = math.inf
@@ -89,22 +90,22 @@ def _further(terrain: Terrain, part: Parting) -> Parting | None:
 
 def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[Parting]]:
     """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first."""
-    rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
-    tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in rays]
+    ways = [(k, ray) for k, ray in rays(terrain, which) if len(ray) > 1]
+    tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in ways]
     ranks = [coarse(top[:, None])[:, 0] for top in tops]
-    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in rays]
+    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in ways]
     # of each ray: its first state that is known to be away, or its length, and the first that was not descended from
     first = [
-        int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, rays, strict=True)
+        int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, ways, strict=True)
     ]
-    begin = [1] * len(rays)
-    while some := _next_descents(terrain, [k for k, _ in rays], ranks, first, begin, most):
-        away = _away(terrain, [(rays[r][0], rays[r][1][i]) for r, i in some])
+    begin = [1] * len(ways)
+    while some := _next_descents(terrain, [k for k, _ in ways], ranks, first, begin, most):
+        away = _away(terrain, [(ways[r][0], ways[r][1][i]) for r, i in some])
         for (r, i), gone in zip(some, away.tolist(), strict=True):
             begin[r] = i + 1
             first[r] = min(first[r], i) if gone else first[r]
     out: dict[int, list[Parting]] = {}
-    for (k, ray), top, at in zip(rays, tops, first, strict=True):
+    for (k, ray), top, at in zip(ways, tops, first, strict=True):
         if at < len(ray):
             part = Parting(k, list(ray[:at]), ray[at - 1], ray[at], float(top[at]))
             out.setdefault(k, []).append(part)
@@ -173,10 +174,3 @@ def _sharpen(terrain: Terrain, parts: Sequence[Parting], sections: int) -> None:
     for p in parts:
         states = np.array([*p.before, p.low, p.high])
         p.height = float(terrain.rise(p.k, states).max())
-
-
-def listed(terrain: Terrain, x: np.ndarray) -> int:
-    """Return the number of the stable state at x [n], -1 for none."""
-    apart = np.abs(terrain.minima - x).max(axis=1)
-    nearest = int(apart.argmin())
-    return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1

@@ -9,20 +9,14 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.kkt import (
-    ALONE,
-    Escape,
-    EscapePath,
-    State,
-    bounds,
-    energy_scale,
-    escape_paths,
-    level_of,
-)
+from origami_nlp.escapes.elder_rule import bounds, level_of
+from origami_nlp.escapes.escape import ALONE, Escape, EscapePath
+from origami_nlp.escapes.paths import escape_paths
+from origami_nlp.escapes.terrain import Terrain, energy_scale
+from origami_nlp.kkt import State
 from origami_nlp.numerics import INDEPENDENT, NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse, nearest
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search.starts import variables_around
-from origami_nlp.search.terrain import DescentTerrain
+from origami_nlp.search import variables_around
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
@@ -116,7 +110,7 @@ def find_escapes(
         vertices = variables_around(problem, labels) if problem.orbits is None else []
         around = {k: _apart(vertices, at[k], moves) for k in out_of} if problem.contact else {}
         leaving = {k: [*softest_modes(problem, at[k]), *_openings(problem, at[k])] for k in out_of}
-        terrain = DescentTerrain(problem, at, aside, leaving, around, most)
+        terrain = Terrain(problem, at, aside, leaving, around, most)
         if not terrain.usable:
             why = "no C compiler was found: escape paths, which many descents show, are not sought"
         else:

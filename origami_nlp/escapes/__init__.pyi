@@ -1,0 +1,26 @@
+from .elder_rule import barriers as barriers, bounds as bounds, level_of as level_of
+from .escape import (
+    ALONE as ALONE,
+    BOUND as BOUND,
+    OPEN as OPEN,
+    TRACED as TRACED,
+    Escape as Escape,
+    EscapePath as EscapePath,
+    Method as Method,
+    rounded_up as rounded_up,
+)
+from .find import (
+    MOST_CREASES as MOST_CREASES,
+    NOTHING_NEAR as NOTHING_NEAR,
+    Move as Move,
+    find_escapes as find_escapes,
+    softest_modes as softest_modes,
+)
+from .paths import (
+    down_to as down_to,
+    escape_paths as escape_paths,
+    escape_paths_of_each as escape_paths_of_each,
+    highest as highest,
+)
+from .rays import rays as rays
+from .terrain import Terrain as Terrain, energy_scale as energy_scale
