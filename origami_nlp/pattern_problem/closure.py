@@ -372,9 +372,9 @@ class Closure:
             return self.compiled.hessian(phi, multipliers)
         data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
-            bent = self._bent(s)
-            lam = multipliers[g.rows[:, None] + np.arange(bent.shape[3])]
-            data.append((bent @ lam[:, None, :, None]).ravel())
+            rows = 3 if s.t is None or s.o is None else 6
+            lam = multipliers[g.rows[:, None] + np.arange(rows)]
+            data.append(self._bent_by(s, lam).ravel())
         return self._matrix(data, self._pairs)
 
     def second(self, phi: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -385,6 +385,20 @@ class Closure:
             forms = np.einsum("kijr,kit,kju->krtu", bent, here, here, optimize=True)
             out[g.rows[:, None] + np.arange(bent.shape[3])] = forms
         return out
+
+    def _bent_by(self, s: _Turned, lam: np.ndarray) -> np.ndarray:
+        """Second derivatives of multipliers [K, 3 or 6] . a group's equations by its turns, [K, d, d]: `_bent` @ lam."""
+        force, qv, c = lam[:, :3], s.q[:, 1:], s.c
+        # lam . vec(c_i c_j q) = c_i . (c_j x u) - (c_i . c_j) (lam . vec q), u = q_0 lam + vec q x lam
+        u = s.q[:, :1] * force + cross(qv, force)
+        right = cross(c, u[:, None]) - np.einsum("ka,ka->k", qv, force)[:, None, None] * c
+        h = 0.25 * (c @ right.transpose(0, 2, 1))
+        if s.t is not None and s.o is not None:
+            arm = cross(c, s.t[:, None] - s.o) / self.size
+            h += c @ cross(arm, lam[:, None, 3:]).transpose(0, 2, 1)
+        i, j = np.tril_indices(h.shape[1], -1)
+        h[:, i, j] = h[:, j, i]
+        return h
 
     def _bent(self, s: _Turned) -> np.ndarray:
         """Second derivatives of a group's equations by its turns, [K, d, d, 3 or 6]."""
