@@ -387,7 +387,7 @@ class Closure:
         return out
 
     def _bent_by(self, s: _Turned, lam: np.ndarray) -> np.ndarray:
-        """Second derivatives of multipliers [K, 3 or 6] . a group's equations by its turns, [K, d, d]: `_bent` @ lam."""
+        """Second derivatives of lam [K, 3 or 6] . a group's equations by its turns, [K, d, d]: `_bent` @ lam."""
         force, qv, c = lam[:, :3], s.q[:, 1:], s.c
         # lam . vec(c_i c_j q) = c_i . (c_j x u) - (c_i . c_j) (lam . vec q), u = q_0 lam + vec q x lam
         u = s.q[:, :1] * force + cross(qv, force)
