@@ -232,8 +232,8 @@ def write_fold(result: MinimaResult, path: str | PathLike[str]) -> None:
     >>> len(json.loads(path.read_text())["file_frames"]) > 0
     True
     """
-    from origami_nlp.folding import save_fold
     from origami_nlp.minima import MinimaResult
+    from origami_nlp.pattern_problem import save_fold
 
     check_type("result", result, MinimaResult)
     check_path("path", path)

@@ -27,11 +27,10 @@ from origami_nlp.display import (
     shown,
 )
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult, points_on
 from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
+from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
 
 MOST_NAMED = 4
 """Minima whose barriers the verdict names."""

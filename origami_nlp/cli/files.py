@@ -56,17 +56,16 @@ class _Inspected:
         return self.motion.draw() if self.motion else draw_pattern(flat[0])
 
     def to_fold(self) -> dict[str, Any]:
-        from origami_nlp.folding import path_frames
-        from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
+        from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
-        frame = partial(pattern_frame, self.seen.pattern)
+        frame = partial(state_frame, self.seen.pattern)
         frames, folded = [], self.seen.folded
         if self.motion is not None:
             path = self.motion.fold_angles, self.motion.energy
             frames = path_frames(frame, *path, "folding motion")
         elif folded is not None:
             frames = [frame(folded, f"folded: {self.seen.start}")]
-        return pattern_to_fold(self.seen.pattern, frames)
+        return states_to_fold(self.seen.pattern, frames)
 
     def view_content(self) -> Any:
         return self.motion.view_content()

@@ -265,7 +265,7 @@ def design(
     """
     from origami_nlp.inverse_design import design as find, read_targets
     from origami_nlp.pattern import Pattern, Vertex, format_scene
-    from origami_nlp.pattern_problem import pattern_to_fold
+    from origami_nlp.pattern_problem import states_to_fold
 
     question = read_targets(targets)
     if isinstance(question.origami, Vertex):
@@ -279,7 +279,7 @@ def design(
     out.write("csv", answer.to_csv)
     if (made := answer.scene) is not None:
         if isinstance(made, Pattern):
-            out.write("fold", pattern_to_fold, made, [])
+            out.write("fold", states_to_fold, made, [])
         else:
             out.write("scene", format_scene, made)
         out.write("figure", answer.draw)

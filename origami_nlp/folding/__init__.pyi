@@ -5,13 +5,6 @@ from .embedding import (
     fold_vertex as fold_vertex,
 )
 from .flat_fold import folds_flat as folds_flat
-from .fold_frames import (
-    face_orders as face_orders,
-    folded_frame as folded_frame,
-    frames_to_fold as frames_to_fold,
-    path_frames as path_frames,
-    save_fold as save_fold,
-)
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered
 from .orders import (
     MOST_NODES as MOST_NODES,

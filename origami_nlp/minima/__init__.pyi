@@ -15,7 +15,6 @@ from .fold_out import (
     Part as Part,
     check_mesh as check_mesh,
     join_meshes as join_meshes,
-    state_parts as state_parts,
     write_parts as write_parts,
 )
 from .full_space import (

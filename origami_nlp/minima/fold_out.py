@@ -1,4 +1,4 @@
-"""Stable states as a FOLD file (see `folding.fold_frames`), with the ways down from unstable ones, and as a mesh."""
+"""Stable states as a FOLD file, with the ways down from unstable ones, and as a mesh."""
 
 from __future__ import annotations
 
@@ -11,18 +11,16 @@ import numpy as np
 
 from origami_nlp.arguments import require
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import fold_vertex, path_frames
 from origami_nlp.io import write_whole
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
 Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Points [v, 3] and triangles [f, 3]."""
-Faces: TypeAlias = tuple[tuple[int, ...], ...]
-"""Corners of each facet, from 0."""
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
@@ -31,55 +29,13 @@ def minima_to_fold(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> d
 
     States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
-    from origami_nlp.pattern_problem import state_frame, states_to_fold
-
     frame = partial(state_frame, origami)
     frames = [frame(m.phi, m.title(k), **m.frame_entries()) for k, m in enumerate(minima, start=1)]
-    if not frames and isinstance(origami, Scene) and not origami.vertex.flat:
-        raise OptionError(
-            "no minimum was found, and paper that is not flat has no crease pattern to write"
-        )
     for k, m in enumerate(minima, start=1):
         if m.full_space and m.full_space.descent:
             states, energies = zip(*m.full_space.descent, strict=True)
             frames += path_frames(frame, np.array(states), energies, f"descent from state {k}")
     return states_to_fold(origami, frames)
-
-
-def state_mesh(origami: Scene | Pattern, phi: np.ndarray) -> tuple[np.ndarray, Faces]:
-    """Return a state [N] [rad] as corners [V, 3] and facets, numbered from 0 as in its FOLD file."""
-    if isinstance(origami, Pattern):
-        from origami_nlp.pattern_problem import pattern_corners
-
-        return pattern_corners(origami, phi), tuple(map(tuple, origami.polygons))
-    n = origami.degree
-    creases, _ = fold_vertex(origami.vertex, phi)
-    faces = tuple((0, i, i % n + 1) for i in range(1, n + 1))
-    return np.vstack([np.zeros((1, 3)), creases]), faces
-
-
-def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[Part]:
-    """Return states [N] [rad] side by side, each as triangles.
-
-    Parameters
-    ----------
-    origami
-        What is folded.
-    states
-        Fold angles [n] [rad] of each.
-
-    Returns
-    -------
-    list of tuple
-        Points [v, 3] and triangles [f, 3] of each.
-    """
-    if isinstance(origami, Pattern):
-        from origami_nlp.pattern_problem import pattern_parts
-
-        return pattern_parts(origami, states)
-    parts = [state_mesh(origami, phi) for phi in states]
-    aside = np.array([2.5, 0.0, 0.0])
-    return [(points + k * aside, np.array(faces)) for k, (points, faces) in enumerate(parts)]
 
 
 def write_parts(parts: Sequence[Part], target: str | Path) -> None:

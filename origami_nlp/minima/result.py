@@ -34,7 +34,7 @@ from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.fold_out import Faces, Part, minima_to_fold, state_mesh, state_parts
+from origami_nlp.minima.fold_out import Part, minima_to_fold
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import angle_lines, lattice_table, state_lines
 from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_table, state_rows
@@ -42,6 +42,7 @@ from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.summary import find_images, verdict_words
 from origami_nlp.numerics import INPUT_TOL, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
+from origami_nlp.pattern_problem import MeshFaces, state_mesh, state_parts
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
@@ -261,7 +262,7 @@ class MinimaResult(Report, Viewable):
         """
         return self.to_mesh(number)[0]
 
-    def to_mesh(self, number: int) -> tuple[np.ndarray, Faces]:
+    def to_mesh(self, number: int) -> tuple[np.ndarray, MeshFaces]:
         """Return a minimum as a mesh of its facets.
 
         Parameters

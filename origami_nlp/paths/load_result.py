@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.display import Cell, Section, Table, Words
-from origami_nlp.minima import Part, state_parts
+from origami_nlp.minima import Part
 from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.paths import records as r
 from origami_nlp.paths.driver import Driver
@@ -28,6 +28,7 @@ from origami_nlp.paths.result import (
     details,
     listed,
 )
+from origami_nlp.pattern_problem import state_parts
 
 WHY = {"range": "stable; end of the range", r.PITCHFORK: "pitchfork: stable states branch off"}
 """Why a leg ends, in words, where the name alone does not say it."""

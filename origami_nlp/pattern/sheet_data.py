@@ -1,7 +1,7 @@
 """A whole pattern as plain data and back, to the last bit: what results that are read back carry with them.
 
 Corners are numbered from 0, angles in radians; FOLD files, which state them in degrees and may need repair,
-are for exchange (`pattern_states.pattern_to_fold`).
+are for exchange (`pattern_problem.states_to_fold`).
 """
 
 from __future__ import annotations

@@ -23,11 +23,13 @@ from .equations import (
 from .faces import CoplanarContact as CoplanarContact, Faces as Faces
 from .features import Features as Features
 from .fold_out import (
+    MeshFaces as MeshFaces,
+    path_frames as path_frames,
     pattern_corners as pattern_corners,
-    pattern_frame as pattern_frame,
-    pattern_parts as pattern_parts,
-    pattern_to_fold as pattern_to_fold,
+    save_fold as save_fold,
     state_frame as state_frame,
+    state_mesh as state_mesh,
+    state_parts as state_parts,
     states_to_fold as states_to_fold,
 )
 from .labels import (

@@ -22,9 +22,9 @@ from origami_nlp.pattern_problem import (
     Stack,
     Unclear,
     conflict,
-    pattern_frame,
-    pattern_to_fold,
     pose_stack,
+    state_frame,
+    states_to_fold,
 )
 
 GUESSES = 20_000
@@ -151,12 +151,12 @@ class LayerOrders(Report):
         """Return FOLD: the crease pattern, and a frame with faceOrders for each order that is listed."""
         if not self.orders:
             raise OptionError(f"-o: {self.reason or 'no order is listed: ask for some, most=100'}")
-        frame = pattern_frame(self.pattern, self.fold_angles, "layer order 1")
+        frame = state_frame(self.pattern, self.fold_angles, "layer order 1")
         frames = [
             {**frame, "frame_title": f"layer order {k}", "faceOrders": [list(o) for o in order]}
             for k, order in enumerate(self.orders, start=1)
         ]
-        return pattern_to_fold(self.pattern, frames)
+        return states_to_fold(self.pattern, frames)
 
 
 def flat_folded(pattern: Pattern) -> tuple[np.ndarray, set[int]]:

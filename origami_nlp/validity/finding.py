@@ -24,7 +24,7 @@ from origami_nlp.pattern import (
     parse_fold,
     read_fold,
 )
-from origami_nlp.pattern_problem import PatternProblem, pattern_to_fold
+from origami_nlp.pattern_problem import PatternProblem, states_to_fold
 from origami_nlp.validity.closing import check_closure, check_crossings
 from origami_nlp.validity.faults import CROSSINGS, PLANES, Findings
 from origami_nlp.validity.flat_folding import check_flat_folding
@@ -83,10 +83,10 @@ def check(
     A Miura sheet on its folding motion, and a corner of it moved by 0.01:
 
     >>> import origami_nlp as o
-    >>> from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
+    >>> from origami_nlp.pattern_problem import state_frame, states_to_fold
     >>> sheet = o.examples.pattern("miura", 2, 2)
     >>> phi = o.find_motion(sheet).fold_angles[5]
-    >>> fold = pattern_to_fold(sheet, [pattern_frame(sheet, phi, "folded")])
+    >>> fold = states_to_fold(sheet, [state_frame(sheet, phi, "folded")])
     >>> o.check(fold).verdict
     'valid'
     >>> fold["file_frames"][0]["vertices_coords"][0][0] += 0.01
@@ -131,7 +131,7 @@ def _read(source: str | PathLike[str] | Pattern | Mapping[str, Any]) -> tuple[st
     """Return what it is called, and its frames."""
     if isinstance(source, Pattern):
         source.check_alone("a check")
-        return source.title, list(parse_fold(json.dumps(pattern_to_fold(source))))
+        return source.title, list(parse_fold(json.dumps(states_to_fold(source))))
     if isinstance(source, Mapping):
         title = source.get("file_title")
         return str(title or "FOLD data"), list(parse_fold(json.dumps(source)))

@@ -16,9 +16,9 @@ from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import (
     PatternProblem,
     Poses,
-    pattern_frame,
-    pattern_parts,
-    pattern_to_fold,
+    state_frame,
+    state_parts,
+    states_to_fold,
 )
 from origami_nlp.pattern_states import analyze_mobility, find_motion
 from tests.patterns import miura, miura_angles
@@ -38,7 +38,7 @@ def test_frames_read_back_are_the_same_states(name):
     size = () if name == "squaretwist" else (2, 3)
     p = o.examples.pattern(name, *size)
     phi = analyze_mobility(p).folded
-    data = pattern_to_fold(p, [pattern_frame(p, phi, "folded", energy=1.0)])
+    data = states_to_fold(p, [state_frame(p, phi, "folded", energy=1.0)])
     flat, folded = read(data)
     assert flat.is_flat and np.abs(flat.rest - p.rest).max() < 1e-13
     assert np.array_equal(flat.stiffness, p.stiffness) and np.array_equal(flat.ends, p.ends)
@@ -53,9 +53,9 @@ def test_frames_read_back_are_the_same_states(name):
 
 def test_a_folded_reference_is_written_as_one():
     p = o.examples.pattern("miura", 2, 2)
-    data = pattern_to_fold(p, [pattern_frame(p, analyze_mobility(p).folded, "folded")])
+    data = states_to_fold(p, [state_frame(p, analyze_mobility(p).folded, "folded")])
     folded = read(data)[1]
-    (again,) = read(pattern_to_fold(folded))
+    (again,) = read(states_to_fold(folded))
     assert not again.is_flat and np.abs(again.reference - folded.reference).max() < 1e-12
     assert np.abs(again.rest - p.rest).max() < 1e-12
 
@@ -163,7 +163,7 @@ def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
     pytest.importorskip("trimesh", reason="trimesh is not installed: extra mesh")
     pattern = miura(2, 3)
     phi = miura_angles(pattern, 3, 1.0)
-    write_parts(pattern_parts(pattern, [0 * phi, phi]), tmp_path / "a.glb")
+    write_parts(state_parts(pattern, [0 * phi, phi]), tmp_path / "a.glb")
     import trimesh
 
     (mesh,) = trimesh.load(tmp_path / "a.glb", process=False).geometry.values()

@@ -8,9 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.folding import frames_to_fold
 from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, states_to_fold
 from origami_nlp.pattern_states import find_states, judge
 from tests.computed_once import thinned
 
@@ -56,7 +55,7 @@ def compare(scene):
 def test_a_scene_its_file_and_its_pattern_are_the_same():
     scene = drawn(0, 5, "full")
     pattern = scene_pattern(scene)
-    (frame,) = parse_fold(json.dumps(frames_to_fold(scene, [])))
+    (frame,) = parse_fold(json.dumps(states_to_fold(scene, [])))
     again = frame_pattern(frame)
     phi = np.random.default_rng(0).uniform(-1, 1, (3, 5))
     for one in (pattern, again):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima
-from origami_nlp.folding import frames_to_fold
 from origami_nlp.pattern import (
     REST_KEY,
     STIFFNESS_KEY,
@@ -16,6 +15,7 @@ from origami_nlp.pattern import (
     read_fold,
     scene_at,
 )
+from origami_nlp.pattern_problem import states_to_fold
 from tests.fold_files import closed_state, disc, folded, in_space, miura, others
 from tests.independent.rotations import fold
 
@@ -289,7 +289,7 @@ def test_forces_come_back_from_a_file():
         Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
         loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
     )  # fmt: skip
-    data = frames_to_fold(stated, [])
+    data = states_to_fold(stated, [])
     read = scene_at(frame(data), 0)
     assert read.loads == stated.loads and read.fixed_facet == stated.fixed_facet
     phi = np.array([0.3, -0.2, 0.1, 0.4])

@@ -16,8 +16,8 @@ from origami_nlp.pattern_problem import (
     Stack,
     check_orders,
     order_layers,
-    pattern_frame,
-    pattern_to_fold,
+    state_frame,
+    states_to_fold,
 )
 from origami_nlp.pattern_states import analyze_mobility, judge
 from tests.fold_files import others
@@ -155,7 +155,7 @@ def test_facets_that_all_but_lie_on_each_other_are_not_said_to_cross():
 def _flat_folded(m=3):
     pattern = miura(m, m)
     phi = math.pi * np.sign(miura_angles(pattern, m, 1.0))
-    return phi, pattern_to_fold(pattern, [pattern_frame(pattern, phi, "flat-folded")])
+    return phi, states_to_fold(pattern, [state_frame(pattern, phi, "flat-folded")])
 
 
 def _read(data, **changed):

@@ -24,7 +24,7 @@ from origami_nlp.pattern_problem import (
     find_labels,
     image,
     measured_cell,
-    pattern_to_fold,
+    states_to_fold,
 )
 
 GAMMA, STIFF = math.pi / 3, 0.3
@@ -200,7 +200,7 @@ def test_cells_are_written_and_read(name):
     cell = o.examples.pattern(name, 2, 1, cell=True)
     data = pattern_to_dict(cell)
     assert pattern_to_dict(pattern_from_dict(json.loads(json.dumps(data)))) == data
-    (frame,) = parse_fold(json.dumps(pattern_to_fold(cell)))
+    (frame,) = parse_fold(json.dumps(states_to_fold(cell)))
     again = pattern_to_dict(frame_pattern(frame))
     assert {k: v for k, v in again.items() if v != data[k]}.keys() <= {"numbers"}
 

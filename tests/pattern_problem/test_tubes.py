@@ -28,7 +28,7 @@ from origami_nlp.pattern_problem import (
     find_screws,
     image,
     measured_cell,
-    pattern_to_fold,
+    states_to_fold,
 )
 from origami_nlp.pattern_problem.crossings import cross_each_other, separated
 from tests.computed_once import thinned
@@ -272,7 +272,7 @@ def test_tubes_are_written_and_read(rolled):
     cell = tube("yoshimura", rolled)
     data = pattern_to_dict(cell)
     assert pattern_to_dict(pattern_from_dict(json.loads(json.dumps(data)))) == data
-    (frame,) = parse_fold(json.dumps(pattern_to_fold(cell)))
+    (frame,) = parse_fold(json.dumps(states_to_fold(cell)))
     again = frame_pattern(frame)
     assert (again.cell.rolled == cell.cell.rolled and again.holes[:1] == () == cell.holes[:1]) or (
         again.holes[0].creases == cell.holes[0].creases

@@ -8,7 +8,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import frame_pattern, laid_flat, parse_fold
-from origami_nlp.pattern_problem import pattern_to_fold
+from origami_nlp.pattern_problem import states_to_fold
 from origami_nlp.proof import certify, check_proof, prove_sheet, why_no_contact, why_no_sheet
 from tests.proof.test_quads import half_turns, quads
 from tests.relabelled import relabelled
@@ -86,7 +86,7 @@ def test_corners_out_of_the_plane_are_no_flat_sheet():
 
 def test_a_turned_sheet_is_written_as_it_is():
     copy, _, _ = relabelled(half_turns(1), 2)
-    (frame,) = parse_fold(json.dumps(pattern_to_fold(copy)))
+    (frame,) = parse_fold(json.dumps(states_to_fold(copy)))
     read = frame_pattern(frame)
     assert np.allclose(read.lengths, copy.lengths, rtol=1e-12)
     assert np.array_equal(laid_flat(copy).corners[:, 2], np.zeros(len(copy.corners)))

@@ -9,7 +9,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
 from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
-from origami_nlp.pattern_problem import PatternProblem, order_layers, pattern_frame, pattern_to_fold
+from origami_nlp.pattern_problem import PatternProblem, order_layers, state_frame, states_to_fold
 from origami_nlp.sweep import parse_sweep, read_sweep, run_sweep
 from origami_nlp.sweep.run import run_scene
 from origami_nlp.sweep.store import read_store
@@ -21,7 +21,7 @@ def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
     problem = o.examples.pattern("miura:2x2")
     flat = o.find_motion(problem).fold_angles[-1]
     flat = np.copysign(np.pi, flat)
-    data = pattern_to_fold(problem, [pattern_frame(problem, flat, "flat-folded")])
+    data = states_to_fold(problem, [state_frame(problem, flat, "flat-folded")])
     (frame,) = data.pop("file_frames")
     own = {k: v for k, v in frame.items() if k not in ("frame_inherit", "frame_parent")}
     (tmp_path / "folded.fold").write_text(json.dumps(data | own))
@@ -46,7 +46,7 @@ def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
 
 def test_places_of_a_pattern(tmp_path):
     problem = o.examples.pattern("metasheet:2x2")
-    (tmp_path / "sheet.fold").write_text(json.dumps(pattern_to_fold(problem)))
+    (tmp_path / "sheet.fold").write_text(json.dumps(states_to_fold(problem)))
     (tmp_path / "sweep.toml").write_text(
         '[pattern]\nfile = "sheet.fold"\n'
         '[[axes]]\nset = ["creases.stiffness[2]", "creases.stiffness[4]"]\nvalues = [3, 5]\n'

@@ -9,7 +9,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.folding import list_vertices
 from origami_nlp.pattern import parse_fold
-from origami_nlp.pattern_problem import pattern_to_fold
+from origami_nlp.pattern_problem import states_to_fold
 from tests.patterns import miura, miura_angles
 from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
 
@@ -68,7 +68,7 @@ def test_noise_of_a_drawing_is_no_fault_and_is_measured():
 def test_fold_angles_that_do_not_close_at_one_vertex():
     sheet = miura(3, 3)
     phi = miura_angles(sheet, 3, 1.0)
-    data = pattern_to_fold(sheet)
+    data = states_to_fold(sheet)
     number = {int(e): c for c, e in enumerate(sheet.numbers)}
     data["edges_foldAngle"] = [
         math.degrees(phi[number[e]]) if e in number else 0.0

@@ -9,7 +9,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import FoldFileError, OptionError
-from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
+from origami_nlp.pattern_problem import state_frame, states_to_fold
 from tests.patterns import grid as quads, miura, miura_angles
 
 STRETCH = "lengths as in the crease pattern"
@@ -44,7 +44,7 @@ def map_3x3():
 
 def stated(sheet, phi):
     """FOLD data: the crease pattern and the folded form, with order of layers."""
-    return json.loads(json.dumps(pattern_to_fold(sheet, [pattern_frame(sheet, phi, "folded")])))
+    return json.loads(json.dumps(states_to_fold(sheet, [state_frame(sheet, phi, "folded")])))
 
 
 @pytest.fixture(scope="module")
