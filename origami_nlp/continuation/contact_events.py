@@ -26,6 +26,7 @@ from origami_nlp.continuation.one_sided_branches import (
 )
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
+    CLOSURE_TOL,
     CONTACT_TOL,
     ENDPOINT_TOL,
     INSIDE,
@@ -178,7 +179,11 @@ def _closing(
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, LocatedEvent]] = []
-    for contact in _candidates(curve, good, bad, back):
+    candidates = tuple(_candidates(curve, good, bad, back))
+    before = a.problem.local(a.state).openings(candidates)[0]
+    for contact, opening in zip(candidates, before.tolist(), strict=True):
+        if opening <= CLOSURE_TOL:  # another gap of what is held
+            continue
         frame = curve.where_closed(good, contact, a.tangent)
         # beside singular states Newton may fail before a limit that is passed all the same
         reach = step_length(a, b, curve.root) if contact in passed else NEAR_SINGULAR_TOL
@@ -191,8 +196,8 @@ def _closing(
         if not frame.seen.refused:
             met.append((h, _rate(curve, frame, contact), frame, contact))
         elif not frame.problem.crossed(frame.state) and not frame.problem.beyond(frame.state):
-            opening = frame.problem.local(frame.state).openings((contact,))[0][0]
-            event = found_at("closes", frame, float(opening), contact)
+            left = frame.problem.local(frame.state).openings((contact,))[0][0]
+            event = found_at("closes", frame, float(left), contact)
             last.append((h, replace(event, why=frame.seen.refused)))
     if not met:
         event = min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
