@@ -18,6 +18,8 @@ from origami_nlp.numerics import INPUT_TOL, groups, last_place
 
 RUNGS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
 """Shares of the sheet within which ends are joined, tried in this order."""
+RESOLVES = 10.0
+"""Tolerances that the shortest edge is longer than."""
 CHAINED = 2.0
 """Tolerances by which an end may move: one that moves farther has been joined to others along a chain of ends."""
 COARSE = 1e-3
@@ -106,6 +108,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
             continue
         found = planar(noded.points, noded.edges)
         faults = _loose(noded, found).size + (_open(noded, found).size if stated else 0)
+        # ends that all but meet are one point at the next tolerance: stubs beyond a crossing, lines drawn twice so
+        faults += len(noded.clashes) + _short(noded, RESOLVES * rung * size)
         if noded.moved > CHAINED * rung * size:
             faults = len(noded.edges) + 2 * len(
                 lines.ends
@@ -187,6 +191,12 @@ def _loose(noded: Noded, found: Planar) -> np.ndarray:
     sheet = found.faces[found.component] > 0
     ends = np.unique(noded.edges[sheet])
     return ends[found.degree[ends] == 1] if len(ends) else np.flatnonzero(found.degree == 1)
+
+
+def _short(noded: Noded, least: float) -> int:
+    """Return how many edges are shorter than a length."""
+    a, b = noded.points[noded.edges].transpose(1, 0, 2)
+    return int((np.linalg.norm(b - a, axis=1) < least).sum())
 
 
 def _open(noded: Noded, found: Planar) -> np.ndarray:
