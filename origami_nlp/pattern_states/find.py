@@ -240,7 +240,7 @@ class _Answer(Search):
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
         problem, labels = self.question.whole()
-        self.judged = with_survival(problem, labels, self.by_energy(), degrees, type(self.go_down))
+        self.judged = with_survival(problem, labels, self.by_energy(), degrees, self.engine)
 
     def add_full_space(self, full: bool | None) -> None:
         """Add the verdict without an imposed symmetry to each minimum, where that is asked for or affordable."""

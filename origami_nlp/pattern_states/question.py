@@ -56,6 +56,8 @@ class Question:
         Adds to a judged state what only a vertex has.
     lists_all
         Whether a proof that is complete is the whole answer.
+    canonical
+        Posed under labels that all its labels agree on, where descents go down; None: as it is stated.
     in_full_space
         Adds the verdicts without an imposed symmetry to judged states, as `full` of `find_states` says.
     """
@@ -71,6 +73,7 @@ class Question:
     winding: Callable[[np.ndarray], int] = lambda x: 1
     told: Callable[[JudgedState], JudgedState] = lambda state: state
     lists_all: Callable[[], bool] = lambda: False
+    canonical: PatternProblem | None = None
     in_full_space: Callable[[list[JudgedState], bool | None], list[JudgedState]] = (
         lambda states, full: states
     )
@@ -153,5 +156,6 @@ def _of_vertex(scene: Scene) -> Question:
         whole,
         winding=winding,
         told=told,
+        canonical=pose(canonical_labels(scene).relabelled(scene)) if trivial else None,
         in_full_space=partial(with_full_space, scene, problem),
     )

@@ -50,6 +50,7 @@ from origami_nlp.search import (
     ByIpopt,
     Changed,
     Draws,
+    Relabelled,
     SearchOptions,
     StartState,
     at_limits,
@@ -101,8 +102,11 @@ class Search(Parts):
         self._met_at, self._branches = list[np.ndarray](), list[np.ndarray]()
         self._ends = Places(self.problem.size)
         self._guesses: list[tuple[np.ndarray, JudgedState]] = []
-        self.go_down = way_down(self.problem, ipopt=ipopt)
-        if isinstance(self.go_down, ByIpopt) and not ipopt:
+        canonical = question.canonical
+        way = way_down(canonical or self.problem, ipopt=ipopt)
+        self.engine = type(way)
+        self.go_down = Relabelled(way, self.labels) if canonical else way
+        if isinstance(way, ByIpopt) and not ipopt:
             self.tally.skip(NO_COMPILER)
         self._seed = seed
 

@@ -55,4 +55,4 @@ from .starts import (
     other_wells as other_wells,
     variables_around as variables_around,
 )
-from .ways import WayDown as WayDown, way_down as way_down
+from .ways import Relabelled as Relabelled, WayDown as WayDown, way_down as way_down

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
-from origami_nlp.pattern_problem import PatternProblem
+import numpy as np
+
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
+from origami_nlp.search.descend import StartState
 from origami_nlp.search.follow import Follower
 from origami_nlp.search.ipopt import ByIpopt
 from origami_nlp.search.newton import ByNewton
@@ -21,3 +26,55 @@ def way_down(problem: PatternProblem, *, ipopt: bool = False) -> WayDown:
     if follower.usable and not ipopt:
         return follower
     return ByNewton(problem) if follower.descents.is_large and not ipopt else ByIpopt(problem)
+
+
+class Relabelled:
+    """Ways down of the same origami under labels that all its labels agree on: rounding hangs on none of them.
+
+    Parameters
+    ----------
+    way
+        Of the problem under those labels.
+    labels
+        Which variable of the stated problem comes first, second, ..., and from which side it is seen.
+    """
+
+    def __init__(self, way: WayDown, labels: CanonicalLabelling) -> None:
+        self._way, self._labels = way, labels
+
+    @property
+    def work(self) -> int:
+        """Evaluations of closure so far."""
+        return self._way.work
+
+    def _to(self, x: np.ndarray) -> np.ndarray:
+        return np.asarray(self._labels.sign * x[..., self._labels.order] + 0.0)
+
+    def _start(self, start: StartState) -> StartState:
+        return replace(start, x=self._to(start.x), side=self._to(start.side).astype(int))
+
+    def __call__(
+        self, start: StartState, aside: np.ndarray, known_end: Callable[[np.ndarray], bool]
+    ) -> tuple[np.ndarray, str]:
+        """Return where a start leads, and why it ends there, as `Follower`."""
+        back = self._labels.drawn
+        x, why = self._way(self._start(start), self._to(aside), lambda y: known_end(back(y)))
+        return back(x), why
+
+    def each(
+        self,
+        starts: Sequence[StartState],
+        asides: np.ndarray,
+        known_end: Callable[[np.ndarray], bool],
+    ) -> list[Callable[[], tuple[np.ndarray, str]]]:
+        """Return what tells where each of some starts leads."""
+        back = self._labels.drawn
+        ways = self._way.each(
+            [*map(self._start, starts)], self._to(asides), lambda y: known_end(back(y))
+        )
+
+        def told(way: Callable[[], tuple[np.ndarray, str]]) -> tuple[np.ndarray, str]:
+            x, why = way()
+            return back(x), why
+
+        return [lambda way=way: told(way) for way in ways]  # type: ignore[misc]

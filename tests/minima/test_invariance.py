@@ -9,6 +9,7 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.kkt import project
+from origami_nlp.pattern import Relabelling
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import shared
 
@@ -135,3 +136,19 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     assert (theirs.admissible(y) == ours.admissible(x)).all()
     energies = [description.factor * scene.energy(s) for s in x]
     assert [other.energy(s) for s in y] == pytest.approx(energies, rel=1e-14)
+
+
+def test_rounding_hangs_on_no_label():
+    """Descents go down under labels that all agree on: of this vertex two labels listed one minimum more than others."""
+    sectors = (68.0, 46.8, 87.7, 46.6, 64.9, 46.0)
+    springs = (1.58, 0.91, 0.7, 0.57, 0.76, 0.79), (0.18, -0.24, 2.29, 2.27, 1.48, 0.86)
+    scene = Scene(Vertex.from_degrees(sectors), *springs, "none", "full")
+    seen = (
+        Relabelling(0, False, False, 6),
+        Relabelling(2, False, False, 6),
+        Relabelling(1, True, False, 6),
+        Relabelling(3, False, True, 6),
+    )
+    found = [find_minima(one.relabelled(scene), prove=False, escape=False).minima for one in seen]
+    energies = [[m.energy for m in minima] for minima in found]
+    assert all(one == pytest.approx(energies[0], rel=1e-9) for one in energies)
