@@ -166,7 +166,7 @@ def branch(flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_
     from origami_nlp.paper import cone as cones
 
     nu = _angle(elevation, "--elevation")
-    return cones.FoldedCone(cones.branch(flaps, -1 if nu < 0 else 1, end=end), nu)
+    return cones.FoldedCone(cones.ConeBranch(flaps, -1 if nu < 0 else 1, end), nu)
 
 
 @writes("json", "csv", "figure")

@@ -103,19 +103,8 @@ def check_ratio(ratio: float, field: str = "ratio") -> float:
 
 
 def check_depth(depth: float) -> float:
-    """Return a well depth (U_flat - U)/U_flat, or raise an error.
-
-    Raises
-    ------
-    OptionError
-        Unless it is a number of [0, 1): U >= 0, so no well is deeper than 1.
-    """
-    value = check_number("depth", depth)
-    if not 0 <= value < 1:
-        raise OptionError(
-            f"depth = {depth!r}: write a share of the flat state's energy, 0 <= depth < 1"
-        )
-    return value
+    """Return a well depth (U_flat - U)/U_flat of [0, 1], or raise an error; U >= 0, so no well is deeper than 1."""
+    return check_number("depth", depth, 0.0, 1.0)
 
 
 def _check_rule(name: str, value: object, rules: tuple[str, ...]) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,12 +18,12 @@ from origami_nlp.arguments import check_callback
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
-from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
+from origami_nlp.paper.cone.branches import ConeBranch
 from origami_nlp.paper.cone.flaps import class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.pattern_problem import pose
 
 LARGEST_DEGREE = 16
@@ -105,11 +105,9 @@ class ConeFullSpace(Report):
     unstable = property(lambda self: self.count("unstable"))
     undecided = property(lambda self: self.count("undecided"))
 
-    def count(self, verdict: str | None = None, kind: str | None = None) -> int:
-        """Count branch minima over all branches (copies included), of one verdict and kind."""
-        return sum(
-            s.copies for s in self.states if verdict in (None, s.verdict) and kind in (None, s.kind)
-        )
+    def count(self, verdict: str | None = None) -> int:
+        """Count branch minima over all branches (copies included), of one verdict."""
+        return sum(s.copies for s in self.states if verdict in (None, s.verdict))
 
     def report_sections(self) -> Iterator[Section]:
         """Return a row for each arrangement, direction and minimum, and the totals over all branches."""
@@ -138,12 +136,9 @@ class ConeFullSpace(Report):
 def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:
     """Make the cone as a scene: k_odd = 1, k_even = r, full contact, no imposed symmetry."""
     flaps = degree // 2
-    return replace(
-        cone_sheet(degree),
-        stiffness=(1.0, ratio) * flaps,
-        rest_angles=(rest.odd, rest.even) * flaps,
-        name=f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
-    )
+    name = f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}"
+    sheet = Vertex((2 * math.pi / degree,) * degree)
+    return Scene(sheet, (1.0, ratio) * flaps, (rest.odd, rest.even) * flaps, "none", name=name)
 
 
 def full_space(
@@ -215,9 +210,9 @@ def _jobs(found: ConeCount) -> list[tuple[Folding, int, str, float]]:
     """List (arrangement, direction, kind, |v|) of every minimum, for each arrangement that differs."""
     m = found.minima
     jobs = []
-    for folding in foldings(found.degree, mirrors_differ=False):
+    for folding in foldings(found.cone.degree, mirrors_differ=False):
         for direction in (1, -1):
-            own = m.of_class(*class_of(folding.flaps), direction)
+            own = m.branches.of_class(*class_of(folding.flaps), direction)
             pairs = zip(m.kind[own].tolist(), np.abs(m.elevation[own]).tolist(), strict=True)
             jobs += [(folding, direction, kind, v) for kind, v in pairs]
     return jobs
