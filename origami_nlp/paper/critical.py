@@ -43,7 +43,7 @@ from origami_nlp.numerics import (
     distinct,
     rank,
 )
-from origami_nlp.paper.links import RADII, Link, Way, closed_rows, link_of
+from origami_nlp.paper.links import RADII, Link, Way, link_of
 from origami_nlp.paper.morse import (
     ROUNDING,
     CriticalPoint,
@@ -211,7 +211,7 @@ class _Search:
         for start in x:
             plane = settle(problem, start)
             # the strata of closed contacts are looked at by themselves
-            if plane is None or plane.state.refused or closed_rows(plane.state):
+            if plane is None or plane.state.refused or _closed(plane.state):
                 continue
             state = plane.state
             # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
@@ -300,13 +300,13 @@ class _Search:
         else:
             contribution, kind = 1 - 2 * int(curvature < 0), KINDS[int(curvature < 0)]
             how = f"multiplier > 0, index {index} along the edge"
-        names = _names(state) or line.contacts
+        names = tuple(dict.fromkeys(map(self.problem.name, _closed(state)))) or line.contacts
         return _point(held, index, contribution, part, kind, names, moment, how)
 
     def _vertex(self, vertex: StratumVertex) -> CriticalPoint:
         problem = self.problem
         state = State(problem, vertex.x, SETTLED)
-        rows = _descriptions(state)
+        rows = _closed(state)
         held = state.on(rows)
         found = held.multiplier_set
         multipliers: tuple[float, ...] = ()
@@ -323,7 +323,7 @@ class _Search:
             for link in vertex.links
         )
         part: Part = "corner" if smooth else "singular"
-        names = tuple(dict.fromkeys(problem.name(r) for r in rows))
+        names = tuple(dict.fromkeys(map(problem.name, rows)))
         return _point(state.on(), None, contribution, part, kind, names, multipliers, how)
 
     def warn_of_neighbours(self, points: list[CriticalPoint]) -> None:
@@ -355,15 +355,10 @@ class _Search:
         return contribution, "saddle" if contribution else "regular", how
 
 
-def _descriptions(state: State) -> tuple[Contact, ...]:
+def _closed(state: State) -> tuple[Contact, ...]:
     """Return the closed contacts of a state, one description for each."""
     found = state.contacts
     return tuple(dict.fromkeys((*found.base, *(r for o in found.branches for r in o[0]))))
-
-
-def _names(state: State) -> tuple[str, ...]:
-    """Name the closed contacts of a state."""
-    return tuple(dict.fromkeys(state.problem.name(row) for row in _descriptions(state)))
 
 
 def _point(
