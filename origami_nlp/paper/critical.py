@@ -377,8 +377,9 @@ def _point(
     if part not in ("corner", "singular"):
         size = 1.0 + float(np.abs(state.gradient).max())
         residual = max(residual, float(np.abs(held.imbalance).max()) / size)
-    where = tuple((state.fold_angles + 0.0).tolist()), state.energy, index, contribution
-    return CriticalPoint(*where, part, kind, names, multipliers, residual, how)
+    phi = tuple((state.fold_angles + 0.0).tolist())
+    what = (state.energy, part, kind, contribution, phi, names, multipliers, residual, how, index)
+    return CriticalPoint(*what)
 
 
 def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
