@@ -3,7 +3,6 @@ printed and written."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -172,7 +171,7 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 SMALLEST, LARGEST = 16, 4097
 
 
-@writes("json", "figure", "html", "npz", verbose=True)
+@writes("json", "figure", "html", verbose=True)
 def landscape(
     origami: Source,
     out: Output,
@@ -194,7 +193,6 @@ def landscape(
         find_landscape,
         find_space,
         landscape_to_dict,
-        to_arrays,
     )
 
     stated = origami.read()
@@ -225,18 +223,9 @@ def landscape(
     if out.files("json"):
         points = _critical(stated, origami.name, clock, seed, result)
         out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, passes))
-    out.write("npz", lambda: _npz(to_arrays(exact)))
     out.write("figure", draw_landscape, exact)
     out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
     return None
-
-
-def _npz(arrays: dict[str, Any]) -> bytes:
-    import numpy as np
-
-    content = io.BytesIO()
-    np.savez_compressed(content, **arrays)
-    return content.getvalue()
 
 
 def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = None) -> Any:

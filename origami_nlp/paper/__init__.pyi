@@ -7,11 +7,10 @@ from .landscape import (
     ExactLandscape as ExactLandscape,
     find_landscape as find_landscape,
     landscape_to_dict as landscape_to_dict,
-    to_arrays as to_arrays,
 )
 from .landscape_figure import draw_landscape as draw_landscape
 from .morse import CriticalPoints as CriticalPoints
-from .space import Space as Space, angle_words as angle_words, find_space as find_space
+from .space import Space as Space, find_space as find_space
 from .space_figure import draw_space as draw_space
 from .transitions import (
     Transition as Transition,

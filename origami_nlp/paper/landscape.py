@@ -120,12 +120,16 @@ class ExactLandscape(Report, Viewable):
     def table(self) -> Table:
         """Return one row a minimum: energy, place on the landscape, kind and verdict."""
         names = [name.split(" (")[0] for name in self.chart.coordinates]
-        rows = []
-        for k, m in enumerate(self.result.minima):
-            point = self.places[k].point[: len(names)] if self.places else ()
-            known = m.full_space.verdict if m.full_space else "-"
-            where = [f"{v:.6f}" for v in point] or ["-"] * len(names)
-            rows.append((str(k + 1), f"{m.energy:.9g}", *where, m.kind, known))
+        rows = [
+            (
+                str(k),
+                f"{m.energy:.9g}",
+                *(f"{v:.6f}" for v in place.point[: len(names)]),
+                m.kind,
+                m.full_space.verdict if m.full_space else "-",
+            )
+            for k, (m, place) in enumerate(zip(self.result.minima, self.places, strict=False), 1)
+        ]
         heads = ("#", "energy [J]", *names, "kind", "full space")
         return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
 
@@ -243,63 +247,6 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
             out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))
     return tuple(out)
-
-
-def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
-    """Return everything as named NumPy arrays, for `numpy.savez_compressed`.
-
-    Parameters
-    ----------
-    exact
-        Of `find_landscape`.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray
-        x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N] [rad], admissible_b [ny, nx] of branch b;
-        boundary_k_points, boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts,
-        boundary_thin;
-        minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
-        metastable_k_points with metastable_branch; coordinates: their names.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.paper import to_arrays
-    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
-    >>> to_arrays(o.find_landscape(result, size=21))["energy_0"].shape
-    (21, 21)
-    """
-    chart, result = exact.chart, exact.result
-    arrays: dict[str, Any] = {
-        "coordinates": np.array(chart.coordinates),
-        "branches": np.array([b.name for b in chart.branches]),
-    }
-    for b, branch in enumerate(chart.branches):
-        arrays[f"x_{b}"], arrays[f"y_{b}"] = branch.axes
-        arrays[f"energy_{b}"] = branch.energy
-        arrays[f"fold_angles_{b}"] = branch.fold_angles
-        arrays[f"admissible_{b}"] = np.isfinite(branch.energy)
-    lines = exact.boundary.lines if exact.boundary else ()
-    arrays["boundary_branch"] = np.array([line.branch for line in lines], dtype=int)
-    arrays["boundary_contacts"] = np.array(["; ".join(line.contacts) for line in lines], dtype=str)
-    arrays["boundary_thin"] = np.array([line.thin for line in lines], dtype=bool)
-    for k, line in enumerate(lines):
-        arrays[f"boundary_{k}_points"] = line.points
-        arrays[f"boundary_{k}_fold_angles"] = line.fold_angles
-        arrays[f"boundary_{k}_s"] = line.s
-    minima, degree = result.minima, result.scene.degree
-    arrays["minima_fold_angles"] = np.array([m.fold_angles for m in minima]).reshape(-1, degree)
-    arrays["minima_energy"] = np.array([m.energy for m in minima])
-    arrays["minima_kind"] = np.array([m.kind for m in minima], dtype=str)
-    verdicts = [m.full_space.verdict if m.full_space else "not asked" for m in minima]
-    arrays["minima_verdict"] = np.array(verdicts, dtype=str)
-    arrays["minima_points"] = np.array([p.point for p in exact.places]).reshape(-1, 2)
-    arrays["minima_branch"] = np.array([p.branch for p in exact.places], dtype=int)
-    arrays["metastable_branch"] = np.array([m.branch for m in exact.metastable], dtype=int)
-    for k, part in enumerate(exact.metastable):
-        arrays[f"metastable_{k}_points"] = part.points
-    return arrays
 
 
 def landscape_to_dict(

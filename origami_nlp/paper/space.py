@@ -30,7 +30,7 @@ from origami_nlp.chart import (
     several,
     spots,
 )
-from origami_nlp.display import Report, Section
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import OUTSIDE, SETTLED, groups
 from origami_nlp.pattern import Scene, as_scene, format_angle
@@ -41,6 +41,17 @@ EXTENDED = 1e-3
 """Handles that span less [rad] are points of a picture."""
 NEARBY = 0.5
 """Families over one point of the chart hang together over a disc of this radius [rad] around it."""
+
+
+def angle_word(angle: float) -> str:
+    """Write a fold angle for people: a multiple of pi as such, others with four decimals."""
+    text = format_angle(angle) if abs(angle) > OUTSIDE else "0"
+    return text if "pi" in text or text == "0" else f"{angle:.4f}"
+
+
+def angle_words(values: Iterable[float]) -> str:
+    """Write fold angles [rad] for people, such as ``"(pi/2, 0.1234)"``."""
+    return f"({', '.join(map(angle_word, values))})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,10 +118,10 @@ class PinchPoint(ShortRepr):
         Of the mesh.
     """
 
-    kind: str
-    fold_angles: tuple[float, ...]
-    dimensions: tuple[int, ...]
-    contacts: tuple[str, ...]
+    kind: str = field(metadata=shown("where pieces meet"))
+    fold_angles: tuple[float, ...] = field(metadata=shown("fold angles", spec=angle_word))
+    dimensions: tuple[int, ...] = field(metadata=shown("dimensions", between=" + "))
+    contacts: tuple[str, ...] = field(metadata=shown("contacts", between="; "))
     vertex: int = field(metadata={"plain": False})
 
 
@@ -132,11 +143,11 @@ class Handle:
         What each end is (``"free"`` or the kind of the pinch point there).
     """
 
-    contacts: tuple[str, ...]
+    contacts: tuple[str, ...] = field(metadata=shown("handle", between="; "))
     path: np.ndarray = field(repr=False, metadata={"plain": False})
     fold_angles: np.ndarray = field(repr=False)
-    length: float
-    ends: tuple[str, str]
+    length: float = field(metadata=shown("length", spec=".4f"))
+    ends: tuple[str, str] = field(metadata=shown("ends", between=" to "))
 
 
 @dataclass(frozen=True, repr=False)
@@ -180,13 +191,7 @@ class Space(Report):
     mesh: SpaceMesh = field(metadata={"plain": False})
 
     PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        names = ("dimension", "euler_characteristic", "holes", "closed_surfaces")
-        for number, one in enumerate(self.components, start=1):
-            row = {"scene": self.scene.label, "component": number}
-            row |= {name: getattr(one, name) for name in names}
-            yield row
+    ROWS = "components"
 
     @property
     def signature(self) -> tuple[int, ...]:
@@ -228,26 +233,11 @@ class Space(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
-        yield (
-            f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s), "
-            f"Euler characteristic {self.euler_characteristic} (mesh of {self.size} rings, "
-            f"{len(self.mesh.wedge)} vertices)"
-        )
-        for k, part in enumerate(self.components, start=1):
-            yield (
-                f"  component {k}: dimension {part.dimension}, Euler characteristic {part.euler_characteristic}, "
-                f"{part.holes} hole(s)"
-            )
-        for pinch in self.pinch_points:
-            dimensions = " + ".join(map(str, pinch.dimensions))
-            contacts = f", {'; '.join(pinch.contacts)}" if pinch.contacts else ""
-            yield f"  {pinch.kind} ({dimensions}): {angle_words(pinch.fold_angles)}{contacts}"
-        for handle in self.handles:
-            ends = " to ".join(
-                f"{angle_words(handle.fold_angles[k])} [{end}]"
-                for k, end in zip((0, -1), handle.ends, strict=True)
-            )
-            yield f"  handle, {'; '.join(handle.contacts)}, length {handle.length:.4f} rad: {ends}"
+        title = f"{self.scene.label or 'scene'}: mesh of {self.size} rings, {len(self.mesh.wedge)} vertices"
+        yield record_table(self.components, title)
+        for records in (self.pinch_points, self.handles):
+            if records:
+                yield record_table(records, "")
         joins = self.picture_joins
         if joins:
             yield (
@@ -364,23 +354,3 @@ def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:
     if path[0] == path[-1]:
         ends = ("loop", "loop")
     return Handle(contacts, path, mesh.fold_angles[path], length, (ends[0], ends[1]))
-
-
-def angle_words(values: Iterable[float]) -> str:
-    """Write fold angles for people: multiples of pi as such, others with four decimals.
-
-    Parameters
-    ----------
-    values
-        Fold angles [rad].
-
-    Returns
-    -------
-    str
-        Such as ``"(pi/2, 0.1234)"``.
-    """
-    texts = []
-    for v in values:
-        text = format_angle(v) if abs(v) > OUTSIDE else "0"
-        texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
-    return "(" + ", ".join(texts) + ")"

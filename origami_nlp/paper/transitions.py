@@ -21,7 +21,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.chart import MeshError
-from origami_nlp.display import Report, Section, Table, Words
+from origami_nlp.display import Report, Section, Words, record_table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paper.events import Event, find_events
@@ -43,34 +43,33 @@ MARGIN = 0.05
 OnProgress = Callable[[str, float], None]
 
 
-TOPOLOGY = ("components", "holes", "euler_characteristic", "pinch_points", "handle_ends", "handles")
-"""Names of the numbers in `Signature.topology`."""
-
-
 @dataclass(frozen=True)
 class Signature:
     """What a sweep compares.
 
     Attributes
     ----------
-    topology
-        `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
     picture_holes
         Loops of the picture in the paper's chart.
     corners
         States where several contacts close, by their contacts, with their number.
+    components, holes, euler_characteristic, pinch_points, handle_ends, handles
+        `Space.signature`.
     """
 
-    topology: tuple[int, ...] = field(metadata={"plain": False})
-    picture_holes: int
+    picture_holes: int = field(metadata=shown("drawn holes"))
     corners: tuple[tuple[tuple[str, ...], int], ...]
-
-    ALSO = ("counts",)
+    components: int = field(metadata=shown("components"))
+    holes: int = field(metadata=shown("holes"))
+    euler_characteristic: int = field(metadata=shown("chi"))
+    pinch_points: int = field(metadata=shown("pinch points"))
+    handle_ends: int = field(metadata=shown("handle ends"))
+    handles: int = field(metadata=shown("handles"))
 
     @property
-    def counts(self) -> dict[str, int]:
-        """The numbers of `topology` by their names."""
-        return dict(zip(TOPOLOGY, self.topology, strict=True))
+    def topology(self) -> tuple[int, ...]:
+        """`Space.signature`."""
+        return tuple(vars(self).values())[2:]
 
 
 @dataclass(frozen=True)
@@ -113,13 +112,7 @@ class Transition:
         else:
             half = (self.bracket[1] - self.bracket[0]) / 2
             yield f"  the sweep's bracket: {sum(self.bracket) / 2:.9f} +- {half:.0e}"
-        rows = []
-        for name, s in (("below", self.below), ("at", self.at), ("above", self.above)):
-            cells = (*s.topology[:3], s.topology[5], s.picture_holes)
-            corners = "-" if s.topology[5] else str(sum(n for _, n in s.corners))
-            rows.append((name, *map(str, cells), corners))
-        heads = ("", "components", "holes", "chi", "handles", "drawn holes", "corners")
-        yield Table(heads, rows, columns="LLLLLLL")
+        yield record_table((self.below, self.at, self.above), "  below, at, above")
         before, after = dict(self.below.corners), dict(self.above.corners)
         for what, one, other in (("gone", before, after), ("new", after, before)):
             for contacts in sorted(c for c in one if other.get(c) != one[c]):
@@ -171,7 +164,7 @@ class TransitionSweep(Report):
 def signature_of(scene: Scene, rings: int) -> Signature:
     """Return what a sweep compares of a scene's space."""
     space = find_space(scene, rings=rings)
-    return Signature(space.signature, space.picture_holes, space.corners)
+    return Signature(space.picture_holes, space.corners, *space.signature)
 
 
 def find_transitions(

@@ -26,7 +26,7 @@ BESIDE_THE_TABLE = {
         paths/event_curve.SHORTEST barriers/passes.OFF
         chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
         cli/timed.SHORTEST contact/margin.ASIDE
-        paper/links.RADII paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
+        paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
@@ -106,7 +106,7 @@ BESIDE_THE_TABLE = {
         proof/flat.CLEAR
     """,
     "room for rounding": """
-        paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
+        paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
