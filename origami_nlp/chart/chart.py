@@ -17,15 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
+from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.folding import fold_vertex, pair_depths
 from origami_nlp.numerics import OUTSIDE, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
-
-AROUND = np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
-"""Elevations [rad] beside that of a state: rounding moves one on the fold J = 0 to where the chart has no state."""
-TIE = 1e-2
-"""Branches that miss a state by as much [rad] to within this share it: beside J = 0 they are that close."""
 
 
 @dataclass(frozen=True)
@@ -53,15 +48,36 @@ class Chart:
             value = degree6(rays[0].sector, rays[1].sector, x, y).value
             piece = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
         else:
-            value = wedge_point(self.scene, y, x, self.signs[branch]).value
+            sign, order = self.signs[branch], self.scene.group.order
+            value = wedge3(order, rays[0].sector, y, x, sign).value
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 
-    def locate(self, fold_angles: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
-        """Branches on which the state [N] lies (the best first) and its coordinates (x, y)."""
-        phi = np.asarray(fold_angles, dtype=float)
-        x, y = chart_points(self, phi).tolist()
-        return ((0,) if self.kind == "degree6" else _branches(self, phi, x, y)), (x, y)
+    def branch_of(self, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Branch on which states [..., N] lie, and how far they are from where branches meet, [...]."""
+        elevation = self.points(fold_angles)[..., 1]
+        if self.kind == "degree6":
+            return np.zeros(elevation.shape, dtype=int), np.ones(elevation.shape)
+        if self.scene.group.order == 2 and self.scene.contact == "full":
+            # each side of the flat state has one: `closed_forms.wedge3`
+            return np.where(elevation > 0, 1, 0), np.abs(elevation)
+        misfit = []
+        for k in (0, 1):
+            there = self.fold_angles(
+                k, fold_angles[..., crease_number(self.scene, 1) - 1], elevation
+            )
+            error = np.abs(there - fold_angles).max(axis=-1)
+            misfit.append(np.where(np.isfinite(error), error, 10.0))
+        return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
+
+    def points(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return the coordinates (x, y) of states [..., N], shape [..., 2]."""
+        x = fold_angles[..., crease_number(self.scene, 1) - 1]
+        if self.kind == "degree6":
+            y = fold_angles[..., crease_number(self.scene, 2) - 1]
+        else:
+            y = wedge_elevation(self.scene, fold_angles)
+        return np.stack([x, y], axis=-1)
 
 
 def chart_of(scene: Scene) -> Chart | None:
@@ -80,20 +96,6 @@ def chart_of(scene: Scene) -> Chart | None:
         names = (f"phi_{crease_number(scene, 1)}", f"upsilon (elevation of crease {number})")
         return Chart(scene, "wedge", names, (1, -1))
     return None
-
-
-def wedge_point(scene: Scene, elevation: Any, phi2: Any, sign: int) -> ChartPoint:
-    """`closed_forms.wedge3` at the scene's order and sector angle."""
-    return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
-
-
-def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
-    """Return the chart coordinates (x, y) of states [..., N], shape [..., 2]."""
-    scene = chart.scene
-    x = fold_angles[..., crease_number(scene, 1) - 1]
-    if chart.kind == "degree6":
-        return np.stack([x, fold_angles[..., crease_number(scene, 2) - 1]], axis=-1)
-    return np.stack([x, wedge_elevation(scene, fold_angles)], axis=-1)
 
 
 def crease_number(scene: Scene, ray: int) -> int:
@@ -150,21 +152,16 @@ def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
 
 def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
     """Pairs of non-adjacent facets, one for each class under the scene's symmetry."""
-    n, group = scene.degree, scene.group
-    step = n // group.order
-    first = group.rays[0].crease
-    # crease i -> s - i sends facet (i, i+1) to s - 1 - i; a mirror through a facet needs no thrift
-    maps = [[(f + m * step) % n for f in range(n)] for m in range(group.order)]
-    if group.kind == "D" and first is not None:
-        maps += [[(2 * first - 1 - g) % n for g in row] for row in maps]
-    pairs: list[tuple[int, int]] = []
-    seen: set[frozenset[int]] = set()
+    n, seen, pairs = scene.degree, set[frozenset[int]](), []
     for i in range(n):
-        for j in range(i + 2, n):
-            if (j - i) % n == n - 1 or frozenset((i, j)) in seen:
-                continue
-            seen |= {frozenset((row[i], row[j])) for row in maps}
-            pairs.append((i, j))
+        for j in range(i + 2, n - (i == 0)):
+            if frozenset((i, j)) not in seen:
+                pairs.append((i, j))
+                # crease i -> s - i sends facet (i, i+1) to s - 1 - i
+                seen |= {
+                    frozenset((s - 1 - f if mirrored else f + s) % n for f in (i, j))
+                    for s, mirrored in scene.group.elements
+                }
     return pairs
 
 
@@ -205,23 +202,3 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray, back: bool = False) -
     normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
     # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/validation/errata.md, 1)
     return np.arctan2(normal[2], normal[0])
-
-
-def _branches(chart: Chart, phi: np.ndarray, x: float, y: float) -> tuple[int, ...]:
-    """Branches of a wedge's chart on which the state [N] at (x, y) lies, the best first."""
-    scene = chart.scene
-    ends = phi[[crease_number(scene, 0) - 1, crease_number(scene, 2) - 1]]
-    nearby = y + AROUND
-    misfit, own = [], []
-    for sign in chart.signs:
-        point = wedge_point(scene, nearby, x, sign)
-        error = np.abs(point.value - ends).max(axis=-1)
-        error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
-        misfit.append(float(error.min()))
-        own.append(bool(point.own_side[0]))
-    # branches meet where J = 0: next to it each explains the state nearly as well
-    tie = abs(misfit[0] - misfit[1]) < TIE if np.isfinite(misfit).all() else misfit[0] == misfit[1]
-    order = [0, 1] if misfit[0] <= misfit[1] else [1, 0]
-    if tie:
-        order.sort(key=lambda k: (not own[k], misfit[k]))
-    return tuple(order if tie else order[:1])

@@ -48,15 +48,9 @@ class Spot:
     dimensions: tuple[int, ...]
 
 
-def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
-    """Every edge of the complex once, [E, 2], smaller vertex first."""
-    edges = np.vstack([edges_of(triangles)[0], np.sort(extra, axis=1).reshape(-1, 2)])
-    return np.unique(edges, axis=0)
-
-
 def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Component]:
     """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
-    edges = all_edges(triangles, extra)
+    edges = np.vstack([edges_of(triangles)[0], extra])
     of = groups(count, edges)
     number = int(of.max()) + 1 if count else 0
     v = np.bincount(of, minlength=number)

@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.chart import chart_of, chart_points
+from origami_nlp.chart import chart_of
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
@@ -217,7 +217,7 @@ def chart_point(scene: Scene, phi: np.ndarray) -> tuple[float, float]:
     """Return the chart coordinates of a state [N]: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
     chart = chart_of(scene)
     assert chart is not None
-    first, second = chart_points(chart, phi).tolist()
+    first, second = chart.points(phi).tolist()
     return (first, second) if chart.kind == "degree6" else (second, first)
 
 

@@ -24,7 +24,6 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.chart import (
     BoundaryLine,
-    all_edges,
     border_paths,
     cells_of,
     geometry,
@@ -146,8 +145,7 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
     """Find the vertices of X, of a scene without springs (`chart.geometry`): where contacts meet, or edges end."""
     cells, problem = cells_of(scene, rings), pose(scene)
     count = len(cells.wedge)
-    edges = all_edges(cells.triangles, cells.extra_edges)
-    alone = ~np.isin(np.arange(count), edges)
+    alone = ~np.isin(np.arange(count), cells.edges)
     alone[[v for path, *_ in border_paths(cells) for v in (path[0], path[-1])]] = True
     alone[[s.vertex for s in spots(count, cells.triangles, cells.extra_edges)]] = True
     x, out = cells.wedge[alone], []

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -20,11 +19,7 @@ from origami_nlp.chart import (
     Cells,
     Component,
     Spot,
-    all_edges,
-    branches_of,
     cells_of,
-    chart_of,
-    chart_points,
     handles,
     parts,
     several,
@@ -52,52 +47,6 @@ def angle_word(angle: float) -> str:
 def angle_words(values: Iterable[float]) -> str:
     """Write fold angles [rad] for people, such as ``"(pi/2, 0.1234)"``."""
     return f"({', '.join(map(angle_word, values))})"
-
-
-@dataclass(frozen=True, repr=False)
-class SpaceMesh(Cells):
-    """X as a complex (`chart.Cells`); vertices on contacts are exact states (rounding)."""
-
-    @cached_property
-    def fold_angles(self) -> np.ndarray:
-        """States, [V, N] [rad]."""
-        return np.asarray(self.wedge[:, self.cover.chain.orbit])
-
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """Names of the walls that `on` is a bit mask of."""
-        return self.cover.chain.walls
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        """[E, 2] vertices: all edges, handles included."""
-        return all_edges(self.triangles, self.extra_edges)
-
-    @cached_property
-    def chart(self) -> np.ndarray:
-        """[V, 2] coordinates of the scene's chart."""
-        chart = chart_of(self.cover.chain.scene)
-        assert chart is not None
-        return chart_points(chart, self.fold_angles)
-
-    @cached_property
-    def branch(self) -> np.ndarray:
-        """[V] branch of that chart."""
-        return branches_of(self)[0]
-
-    def contacts(self, vertex: int) -> tuple[str, ...]:
-        """Name the contacts that are closed at a vertex."""
-        return tuple(name for k, name in enumerate(self.walls) if self.on[vertex] >> k & 1)
-
-    def signed_contacts(self, vertex: int) -> tuple[str, ...]:
-        """Name the contacts that are closed at a vertex, with the sign of fold angles at +-pi."""
-        names = []
-        for name in self.contacts(vertex):
-            if name.startswith("phi_"):
-                crease = int(name.removeprefix("phi_").split(" ")[0])
-                name = name.replace("+-", "+" if self.fold_angles[vertex, crease - 1] > 0 else "-")
-            names.append(name)
-        return tuple(sorted(names))
 
 
 @dataclass(frozen=True, repr=False)
@@ -188,7 +137,7 @@ class Space(Report):
     pinch_points: tuple[PinchPoint, ...]
     handles: tuple[Handle, ...]
     euler_characteristic: int
-    mesh: SpaceMesh = field(metadata={"plain": False})
+    mesh: Cells = field(metadata={"plain": False})
 
     PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
     ROWS = "components"
@@ -207,7 +156,13 @@ class Space(Report):
         counts: dict[tuple[str, ...], int] = {}
         mesh = self.mesh
         for v in np.flatnonzero(several(mesh.on)).tolist():
-            key = mesh.signed_contacts(v)
+            names = []
+            for name in mesh.contacts(int(mesh.on[v])):
+                if name.startswith("phi_"):  # with the sign of fold angles at +-pi
+                    angle = mesh.fold_angles[v, int(name.removeprefix("phi_").split(" ")[0]) - 1]
+                    name = name.replace("+-", "+" if angle > 0 else "-")
+                names.append(name)
+            key = tuple(sorted(names))
             counts[key] = counts.get(key, 0) + 1
         return tuple(sorted(counts.items()))
 
@@ -248,16 +203,16 @@ class Space(Report):
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
 
 
-def _places(mesh: SpaceMesh) -> np.ndarray:
+def _places(mesh: Cells) -> np.ndarray:
     """Number of the chart point (to `SETTLED`, branches apart) of each vertex."""
     from scipy.spatial import cKDTree
 
-    points = np.column_stack([mesh.chart, 10.0 * mesh.branch])
+    points = np.column_stack([mesh.points, 10.0 * mesh.branch])
     return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
 
 def _picture_joins(
-    mesh: SpaceMesh,
+    mesh: Cells,
 ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
     """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
     place = _places(mesh)
@@ -268,8 +223,8 @@ def _picture_joins(
     found = []
     for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
         over = np.flatnonzero(place == k)
-        point = mesh.chart[over[0]]
-        near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
+        point = mesh.points[over[0]]
+        near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
         edges = mesh.edges[near[mesh.edges].all(axis=1)]
         piece = groups(len(place), edges)[over]
         first = over[np.unique(piece, return_index=True)[1]]
@@ -279,7 +234,7 @@ def _picture_joins(
     return tuple(found)
 
 
-def _picture_components(mesh: SpaceMesh) -> int:
+def _picture_components(mesh: Cells) -> int:
     place = _places(mesh)
     return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
 
@@ -318,22 +273,21 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
     cells = cells_of(scene, check_whole("rings", rings, *SIZES))
-    mesh = SpaceMesh(**vars(cells))
     count = len(cells.wedge)
     components = tuple(parts(count, cells.triangles, cells.extra_edges))
     pinch = tuple(
-        _pinch_point(mesh, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
+        _pinch_point(cells, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
     )
     kinds = {p.vertex: p.kind for p in pinch}
     arcs = tuple(
-        _handle(mesh, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
+        _handle(cells, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
     )
     holes = sum(c.holes for c in components)
     euler = sum(c.euler_characteristic for c in components)
-    return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
+    return Space(scene, cells.cover.rings, components, holes, pinch, arcs, euler, cells)
 
 
-def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
+def _pinch_point(mesh: Cells, spot: Spot) -> PinchPoint:
     dimensions = spot.dimensions
     if dimensions.count(2) >= 2:
         kind = "pinch point"
@@ -343,14 +297,13 @@ def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
         kind = "handle junction"
     v = spot.vertex
     phi = tuple(mesh.fold_angles[v].tolist())
-    return PinchPoint(kind, phi, dimensions, mesh.contacts(v), v)
+    return PinchPoint(kind, phi, dimensions, mesh.contacts(int(mesh.on[v])), v)
 
 
-def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:
+def _handle(mesh: Cells, path: np.ndarray, kinds: dict[int, str]) -> Handle:
     common = int(np.bitwise_and.reduce(mesh.on[path]))
-    contacts = tuple(name for k, name in enumerate(mesh.walls) if common >> k & 1)
     length = float(np.linalg.norm(np.diff(mesh.wedge[path], axis=0), axis=1).sum())
     ends = tuple(kinds.get(int(v), "free") for v in (path[0], path[-1]))
     if path[0] == path[-1]:
         ends = ("loop", "loop")
-    return Handle(contacts, path, mesh.fold_angles[path], length, (ends[0], ends[1]))
+    return Handle(mesh.contacts(common), path, mesh.fold_angles[path], length, (ends[0], ends[1]))

@@ -24,9 +24,10 @@ BESIDE_THE_TABLE = {
         paths/boundary.AROUND continuation/line.SHARE paths/event_curve.CUSP
         paths/event_curve.FIRST paths/event_curve.LONGEST paths/event_curve.REACHES
         paths/event_curve.SHORTEST barriers/passes.OFF
-        chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
+        chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
         cli/timed.SHORTEST contact/margin.ASIDE
-        paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
+        paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR
+        pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
@@ -61,7 +62,7 @@ BESIDE_THE_TABLE = {
         pattern/law_course.IMAGINARY pattern/law_course.TINY
     """,
     "what is shown, or said in words": """
- chart/boundary.GRID chart/chart.TIE chart/boundary.SLIVER
+ chart/boundary.GRID chart/boundary.SLIVER
         paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED

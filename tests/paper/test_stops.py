@@ -36,7 +36,7 @@ def check_count(scene, rings=16):
     space = o.find_space(scene, rings=rings)
     low, high = scene.limit_angles
     assert ((space.mesh.fold_angles >= low) & (space.mesh.fold_angles <= high)).all()
-    for k, name in enumerate(space.mesh.walls):
+    for k, name in enumerate(space.mesh.cover.chain.walls):
         here = space.mesh.on >> k & 1 == 1
         if name.endswith("(stop)"):
             crease, angle = name.removeprefix("phi_").split(" degrees")[0].split(" = ")
