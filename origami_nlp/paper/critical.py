@@ -31,7 +31,7 @@ from origami_nlp.chart import (
     trace_boundary,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, Stratum, project
+from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import (
     BALANCED,
@@ -58,8 +58,6 @@ from origami_nlp.problem import Contact
 
 KINDS: tuple[Kind, ...] = ("minimum", "saddle", "maximum")
 """Of a regular point, by its index."""
-HALVINGS = 8
-"""Of the step between two points of an edge, before Newton."""
 THINNED = 3
 """Of so many vertices of the mesh one is a start of Newton."""
 RINGS, SIZES = 24, (8, 1025)
@@ -250,7 +248,7 @@ class _Search:
     ) -> CriticalPoint | None:
         """Find and judge the critical point between two points of an edge; None where it is known already."""
         rows = line.rows(self.problem)[:1]
-        found = settle(self.problem, self._level(a, b, slope, rows), rows)
+        found = settle(self.problem, a + (b - a) * slope[0] / (slope[0] - slope[1]), rows)
         known = np.concatenate([self.along, self.at_corners])
         reach = 1.5 * float(np.abs(b - a).max()) + SETTLED
         if found is None or found.state.refused or np.abs(found.state.x - a).max() > reach:
@@ -264,18 +262,6 @@ class _Search:
             return None
         self.along = np.concatenate([self.along, state.x[None]])
         return self._edge(found, line)
-
-    def _level(
-        self, a: np.ndarray, b: np.ndarray, slope: np.ndarray, rows: tuple[Contact, ...]
-    ) -> np.ndarray:
-        """Return a state between two points of an edge at which dU/ds nearly vanishes, by halving."""
-        low, high, middle = a, b, a
-        for _ in range(HALVINGS):
-            middle = project(self.problem, 0.5 * (low + high), rows, steps=6)[0]
-            ahead = State(self.problem, middle).on(rows).tangent[:, 0] / self.problem.root
-            at = float(self.problem.parameters.torque(middle) @ ahead) * np.sign(ahead @ (b - a))
-            low, high = (middle, high) if (at > 0) == (slope[0] > 0) else (low, middle)
-        return middle
 
     def _edge(self, held: Stratum, line: BoundaryLine) -> CriticalPoint:
         state, row = held.state, held.contacts[0]

@@ -188,9 +188,11 @@ class Space(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
-        title = f"{self.scene.label or 'scene'}: mesh of {self.size} rings, {len(self.mesh.wedge)} vertices"
-        yield record_table(self.components, title)
-        for records in (self.pinch_points, self.handles):
+        yield (
+            f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s) "
+            f"(mesh of {self.size} rings, {len(self.mesh.wedge)} vertices)"
+        )
+        for records in (self.components, self.pinch_points, self.handles):
             if records:
                 yield record_table(records, "")
         joins = self.picture_joins

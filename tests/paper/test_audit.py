@@ -30,8 +30,8 @@ def record(phi: object, **changes: object) -> dict[str, object]:
 BAD = {
     "{": "not valid JSON",
     '{"states": []}': '"records"',
-    json.dumps([record([0] * 4, colour=1)]): "'colour'",
-    json.dumps([{"degree": 6}]): "missing alpha, ratio, phi",
+    json.dumps([record([0] * 4, colour=1)]): "colour",
+    json.dumps([{"degree": 6}]): "it takes each of degree, alpha, ratio, phi once",
     json.dumps([record([0] * 4, alpha="__import__('os')")]): "not an angle",
     json.dumps([record([0, 0, 0, 4])]): "phi[4]",
     json.dumps([record([0, 0, 0, 0, 0, 0.1])]): "phi[6]",
