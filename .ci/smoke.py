@@ -65,7 +65,6 @@ landscape degree6.toml --space
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper cone count --full --degree 6 --rest-elevation 0.3
-paper cone branch --flaps mvv --elevation 0.2
 paper cone foldings --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""

@@ -1,4 +1,4 @@
-from .branches import ConeBranch as ConeBranch, FoldedCone as FoldedCone
+from .branches import ConeBranch as ConeBranch
 from .classes import Branches as Branches
 from .energy import BranchEnergy as BranchEnergy
 from .flaps import class_of as class_of, parse_flaps as parse_flaps, write_flaps as write_flaps

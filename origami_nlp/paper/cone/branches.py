@@ -8,8 +8,7 @@ other way round.  So a branch is known by its flaps and by which of them are ste
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
@@ -18,16 +17,11 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.io import pick
 from origami_nlp.paper.cone.classes import direction_name
-from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, symmetry_of, write_flaps
+from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, write_flaps
 from origami_nlp.paper.cone.rules import SLACK, Cone
 from origami_nlp.pattern import format_angle
-
-LONGEST_WORD = 24
-"""Flaps that are written out where a branch is named."""
 
 
 @dataclass(frozen=True)
@@ -108,11 +102,6 @@ class ConeBranch:
             return "folded flat, the steep flap on the flap opposite"
         return "the even crease of the steep flap meets the odd crease opposite"
 
-    @property
-    def symmetry(self) -> str:
-        """Symmetry of its states, "D3" or "C1" for example."""
-        return symmetry_of(self.flaps)
-
     def fold_angles(self, elevation: Any) -> np.ndarray:
         """Fold angles of all creases, shape S + (N,) for elevations of shape S [rad].
 
@@ -140,66 +129,4 @@ class ConeBranch:
         return cone_fold_angles(self.degree, v, self.flaps).value
 
     def __repr__(self) -> str:
-        word = write_flaps(self.flaps)
-        short = word if len(word) <= LONGEST_WORD else word[: LONGEST_WORD - 3] + "..."
-        return f"{short} {direction_name(self.direction)}"
-
-
-@dataclass(frozen=True, repr=False)
-class FoldedCone(Report):
-    """A state of a branch of a cone.
-
-    Attributes
-    ----------
-    branch
-        The branch.
-    elevation
-        Signed [rad].
-
-    Examples
-    --------
-    >>> from origami_nlp.paper import cone
-    >>> state = cone.FoldedCone(cone.ConeBranch("VVM"), 0.3)
-    >>> state.fold_angles.round(3).tolist()
-    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
-    """
-
-    branch: ConeBranch
-    elevation: float
-
-    SCHEMA, READS = "origami-nlp/paper/1", False
-
-    def __post_init__(self) -> None:
-        _ = self.fold_angles  # raises an error past the end
-
-    @property
-    def fold_angles(self) -> np.ndarray:
-        """All N [rad]."""
-        return self.branch.fold_angles(self.elevation)
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return the branch, and a row a crease."""
-        own, phi = self.branch, self.fold_angles
-        yield (
-            f"branch {own!r}, symmetry {own.symmetry}, elevation {format_angle(self.elevation)}; "
-            f"ends at |elevation| = {format_angle(own.end)}: {own.end_text}"
-        )
-        rows = [
-            (str(number), f"{angle:.15g}", f"{math.degrees(angle):.12g}")
-            for number, angle in enumerate(phi.tolist(), start=1)
-        ]
-        yield Table(("crease", "fold angle [rad]", "[deg]"), rows, "", "rrr", framed=False)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data; ``edges_*`` are as in FOLD files: degrees, valley V and mountain M."""
-        own, phi = self.branch, self.fold_angles
-        words = {"flaps": write_flaps(own.flaps), "direction": direction_name(own.direction)}
-        return {
-            "schema": self.SCHEMA,
-            **pick(own, "degree", "flaps", "direction", "symmetry", "end", "end_rule", **words),
-            "at_end": own.end_text,
-            "elevation": float(self.elevation),
-            "fold_angles": phi.tolist(),
-            "edges_foldAngle": np.degrees(phi).tolist(),
-            "edges_assignment": ["V" if p > 0 else "M" if p < 0 else "F" for p in phi],
-        }
+        return f"{write_flaps(self.flaps)} {direction_name(self.direction)}"

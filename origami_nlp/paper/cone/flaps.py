@@ -24,15 +24,13 @@ Flaps = tuple[int, ...]
 MEANING = "write +1 (valley) or -1 (mountain), one a flap"
 
 
-def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
+def parse_flaps(text: str | Sequence[int]) -> Flaps:
     """Read an assignment of the flaps.
 
     Parameters
     ----------
     text
         Letters V and M such as "VVM" (runs may be written V2M), or +1 (valley) and -1 (mountain), one a flap.
-    degree
-        N, if it is known: N/2 flaps are wanted.
 
     Returns
     -------
@@ -42,7 +40,7 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
     Raises
     ------
     OptionError
-        If it is not an assignment, or not one of `degree`.
+        If it is not an assignment.
 
     Examples
     --------
@@ -58,11 +56,6 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
     else:
         raise OptionError(
             f'flaps = {shown(text)}: write V and M, one a flap, such as "VVM", or runs, "V2M"'
-        )
-    if degree is not None and len(flaps) != degree // 2:
-        raise OptionError(
-            f"flaps = {write_flaps(flaps)!r} has {len(flaps)} flaps, a cone of degree {degree} "
-            f"has {degree // 2}"
         )
     check_degree(2 * len(flaps))
     return tuple(flaps)

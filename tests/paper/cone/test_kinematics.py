@@ -138,25 +138,9 @@ def test_assignments_are_read_and_written():
     for bad in ("VXM", "VM", "", "V0MM", "2VM", "V99999999M"):
         with pytest.raises(OptionError):
             cone.parse_flaps(bad)
-    with pytest.raises(OptionError, match="has 3 flaps, a cone of degree 8 has 4"):
-        cone.parse_flaps("VVM", 8)
 
 
 # ---------------------------------------------------------------- command line, drawings
-
-
-def test_branch_gives_fold_angles_in_degrees():
-    asked = ("paper", "cone", "branch", "--flaps", "VVM")
-    out = run(*asked, "--elevation", "-pi/9", "-o", "-")
-    assert out.code == 0
-    data = json.loads(out.out)
-    assert (data["direction"], data["symmetry"], data["end_rule"]) == ("down", "D1", "contract")
-    np.testing.assert_allclose(np.radians(data["edges_foldAngle"]), data["fold_angles"])
-    assert data["edges_assignment"][1::2] == ["M", "M", "V"]
-    assert data["edges_foldAngle"][1] == pytest.approx(-40, rel=1e-14)
-    assert run(*asked, "--elevation", 0.2).code == 0
-    with pytest.raises(AngleError, match="past the end"):
-        cone.FoldedCone(cone.ConeBranch((1, 1, -1), 1), 0.6)
 
 
 def test_foldings_are_listed(tmp_path):
