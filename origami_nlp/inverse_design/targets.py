@@ -123,8 +123,6 @@ class Targets:
         Differences of energy that are asked for.
     barriers
         Barriers between two states that are asked for.
-    highest
-        Largest energy of states by name [J].
     full_space
         Hold the states also where motions break the symmetry.
     equal
@@ -148,7 +146,6 @@ class Targets:
     preload: float | bool = False
     energies: tuple[EnergyGap, ...] = ()
     barriers: tuple[BarrierAsk, ...] = ()
-    highest: dict[str, float] = field(default_factory=dict)
     full_space: bool = True
     equal: str | tuple[int, ...] = ""
     limits: Limits = ()
@@ -173,8 +170,6 @@ class Targets:
         for ask in self.barriers:
             who = f"barrier from {ask.start!r} to {ask.end!r}"
             self._check_pair(who, "barrier", ask.start, ask.end, (ask.least, ask.most), 0.0)
-        for name in self.highest:
-            self._known(name, "highest energy")
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
             said = f"stiffness = [{low:g}, {high:g}]"

@@ -31,7 +31,7 @@ _KEYS = {
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (
         *("name", "fold_angles", "fold_angles_deg", "like", "margin"),
-        *("energy_above", "energy_difference", "energy_at_most"),
+        *("energy_above", "energy_difference"),
     ),
     "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
@@ -87,11 +87,6 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     states = [_state(entry, i, folder, many) for i, entry in enumerate(entries, start=1)]
     named = [*zip((t.name for t in states), entries, strict=True)]
     above = ("energy_above", "energy_difference")
-    highest = {
-        name: check_number(f"state {name!r}: energy_at_most", entry["energy_at_most"], 0.0)
-        for name, entry in named
-        if "energy_at_most" in entry
-    }
     springs, more = dict(data.get("springs", {})), dict(data.get("model", {}))
     if "stiffness" in springs:
         more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
@@ -111,7 +106,6 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
         origami,
         tuple(states),
         energies=tuple(_gap(e, name) for name, e in named if any(key in e for key in above)),
-        highest=highest,
         barriers=tuple(_barrier(entry) for entry in data.get("barriers", [])),
         source=source,
         **equal,
