@@ -12,7 +12,7 @@ from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier,
 from origami_nlp.inverse_design.targets import BarrierAsk, ClosedTarget, Targets
 from origami_nlp.inverse_design.transition_paths import Passes, height
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, find_images
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 
@@ -46,8 +46,7 @@ def check(
     """
     near = [_nearest(minima, targets.model.expand(p.state.x)) for p in targets.placed]
     states = tuple(_held(targets, minima, *one) for one in zip(targets.placed, near, strict=True))
-    ours = {k for k, _ in near}
-    others = [m for k, m in enumerate(minima.minima) if k not in ours]
+    names = [s.name for s in states]
     energy = {s.name: s.energy for s in states}
     barriers = tuple(_barrier(targets, scene, ask, passes, energy) for ask in targets.barriers)
     failed = [*_unheld(targets, states), *_energies(targets, energy)]
@@ -56,13 +55,24 @@ def check(
         posed.margin,
         scene,
         states,
-        tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others),
+        tuple(_extra(minima, dict(zip((k for k, _ in near), names, strict=True)))),
         failed=(*failed, *(b.why for b in barriers if b.why)),
         minima=minima,
         iterations=posed.answer.iterations,
         residual=posed.answer.residual,
         barriers=barriers,
     )
+
+
+def _extra(found: MinimaResult, asked: dict[int, str]) -> Iterator[ExtraMinimum]:
+    """Go through the minima that are not among those asked for, by number from 0, with what they are images of."""
+    images = find_images(found.origami, found.minima)
+    first = [images.get(k, (k, ""))[0] for k in range(1, len(found.minima) + 1)]
+    of = {first[k]: f"state {name}" for k, name in asked.items() if k >= 0}
+    for k, m in enumerate(found.minima):
+        if k not in asked:
+            image = of.get(first[k], f"minimum {first[k]}" if k + 1 in images else "")
+            yield ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles), image)
 
 
 def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
