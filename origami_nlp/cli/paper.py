@@ -112,7 +112,7 @@ def transitions(
     family: str = o.FAMILY,
     seed: int = o.SEED,
 ) -> Any:
-    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
+    """Locate every transition of the admissible space of a FAMILY of the paper, over its alpha_1."""
     from origami_nlp.paper import find_transitions
 
     with progress(family, 1.0) as show:

@@ -14,6 +14,6 @@ from .space import Space as Space, find_space as find_space
 from .space_figure import draw_space as draw_space
 from .transitions import (
     Transition as Transition,
-    TransitionSweep as TransitionSweep,
+    Transitions as Transitions,
     find_transitions as find_transitions,
 )
