@@ -29,7 +29,7 @@ SIDE = 1e-5
 """Distance from a transition at which its two sides are looked at [rad]."""
 RINGS = 16
 """Of the meshes."""
-MARGIN = 0.05
+MARGIN = 0.1
 """Sector angles keep this far from 0 and pi/2 [rad], where facets degenerate."""
 
 OnProgress = Callable[[str, float], None]
