@@ -149,7 +149,6 @@ CASES = [
     case(find_space, "scene", SCENES),
     case(find_space, "rings", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),
-    case(find_critical_points, "result", (SCENE, *SCENES[1:]), "scene"),
     case(find_critical_points, "rings", (7, 1026, *WHOLES), "scene"),
     case(landscape, "scene", SCENES),
     case(landscape, "size", (7, 10_000, *WHOLES), "scene"),

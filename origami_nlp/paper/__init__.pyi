@@ -1,7 +1,7 @@
 from . import cone as cone
 from .audit import Audit as Audit, audit_candidates as audit_candidates
 from .candidates import Candidate as Candidate, read_candidates as read_candidates
-from .critical import compare_minima as compare_minima, find_critical_points as find_critical_points
+from .critical import find_critical_points as find_critical_points
 from .events import Event as Event
 from .landscape import (
     ExactLandscape as ExactLandscape,

@@ -16,7 +16,7 @@ states spread over X and its edges, edge points from every sign change of dU/ds,
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -27,16 +27,15 @@ from origami_nlp.chart import (
     border_paths,
     cells_of,
     geometry,
+    parts,
     spots,
     trace_boundary,
 )
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, check_result
 from origami_nlp.numerics import (
     BALANCED,
     FIRM,
-    NEAR_SINGULAR_TOL,
     SETTLED,
     STATIONARY,
     distinct,
@@ -48,7 +47,6 @@ from origami_nlp.paper.morse import (
     CriticalPoint,
     CriticalPoints,
     Kind,
-    MinimaComparison,
     Part,
 )
 from origami_nlp.paper.newton import NEAR, approach, settle
@@ -64,12 +62,7 @@ RINGS, SIZES = 24, (8, 1025)
 """Rings of the mesh around the flat state, by default and at least and most."""
 
 
-def find_critical_points(
-    scene: Scene,
-    result: MinimaResult | None = None,
-    *,
-    rings: int = RINGS,
-) -> CriticalPoints:
+def find_critical_points(scene: Scene, *, rings: int = RINGS) -> CriticalPoints:
     """Find every critical point of the energy on the contact-admissible symmetric set X.
 
     Critical in the sense of stratified Morse theory: on the inside, the edges and the vertices of X.
@@ -78,15 +71,13 @@ def find_critical_points(
     ----------
     scene
         What is folded.
-    result
-        Of `find_minima` on the same scene; the lists of minima are then compared.
     rings
         Of the mesh of X whose vertices are starts of Newton, 8 to 1025.
 
     Returns
     -------
     CriticalPoints
-        In order of energy; their contributions sum to the Euler characteristic of X where none is missing.
+        In order of energy; their contributions sum to the Euler characteristic of X where none is missing (`closes`).
 
     Raises
     ------
@@ -105,8 +96,6 @@ def find_critical_points(
     """
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
-    if result is not None:
-        check_result(result, scene)
     check_whole("rings", rings, *SIZES)
     problem = pose(scene)
     if problem.dof != 2:
@@ -122,8 +111,9 @@ def find_critical_points(
     points = [*search.vertices(), *search.edges(), *search.interior()]
     search.warn_of_neighbours(points)
     points.sort(key=lambda p: rank(p.energy / problem.scale, p.fold_angles))
-    found = CriticalPoints(scene, tuple(points), None, tuple(search.doubts))
-    return found if result is None else compare_minima(found, result)
+    pieces = parts(len(search.cells.wedge), search.cells.triangles, search.cells.extra_edges)
+    euler = sum(piece.euler_characteristic for piece in pieces)
+    return CriticalPoints(scene, tuple(points), euler, tuple(search.doubts))
 
 
 @dataclass(frozen=True)
@@ -364,25 +354,6 @@ def _point(
     phi = tuple((state.fold_angles + 0.0).tolist())
     what = (state.energy, part, kind, contribution, phi, names, multipliers, residual, how, index)
     return CriticalPoint(*what)
-
-
-def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
-    """Return the same points with their minima matched, in fold angles, to those of a search."""
-    check_result(minima, found.scene)
-    here = [k for k, p in enumerate(found.points) if p.kind == "minimum"]
-    pairs = []
-    for j, other in enumerate(minima.minima):
-        for k in here:
-            apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
-            if apart <= NEAR_SINGULAR_TOL:
-                pairs.append((k, j))
-                break
-    lists = MinimaComparison(
-        tuple(pairs),
-        tuple(k for k in here if k not in {p[0] for p in pairs}),
-        tuple(j for j in range(len(minima.minima)) if j not in {p[1] for p in pairs}),
-    )
-    return replace(found, comparison=lists)
 
 
 def in_degrees(x: np.ndarray) -> str:

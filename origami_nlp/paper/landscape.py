@@ -264,7 +264,6 @@ def landscape_to_dict(
     dict
         ``exact.to_dict()`` and, under their names, the plain data of the others.
     """
-    judged = replace(critical, morse=critical.verdict(space.euler_characteristic))
-    parts = to_plain({"space": space, "critical": judged, "barriers": barriers})
+    parts = to_plain({"space": space, "critical": critical, "barriers": barriers})
     del parts["barriers"]["result"]
     return {**exact.to_dict(), **parts}

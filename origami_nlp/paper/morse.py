@@ -71,57 +71,6 @@ class CriticalPoint(ShortRepr):
         return self.contribution != 0
 
 
-@dataclass(frozen=True)
-class MinimaComparison:
-    """Minima among the critical points against those of `find_minima`, matched in fold angles.
-
-    Attributes
-    ----------
-    matched
-        Pairs (position in CriticalPoints.points, position in the list of minima).
-    only_critical
-        Positions of minima that the search for minima misses.
-    only_search
-        Positions in the list of minima that are no minimum here.
-    """
-
-    ALSO = ("agree",)
-
-    matched: tuple[tuple[int, int], ...]
-    only_critical: tuple[int, ...]
-    only_search: tuple[int, ...]
-
-    @property
-    def agree(self) -> bool:
-        """Whether both lists hold the same states."""
-        return not self.only_critical and not self.only_search
-
-
-@dataclass(frozen=True)
-class MorseVerdict:
-    """The identity sum of contributions = Euler characteristic of X.
-
-    Attributes
-    ----------
-    morse_sum
-        Sum of the contributions.
-    euler_characteristic
-        Of X, obtained without the energy.
-    closes
-        Whether the identity holds; if not, at least one critical point is missing or misjudged.
-    """
-
-    morse_sum: int
-    euler_characteristic: int
-    closes: bool
-
-    @property
-    def text(self) -> str:
-        """What it says."""
-        words = "closes" if self.closes else "does not close: a point is missing or misjudged"
-        return f"Euler characteristic {self.euler_characteristic}: the count {words}"
-
-
 @dataclass(frozen=True, repr=False)
 class CriticalPoints(Report):
     """Critical points of the energy on the contact-admissible symmetric set X.
@@ -132,29 +81,26 @@ class CriticalPoints(Report):
         The scene.
     points
         In order of energy.
-    comparison
-        With a list of minima, where one was given.
+    euler_characteristic
+        Of X, obtained without the energy.
     doubts
         What could not be decided or checked, in words; empty in the regular case.
-    morse
-        What the Morse identity says, where the Euler characteristic of X is known (`verdict`).
 
     Examples
     --------
     >>> import origami_nlp as o
     >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), rings=12)
-    >>> len(found.minima), found.verdict(euler_characteristic=1).closes
-    (2, True)
+    >>> len(found.minima), found.morse_sum, found.closes
+    (2, 1, True)
     """
 
     scene: Scene
     points: tuple[CriticalPoint, ...]
-    comparison: MinimaComparison | None = None
-    doubts: tuple[str, ...] = field(default=())
-    morse: MorseVerdict | None = None
+    euler_characteristic: int
+    doubts: tuple[str, ...] = ()
 
     WIDTH, SCHEMA = 160, "origami-nlp/landscape/2"
-    ALSO = ("morse_sum",)
+    ALSO = ("morse_sum", "closes")
 
     @property
     def morse_sum(self) -> int:
@@ -166,21 +112,10 @@ class CriticalPoints(Report):
         """Points with an empty lower link."""
         return tuple(p for p in self.points if p.kind == "minimum")
 
-    def verdict(self, euler_characteristic: int) -> MorseVerdict:
-        """Compare with the Euler characteristic of X, obtained without the energy.
-
-        Parameters
-        ----------
-        euler_characteristic
-            Such as `Space.euler_characteristic`.
-
-        Returns
-        -------
-        MorseVerdict
-            Whether the contributions sum to it.
-        """
-        total = self.morse_sum
-        return MorseVerdict(total, euler_characteristic, total == euler_characteristic)
+    @property
+    def closes(self) -> bool:
+        """Whether the Morse identity holds; if not, at least one point is missing or misjudged."""
+        return self.morse_sum == self.euler_characteristic
 
     def report_sections(self) -> Iterator[Section]:
         """Return a table of the points that are essential, or undecided, the Morse sum, and what is said of it."""
@@ -189,10 +124,10 @@ class CriticalPoints(Report):
         if hidden := len(self.points) - len(told):
             title += f" ({hidden} more are not essential)"
         yield record_table(told, title)
-        yield f"Morse sum {self.morse_sum}" + (f", {self.morse.text}" if self.morse else "")
-        if self.comparison and not self.comparison.agree:
-            here, there = map(len, (self.comparison.only_critical, self.comparison.only_search))
-            yield f"minima: {here} are not in the list of the search, {there} only there"
+        words = "closes" if self.closes else "does not close: a point is missing or misjudged"
+        yield (
+            f"Morse sum {self.morse_sum}, Euler characteristic {self.euler_characteristic}: the count {words}"
+        )
         yield from (f"doubt: {doubt}" for doubt in self.doubts)
 
     def _rows(self) -> Iterator[dict[str, object]]:

@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.display import Result
-from origami_nlp.paper import compare_minima
 from tests.computed_once import (
-    PANELS,
     panel_barriers,
     panel_contacts,
     panel_points,
@@ -30,7 +28,7 @@ def results():
     """One of each kind, by class."""
     scene = o.examples.degree6("pi/4", 0.01)
     result = panel_result(scene)
-    points = compare_minima(panel_points(15), panel_result(PANELS[15]))
+    points = panel_points(15)
     contacts = panel_contacts()
     found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
     found += [panel_barriers(), o.find_landscape(result, size=21)]

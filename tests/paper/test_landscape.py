@@ -52,7 +52,7 @@ def test_json_is_consistent(written):
     """Morse sum, Euler characteristic, minima, barriers and counts fit together."""
     data = json.loads((written / "l.json").read_text())
     space, critical = data["space"], data["critical"]
-    assert critical["morse_sum"] == space["euler_characteristic"] and critical["morse"]["closes"]
+    assert critical["morse_sum"] == space["euler_characteristic"] and critical["closes"]
     assert space["euler_characteristic"] == len(space["components"]) - space["holes"]
     minima = dict(enumerate(data["result"]["minima"], start=1))
     assert data["counts"][0] == len(minima) == len(data["places"])
