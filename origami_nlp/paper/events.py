@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -97,33 +97,29 @@ def find_events(
     walls = walls_of(chain)
     k = chain.size
     found: list[Event] = []
-    for count in range(1, MOST_WALLS + 1):
-        for chosen in itertools.combinations(range(len(walls)), count):
-            variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
-            if len(set(variables)) < len(variables):
+    sets = (itertools.combinations(walls, count) for count in range(1, MOST_WALLS + 1))
+    for chosen in itertools.chain.from_iterable(sets):
+        limits = [wall for wall in chosen if wall.variable >= 0]
+        if len({wall.variable for wall in limits}) < len(limits):
+            continue
+        system = ContactKkt(make, middle, chain, chosen)
+        for _ in range(starts):
+            z = np.append(rng.uniform(-math.pi, math.pi, k), rng.uniform(low, high))
+            for wall in limits:
+                z[wall.variable] = wall.side * math.pi
+            z = np.append(z, system.first_multipliers(z))
+            answer = root(
+                system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
+            )
+            if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
                 continue
-            system = ContactKkt(make, middle, chain, [walls[i] for i in chosen])
-            for _ in range(starts):
-                z = np.concatenate([rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]])
-                for i in chosen:
-                    if walls[i].variable >= 0:
-                        z[walls[i].variable] = walls[i].side * math.pi
-                z = np.concatenate([z, system.first_multipliers(z)])
-                answer = root(
-                    system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
-                )
-                if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
-                    continue
-                event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
-                if event is None:
-                    continue
-                known = [
-                    e
-                    for e in found
-                    if e.walls == event.walls and abs(e.alpha - event.alpha) <= RESOLVED
-                ]
-                if not known or (event.admissible and not known[0].admissible):
-                    found = [e for e in found if e not in known] + [event]
+            event = _polished(make, chosen, system, answer.x, low, high)
+            if event is None:
+                continue
+            same = [e for e in found if e.walls == event.walls]
+            same = [e for e in same if abs(e.alpha - event.alpha) <= RESOLVED]
+            if not same or (event.admissible and not same[0].admissible):
+                found = [e for e in found if e not in same] + [event]
     return sorted(found, key=lambda e: (e.alpha, e.walls))
 
 
@@ -131,7 +127,7 @@ class ContactKkt:
     """The KKT system of one set of walls at z = (x, alpha, lambda), compiled: `residual` and `jacobian`."""
 
     def __init__(
-        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: list[Wall]
+        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: Sequence[Wall]
     ) -> None:
         import casadi as ca
 
@@ -160,7 +156,7 @@ def _equations(
     make: Callable[[float], Scene],
     middle: float,
     chain: HalfChain,
-    walls: list[Wall],
+    walls: Sequence[Wall],
     x: Any,
     alpha: Any,
 ) -> Any:
@@ -211,7 +207,7 @@ def _fold_wedge(order: int, count: int, x: Any, sectors: Any) -> tuple[list[Any]
 
 def _polished(
     make: Callable[[float], Scene],
-    walls: list[Wall],
+    walls: Sequence[Wall],
     system: ContactKkt,
     z: np.ndarray,
     low: float,
