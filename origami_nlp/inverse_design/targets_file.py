@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,8 @@ from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
-from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_toml
+from origami_nlp.io import check_tables, one_of, parse_toml, read_toml
+from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import (
     LIMIT_KEYS,
     Pattern,
@@ -135,6 +136,7 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
     name = entry.get("name", f"state {i}")
     keys = ("fold_angles", "fold_angles_deg", "like")
     given = one_of(entry, f"[[states]] {name!r}", keys, OptionError)
+    phi: Sequence[float]
     if given == "like":
         phi = _like(entry["like"], folder, name)
     else:
@@ -151,24 +153,18 @@ def _angles(values: Any, key: str) -> list[float]:
     return list(parse_angles(values, key, degrees=key.endswith("_deg")))
 
 
-def _like(words: Any, folder: Path, name: str) -> list[float]:
+def _like(words: Any, folder: Path, name: str) -> Sequence[float]:
     """Return the fold angles of a state of an earlier run: ``FILE#2`` is the second of its list."""
     who = f"[[states]] {name!r}"
     file, _, number = words.rpartition("#") if isinstance(words, str) else ("", "", "")
     if not file or not re.fullmatch("[1-9][0-9]{0,8}", number):
         must = "must be 'FILE#NUMBER', such as 'states.json#2'"
         raise OptionError(f"{who}: like = {shown(words)} {must}")
-    data = read_json(folder / file, 200 * _LARGEST, "states", OptionError)
-    states = data.get("minima") if isinstance(data, dict) else None
-    states = states if isinstance(states, list) else []
-    many = len(states)
-    if int(number) > many:
-        raise OptionError(f"{who}: {file!r} has {many or 'no'} minima, like asks for {number}")
-    state = states[int(number) - 1]
-    phi = state.get("fold_angles") if isinstance(state, dict) else None
-    if not isinstance(phi, list) or not all(type(a) in (int, float) for a in phi):
-        raise OptionError(f"{who}: minimum {number} of {file!r} has no fold_angles")
-    return list(parse_angles(phi, f"{who}: fold_angles of {file!r}"))
+    states = MinimaResult.load(folder / file).minima
+    if int(number) > len(states):
+        many = len(states) or "no"
+        raise OptionError(f"{who}: {file!r} has {many} minima, like asks for {number}")
+    return states[int(number) - 1].fold_angles
 
 
 def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:

@@ -185,3 +185,14 @@ def test_a_file_of_targets_is_a_question(tmp_path):
         o.design("nowhere.toml")
     with pytest.raises(o.OrigamiError, match="targets"):
         o.design(3)
+
+
+def test_states_are_like_those_of_an_earlier_run(tmp_path):
+    found = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=8, escape=False)
+    found.save(tmp_path / "states.json")
+    sectors = "sector_angles_deg = [45, 45, 90, 90, 45, 45]"
+    text = f"[vertex]\n{sectors}\n[[states]]\nlike = 'states.json#{{}}'\n"
+    (state,) = parse_targets(text.format(2), tmp_path).states
+    assert state.fold_angles == found.minima[1].fold_angles
+    with pytest.raises(o.OrigamiError, match="has 2 minima, like asks for 3"):
+        parse_targets(text.format(3), tmp_path)
