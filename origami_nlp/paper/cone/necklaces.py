@@ -11,13 +11,13 @@ bracelets, and tabulates necklaces.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import gcd
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.paper.cone.flaps import Flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.numbers import exact, number_words
 from origami_nlp.paper.cone.rules import check_degree
@@ -42,10 +42,10 @@ class Folding:
         Whether its mirror image is a different necklace.
     """
 
-    flaps: Flaps
-    symmetry: str
-    copies: int
-    chiral: bool
+    flaps: Flaps = field(metadata=shown("flaps", spec=lambda f: "V" if f > 0 else "M", between=""))
+    symmetry: str = field(metadata=shown("symmetry"))
+    copies: int = field(metadata=shown("copies"))
+    chiral: bool = field(metadata=shown("mirror image differs"))
 
 
 def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
@@ -168,15 +168,7 @@ class Foldings(Report):
             "leaves the same numbers"
         )
         if self.listed:
-            kept = {f.flaps for f in foldings(self.degree, mirrors_differ=False)}
-            rows = []
-            for number, f in enumerate(foldings(self.degree), start=1):
-                word = (
-                    "itself" if not f.chiral else "another" if f.flaps in kept else "listed above"
-                )
-                rows.append((str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word))
-            heads = ("#", "flaps", "symmetry", "copies", "mirror image")
-            yield Table(heads, rows, "", "rllrl", framed=False)
+            yield record_table(foldings(self.degree), "")
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; numbers beyond 2^53 are text."""

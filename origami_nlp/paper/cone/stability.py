@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_callback
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
 from origami_nlp.paper.cone.branches import ConeBranch
@@ -29,7 +29,6 @@ from origami_nlp.pattern_problem import pose
 LARGEST_DEGREE = 16
 """The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""
 VERDICTS = ("stable", "unstable", "undecided")
-HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 Progress = Callable[[int, int], None]
 """Called as progress(states judged, all)."""
 
@@ -57,24 +56,22 @@ class JudgedMinimum:
     residual
         Norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an equilibrium; at regular
         interior states a positive value proves that the state is not a minimum.
+    verdict
+        ``stable``, ``unstable`` or ``undecided``.
     full_space
         The verdict, with certificate and descent.
     """
 
-    branch: ConeBranch
-    copies: int
-    kind: str
-    elevation: float
+    branch: ConeBranch = field(metadata=shown("flaps"))
+    copies: int = field(metadata=shown("copies"))
+    kind: str = field(metadata=shown("kind"))
+    elevation: float = field(metadata=shown("|v|", spec=".4f"))
     energy: float
-    depth: float
+    depth: float = field(metadata=shown("depth", spec=".4g"))
     fold_angles: tuple[float, ...] = field(repr=False)
-    residual: float
+    residual: float = field(metadata=shown("slope", spec=".2e"))
+    verdict: str = field(metadata=shown("verdict"))
     full_space: FullSpace = field(repr=False)
-
-    @property
-    def verdict(self) -> str:
-        """``stable``, ``unstable`` or ``undecided``."""
-        return self.full_space.verdict
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,24 +108,9 @@ class ConeFullSpace(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return a row for each arrangement, direction and minimum, and the totals over all branches."""
-        why = [s.full_space.certificate for s in self.states]
-        reasons = list(dict.fromkeys(why))
-        rows = [
-            [
-                repr(s.branch),
-                str(s.copies),
-                s.kind,
-                f"{s.elevation:.4f}",
-                f"{s.depth:.4g}",
-                "singular" if np.isnan(s.residual) else f"{s.residual:.2e}",
-                s.verdict,
-                f"[{reasons.index(reason) + 1}]",
-            ]
-            for s, reason in zip(self.states, why, strict=True)
-        ]
         title = f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, nu_0 = {self.rest.elevation:g}"
-        yield Table(HEADS, rows, title, "Lrrrrrrr", framed=False)
-        yield from (f"[{k}] {reason}" for k, reason in enumerate(reasons, start=1))
+        yield record_table(self.states, title)
+        yield from dict.fromkeys(f"{s.verdict}: {s.full_space.certificate}" for s in self.states)
         words = [f"{self.count(v)} {v}" for v in VERDICTS]
         yield f"of {self.count()} branch minima: " + ", ".join(words)
 
@@ -187,7 +169,7 @@ def full_space(
         own = ConeBranch(folding.flaps, direction, cone.end)
         x = own.fold_angles(direction * v)
         # k_odd = 1: energies per k_odd
-        energy = float(scene.energy(x))
+        energy, judged = float(scene.energy(x)), judge_in_full_space(scene, x)
         states.append(
             JudgedMinimum(
                 own,
@@ -198,7 +180,8 @@ def full_space(
                 float((flat - energy) / flat) if flat > 0 else math.nan,
                 tuple(x.tolist()),
                 tangent_slope(State(problem, x)),
-                judge_in_full_space(scene, x),
+                judged.verdict,
+                judged,
             )
         )
         if progress:
