@@ -102,8 +102,6 @@ class Findings:
 
     frame: Frame
     tolerance: float | None = None
-    posed: bool = False
-    """Whether what is looked at is folded from the crease pattern, elsewhere than the coordinates of the frame."""
     notes: list[str] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
@@ -165,7 +163,7 @@ class Findings:
         place: Sequence[float] | np.ndarray | None = None,
     ) -> None:
         """Record a fault of this frame; its place is the middle of the vertices, and its unit that of the test."""
-        if place is None or self.posed:
+        if place is None:
             place = self.middle(vertices, edges, faces)
         v, e, fs = (tuple(map(int, numbers)) for numbers in (vertices, edges, faces))
         at = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)
