@@ -24,6 +24,7 @@ from .chart import (
     chart_limits as chart_limits,
     chart_of as chart_of,
     crease_number as crease_number,
+    fold_wedge as fold_wedge,
 )
 from .energy_map import (
     EnergyBranch as EnergyBranch,

@@ -190,15 +190,29 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray, back: bool = False) -
     n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
     H n_k = (sin pi/n cos upsilon, -cos pi/n, sin pi/n sin upsilon).
     """
-    n = scene.group.order
-    azimuth, h = 0.0, quat.IDENTITY
-    sectors = [ray.sector for ray in scene.group.rays[:2]]
-    for r in (2, 1, 0) if back else (0, 1, 2):
-        # half of the turn: phi_2 / 2, and phi / 4 at both mirrors, which halve the fold
-        half = fold_angles[..., crease_number(scene, r) - 1] / (2 if r == 1 else 4)
-        axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
-        h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
-        azimuth += sectors.pop(-1 if back else 0) if sectors else 0.0
-    normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
+    turn = -1 if back else 1
+    sectors = [ray.sector for ray in scene.group.rays[:2]][::turn]
+    folds = [fold_angles[..., crease_number(scene, r) - 1] for r in (0, 1, 2)][::turn]
+    normal = fold_wedge(scene.group.order, sectors, folds)[1]
     # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/validation/errata.md, 1)
     return np.arctan2(normal[2], normal[0])
+
+
+def fold_wedge(order: int, sectors: Any, folds: Any, by: Any = np) -> tuple[list[Any], Any, Any]:
+    """Fold a wedge of D_n with creases on both mirrors: its rays, the last mirror's normal, and its turns in all.
+
+    H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2); the normal is H n_k.  Of arrays, or what `by` has
+    cosines of, such as CasADi.
+    """
+    azimuth: Any = 0.0
+    turn: Any = quat.IDENTITY
+    rays, last = [], len(sectors)
+    for r in range(last + 1):
+        flat = (by.cos(azimuth), by.sin(azimuth), 0.0)
+        rays.append(quat.rotate(turn, flat))
+        # the mirror halves the fold angle of a crease that lies on it
+        half = folds[r] / (4 if r in (0, last) else 2)
+        turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
+        azimuth = azimuth + sectors[r] if r < last else azimuth
+    whole = math.pi / order
+    return rays, quat.rotate(turn, (math.sin(whole), -math.cos(whole), 0.0)), turn

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart import HalfChain, chain_of
+from origami_nlp.chart import HalfChain, chain_of, fold_wedge
 from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
@@ -167,9 +167,11 @@ def _equations(
     # two scenes of the family give both coefficients
     slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
     start = one - slope * middle
-    sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
-    rays, normal, equations = _fold_wedge(chain.scene.group.order, chain.size, x, sectors)
-    rows: list[Any] = [equations]
+    sectors = [start[i] + slope[i] * alpha for i in range(len(one))]
+    order = chain.scene.group.order
+    rays, normal, turn = fold_wedge(order, sectors, [x[r] for r in range(chain.size)], ca)
+    # the last mirror makes the angle pi/n with the first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1
+    rows: list[Any] = [turn[1], turn[3]] if order == 1 else [normal[1] + math.cos(math.pi / order)]
     for wall in walls:
         if wall.variable >= 0:
             rows.append(x[wall.variable] - wall.side * math.pi)
@@ -180,29 +182,6 @@ def _equations(
         else:
             rows.append(rays[-1][1])
     return ca.vertcat(*rows)
-
-
-def _fold_wedge(order: int, count: int, x: Any, sectors: Any) -> tuple[list[Any], Any, Any]:
-    """Fold a wedge of D_n with creases on both mirrors: its rays, the last mirror's normal, and closure.
-
-    H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray makes the angle pi/n with the
-    first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1, n_1 . H n_k = -cos(pi/n), flat normals e2 and n_k, for n >= 2.
-    """
-    import casadi as ca
-
-    whole = math.pi / order
-    azimuths = [ca.sum1(sectors[:r]) for r in range(count - 1)] + [whole]
-    q: Any = quat.IDENTITY
-    rays = []
-    for r, azimuth in enumerate(azimuths):
-        flat = ca.cos(azimuth), ca.sin(azimuth), 0.0
-        rays.append(quat.rotate(q, flat))
-        # the mirror halves the fold angle of a crease that lies on it
-        half = x[r] / (4 if r in (0, count - 1) else 2)
-        q = quat.multiply(q, quat.fold(ca.cos(half), ca.sin(half), flat))
-    normal = quat.rotate(q, (math.sin(whole), -math.cos(whole), 0.0))
-    closed = ca.vertcat(q[1], q[3]) if order == 1 else normal[1] + math.cos(whole)
-    return rays, normal, closed
 
 
 def _polished(
