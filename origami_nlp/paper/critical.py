@@ -108,7 +108,7 @@ def find_critical_points(scene: Scene, *, rings: int = RINGS) -> CriticalPoints:
             f"contact = {scene.contact!r}: critical points are found with contact = 'full'"
         )
     search = _Search(scene, problem, rings)
-    points = [*search.vertices(), *search.edges(), *search.interior()]
+    points = [*map(search.vertex, search.corners), *search.edges(), *search.interior()]
     search.warn_of_neighbours(points)
     points.sort(key=lambda p: rank(p.energy / problem.scale, p.fold_angles))
     pieces = parts(len(search.cells.wedge), search.cells.triangles, search.cells.extra_edges)
@@ -136,16 +136,22 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
     alone = ~np.isin(np.arange(count), cells.edges)
     alone[[v for path, *_ in border_paths(cells) for v in (path[0], path[-1])]] = True
     alone[[s.vertex for s in spots(count, cells.triangles, cells.extra_edges)]] = True
-    x, out = cells.wedge[alone], []
+    x = cells.wedge[alone]
     thin = [line for line in trace_boundary(scene).lines if line.thin]
-    for state in (State(problem, y, SETTLED) for y in x[distinct(x, SETTLED)]):
+
+    def at(state: State) -> StratumVertex:
         ways = [way for line in thin for way in _ways(problem, line, state.x)]
-        try:
-            links = tuple(link_of(scene, state, r, ways) for r in RADII)
-            out.append(StratumVertex(state.x, links))
-        except ValueError as error:
-            out.append(StratumVertex(state.x, (), str(error)))
-    return tuple(out)
+        return StratumVertex(state.x, *_links(scene, state, ways))
+
+    return tuple(at(State(problem, y, SETTLED)) for y in x[distinct(x, SETTLED)])
+
+
+def _links(scene: Scene, state: State, handles: Sequence[Way]) -> tuple[tuple[Link, ...], str]:
+    """Sample the links of a state; none with the reason where they are not known."""
+    try:
+        return tuple(link_of(scene, state, radius, handles) for radius in RADII), ""
+    except ValueError as error:
+        return (), str(error)
 
 
 def _ways(problem: PatternProblem, line: BoundaryLine, x: np.ndarray) -> Iterator[Way]:
@@ -169,18 +175,6 @@ class _Search:
         self.along = np.zeros((0, problem.size))
         # the multiplier and curvature, scaled, from which they decide
         self.firm = FIRM * float((problem.parameters.stiffness / problem.multiplicity).min())
-
-    def links(self, state: State, handles: Sequence[Way] = ()) -> tuple[Link, ...]:
-        """Sample the links of a state, or record why they are not known."""
-        try:
-            return tuple(link_of(self.scene, state, radius, handles) for radius in RADII)
-        except ValueError as error:
-            self.doubts.append(f"the link of {in_degrees(state.x)} is not known: {error}")
-            return ()
-
-    def vertices(self) -> list[CriticalPoint]:
-        """Judge all vertices by their links."""
-        return [self._vertex(vertex) for vertex in self.corners]
 
     def interior(self) -> list[CriticalPoint]:
         """Critical points at which nothing touches."""
@@ -215,7 +209,7 @@ class _Search:
             index = int((curvature < 0).sum())
             kind, how = KINDS[index], f"reduced Hessian, index {index}"
             return _point(plane, index, (-1) ** index, "interior", kind, (), (), how)
-        contribution, kind, how = self.count_links(self.links(state))
+        contribution, kind, how = self.count_links(state.x, *_links(self.scene, state, ()))
         return _point(plane, None, contribution, "interior", kind, (), (), how)
 
     def edges(self) -> list[CriticalPoint]:
@@ -265,7 +259,7 @@ class _Search:
         if not by_formula:
             rows, ahead = line.rows(self.problem), held.tangent[:, 0] / self.problem.root
             ways = [(ahead, rows), (-ahead, rows)] if line.thin else []
-            contribution, kind, how = self.count_links(self.links(state, ways))
+            contribution, kind, how = self.count_links(state.x, *_links(self.scene, state, ways))
         elif (
             push < 0
         ):  # U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
@@ -277,7 +271,8 @@ class _Search:
         names = tuple(dict.fromkeys(map(self.problem.name, _closed(state)))) or line.contacts
         return _point(held, index, contribution, part, kind, names, moment, how)
 
-    def _vertex(self, vertex: StratumVertex) -> CriticalPoint:
+    def vertex(self, vertex: StratumVertex) -> CriticalPoint:
+        """Judge a vertex by its links."""
         problem = self.problem
         state = State(problem, vertex.x, SETTLED)
         rows = _closed(state)
@@ -289,9 +284,7 @@ class _Search:
             weights = np.array([problem.weight(r) for r in rows])
             values = found.smallest * problem.scale / weights
             multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
-        if vertex.reason:
-            self.doubts.append(f"the link of {in_degrees(vertex.x)} is not known: {vertex.reason}")
-        contribution, kind, how = self.count_links(vertex.links)
+        contribution, kind, how = self.count_links(vertex.x, vertex.links, vertex.reason)
         smooth = bool(vertex.links) and all(
             len(link.circles) == 1 and link.pieces == 1 and not len(link.thin)
             for link in vertex.links
@@ -308,9 +301,12 @@ class _Search:
                 if np.abs(self.at_corners - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
                     self.doubts.append(f"{in_degrees(x)} lies inside the sampled link of a vertex")
 
-    def count_links(self, links: tuple[Link, ...]) -> tuple[int, Kind, str]:
+    def count_links(
+        self, x: np.ndarray, links: tuple[Link, ...], reason: str
+    ) -> tuple[int, Kind, str]:
         """Return contribution, kind and how from the links of a state at several radii."""
         if not links:
+            self.doubts.append(f"the link of {in_degrees(x)} is not known: {reason}")
             return 0, "undecided", "link not known"
         counts = [link.lower(self.problem.parameters) for link in links]
         chi, empty, whole = counts[-1]
@@ -319,8 +315,7 @@ class _Search:
         contribution = 1 - chi
         radii = " and ".join(f"{link.radius:g}" for link in links)
         if len(set(counts)) > 1:
-            where = in_degrees(links[0].center)
-            self.doubts.append(f"links of {where} disagree between radii {radii}")
+            self.doubts.append(f"links of {in_degrees(x)} disagree between radii {radii}")
         how = f"sampled link at radii {radii} rad, {links[-1].pieces} pieces"
         if empty:
             return contribution, "minimum", how
