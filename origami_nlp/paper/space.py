@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -166,7 +167,7 @@ class Space(Report):
             counts[key] = counts.get(key, 0) + 1
         return tuple(sorted(counts.items()))
 
-    @property
+    @cached_property
     def picture_joins(
         self,
     ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
@@ -174,7 +175,32 @@ class Space(Report):
 
         For each such point: its coordinates, and one state [N] of each separate set of states over it.
         """
-        return _picture_joins(self.mesh)
+        mesh, place = self.mesh, self._places
+        low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
+        low = -low
+        np.minimum.at(low, place, mesh.wedge)
+        np.maximum.at(high, place, mesh.wedge)
+        found = []
+        for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
+            over = np.flatnonzero(place == k)
+            point = mesh.points[over[0]]
+            # states that X does not connect over the disc around the point
+            near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
+            edges = mesh.edges[near[mesh.edges].all(axis=1)]
+            piece = groups(len(place), edges)[over]
+            first = over[np.unique(piece, return_index=True)[1]]
+            if len(first) > 1:
+                states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
+                found.append(((float(point[0]), float(point[1])), states))
+        return tuple(found)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Number of the chart point (to `SETTLED`, branches apart) of each vertex of the mesh."""
+        from scipy.spatial import cKDTree
+
+        points = np.column_stack([self.mesh.points, 10.0 * self.mesh.branch])
+        return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
     @property
     def picture_holes(self) -> int:
@@ -184,7 +210,10 @@ class Space(Report):
         characteristic by n - 1; a picture in the plane encloses no volume.
         """
         joins = [len(states) - 1 for _, states in self.picture_joins]
-        return _picture_components(self.mesh) - (self.euler_characteristic - sum(joins))
+        place = self._places
+        count = int(place.max(initial=-1)) + 1
+        components = int(groups(count, place[self.mesh.edges]).max(initial=-1)) + 1
+        return components - (self.euler_characteristic - sum(joins))
 
     def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
@@ -203,42 +232,6 @@ class Space(Report):
             )
         for point, states in joins:
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
-
-
-def _places(mesh: Cells) -> np.ndarray:
-    """Number of the chart point (to `SETTLED`, branches apart) of each vertex."""
-    from scipy.spatial import cKDTree
-
-    points = np.column_stack([mesh.points, 10.0 * mesh.branch])
-    return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
-
-
-def _picture_joins(
-    mesh: Cells,
-) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
-    """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
-    place = _places(mesh)
-    low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
-    low = -low
-    np.minimum.at(low, place, mesh.wedge)
-    np.maximum.at(high, place, mesh.wedge)
-    found = []
-    for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
-        over = np.flatnonzero(place == k)
-        point = mesh.points[over[0]]
-        near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
-        edges = mesh.edges[near[mesh.edges].all(axis=1)]
-        piece = groups(len(place), edges)[over]
-        first = over[np.unique(piece, return_index=True)[1]]
-        if len(first) > 1:
-            states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
-            found.append(((float(point[0]), float(point[1])), states))
-    return tuple(found)
-
-
-def _picture_components(mesh: Cells) -> int:
-    place = _places(mesh)
-    return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
 
 
 def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
