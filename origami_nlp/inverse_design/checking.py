@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.inverse_design.convex import ConvexDesign
 from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier, HeldState
-from origami_nlp.inverse_design.targets import BarrierAsk, ClosedTarget, Targets
+from origami_nlp.inverse_design.targets import ClosedTarget, EnergyBounds, Targets
 from origami_nlp.inverse_design.transition_paths import Passes, height
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, find_images
@@ -110,9 +110,9 @@ def _unheld(targets: Targets, states: Sequence[HeldState]) -> Iterator[str]:
 
 def _energies(targets: Targets, energy: dict[str, float]) -> Iterator[str]:
     for gap in targets.energies:
-        high, low = energy[gap.upper], energy[gap.lower]
+        high, low = energy[gap.first], energy[gap.second]
         if why := _outside(high, low, gap.least, gap.most):
-            yield f"energy of {gap.upper!r} above {gap.lower!r} {why}"
+            yield f"energy of {gap.first!r} above {gap.second!r} {why}"
 
 
 def _outside(high: float, low: float, least: float, most: float) -> str:
@@ -125,19 +125,19 @@ def _outside(high: float, low: float, least: float, most: float) -> str:
 def _barrier(
     targets: Targets,
     scene: Scene | Pattern,
-    ask: BarrierAsk,
+    ask: EnergyBounds,
     passes: Passes | None,
     energy: dict[str, float],
 ) -> HeldBarrier:
     """Measure a barrier along the curve of one degree of freedom; with more they are bounded from above alone."""
     if passes is None:
         why = f"barriers of {targets.model.dof} degrees of freedom are not known"
-        return HeldBarrier(ask.start, ask.end, math.nan, (), why)
+        return HeldBarrier(ask.first, ask.second, math.nan, (), why)
     # one way serves both directions: its top is the same
-    pair = (ask.start, ask.end)
+    pair = (ask.first, ask.second)
     model = targets.posed(scene)
     top, x = height(model, passes.ways[pair if pair in passes.ways else pair[::-1]])
-    why = _outside(top, energy[ask.start], ask.least, ask.most)
-    why = f"barrier from {ask.start!r} to {ask.end!r} {why}" if why else ""
+    why = _outside(top, energy[ask.first], ask.least, ask.most)
+    why = f"barrier from {ask.first!r} to {ask.second!r} {why}" if why else ""
     phi = tuple(model.expand(x).tolist())
-    return HeldBarrier(ask.start, ask.end, top - energy[ask.start], phi, why)
+    return HeldBarrier(ask.first, ask.second, top - energy[ask.first], phi, why)

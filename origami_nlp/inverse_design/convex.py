@@ -123,8 +123,8 @@ class ConvexDesign:
         at = {placed.target.name: placed.state.x for placed in t.placed}
         scale = _row(v.size, (v.scale, 1.0))
         for gap in t.energies:
-            row = springs.energy(at[gap.upper]) - springs.energy(at[gap.lower])
-            words = f"energy of {gap.upper} above {gap.lower}"
+            row = springs.energy(at[gap.first]) - springs.energy(at[gap.second])
+            words = f"energy of {gap.first} above {gap.second}"
             for one in bounded(row, scale, gap.least, gap.most, words):
                 p.add(one.cone, one.a, one.b, one.words)
 

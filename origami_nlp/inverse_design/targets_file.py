@@ -11,7 +11,7 @@ from typing import Any
 from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.examples import EXAMPLES
-from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
+from origami_nlp.inverse_design.targets import EnergyBounds, Target, Targets
 from origami_nlp.io import check_tables, one_of, parse_toml, read_toml
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import (
@@ -95,7 +95,7 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     if len(given) == 2:
         raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
     for key in given:
-        two = _two(f"[springs] {key}", springs[key], numbers=False)
+        two = _two(f"[springs] {key}", springs[key])
         more["rest_angles"] = tuple(_angles(two, key))
     if "preload" in springs:
         more["preload"] = springs["preload"]
@@ -167,18 +167,18 @@ def _like(words: Any, folder: Path, name: str) -> Sequence[float]:
     return states[int(number) - 1].fold_angles
 
 
-def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:
+def _gap(entry: Mapping[str, Any], name: str) -> EnergyBounds:
     if "energy_above" not in entry:
         raise OptionError(f"[[states]] {name!r}: energy_difference needs energy_above = 'STATE'")
     value = entry.get("energy_difference", [0.0, math.inf])
     if isinstance(value, list):
-        least, most = _two(f"{name!r}: energy_difference", value, finite=False)
+        least, most = _two(f"{name!r}: energy_difference", value)
     else:
         least = most = check_number(f"{name!r}: energy_difference", value)
-    return EnergyGap(name, entry["energy_above"], least, most)
+    return EnergyBounds(name, entry["energy_above"], least, most)
 
 
-def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
+def _barrier(entry: Mapping[str, Any]) -> EnergyBounds:
     """Read what is asked of a barrier."""
     ends = [entry.get(key) for key in ("from", "to")]
     if not all(isinstance(name, str) for name in ends):
@@ -191,12 +191,10 @@ def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
         if len(value) > 1:
             raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
         least = most = value["exactly"]
-    return BarrierAsk(str(ends[0]), str(ends[1]), least, most)
+    return EnergyBounds(str(ends[0]), str(ends[1]), least, most)
 
 
-def _two(name: str, value: Any, *, numbers: bool = True, finite: bool = True) -> list[Any]:
+def _two(name: str, value: Any) -> list[Any]:
     if not isinstance(value, list) or len(value) != 2:
         raise OptionError(f"{name} = {shown(value)} must be [least, most]")
-    if numbers and finite:
-        return [check_number(f"{name}[{i}]", v) for i, v in enumerate(value, start=1)]
     return value

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import (
-    BarrierAsk,
+    EnergyBounds,
     Target,
     Targets,
     design,
@@ -157,7 +157,7 @@ def _between(found, count):
 @pytest.mark.slow  # seconds of curves or searches
 def test_barriers_at_most():
     targets = parse_targets(EXAMPLES["switch"])
-    low = replace(targets, barriers=(BarrierAsk("off", "on", 0.0, 0.015),))
+    low = replace(targets, barriers=(EnergyBounds("off", "on", 0.0, 0.015),))
     found = design(low)
     assert found.verified and found.barriers[0].rise <= 0.015 * (1 + 1e-9)
 
@@ -166,7 +166,7 @@ def test_bad_questions_are_named():
     vertex = o.Vertex(("pi/2",) * 4)
     state = Target("a", (0.0,) * 4)
     with pytest.raises(OptionError, match="barrier of 'b'"):
-        Targets(vertex, (state,), barriers=(BarrierAsk("a", "b"),))
+        Targets(vertex, (state,), barriers=(EnergyBounds("a", "b"),))
     with pytest.raises(OptionError, match="exactly alone"):
         parse_targets(
             "[vertex]\nsector_angles_deg=[90,90,90,90]\n[[states]]\nname='a'\nfold_angles=[0,0,0,0]\n"
