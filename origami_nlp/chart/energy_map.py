@@ -22,6 +22,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, allowed, chart_limits, chart_of, family_of
 from origami_nlp.continuation import ContinuationOptions, End, Point, trace_held
+from origami_nlp.display import shown
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, project
@@ -58,10 +59,10 @@ class Place:
     drawn: False where |phi| > pi at some crease, which no chart covers, or the state is of another winding.
     """
 
-    branch: int
-    point: tuple[float, float]
+    branch: int = field(metadata=shown("branch"))
+    point: tuple[float, float] = field(metadata=shown("place", spec=".6f"))
     family: str = ""
-    drawn: bool = True
+    drawn: bool = field(default=True, metadata=shown("drawn"))
 
 
 COARSE, LARGEST_SIZE = 81, 8192

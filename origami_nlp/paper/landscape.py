@@ -23,7 +23,7 @@ from origami_nlp.chart import (
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
-from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
+from origami_nlp.display import Content, Line, Report, Section, Viewable, record_table
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import pose
@@ -117,25 +117,12 @@ class ExactLandscape(Report, Viewable):
         stable = verdicts.count("stable")
         return len(verdicts), stable + verdicts.count("undecided"), stable
 
-    def table(self) -> Table:
-        """Return one row a minimum: energy, place on the landscape, kind and verdict."""
-        names = [name.split(" (")[0] for name in self.chart.coordinates]
-        rows = [
-            (
-                str(k),
-                f"{m.energy:.9g}",
-                *(f"{v:.6f}" for v in place.point[: len(names)]),
-                m.kind,
-                m.full_space.verdict if m.full_space else "-",
-            )
-            for k, (m, place) in enumerate(zip(self.result.minima, self.places, strict=False), 1)
-        ]
-        heads = ("#", "energy [J]", *names, "kind", "full space")
-        return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
-
     def report_sections(self) -> Iterator[Section]:
         """Return the minima with their places and verdicts, and the boundary."""
-        yield self.table()
+        yield self.result.table()
+        if self.places:
+            names = ", ".join(name.split(" (")[0] for name in self.chart.coordinates)
+            yield record_table(self.places, f"where they are on ({names})")
         symmetric, not_unstable, stable = self.counts
         yield f"{symmetric} symmetric minima (N_sym)" + (
             "; stability in the full space was not asked for"
