@@ -41,7 +41,7 @@ def maps(degree, end, size=200):
 def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, share):
     """The table of docs/validation/cones.md: 200 x 200 points, r from 0.01 to 100."""
     plane = maps(degree, end)
-    half = plane.branches // 2
+    half = plane.cone.branches // 2
     assert set(np.unique(plane.total).tolist()) == {half, more or half}
     assert (plane.total != half).mean() == pytest.approx(share, abs=5e-5)
 
