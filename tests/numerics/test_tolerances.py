@@ -34,7 +34,7 @@ BESIDE_THE_TABLE = {
         paper/landscape.PIECE paths/ways.OFF_BRANCH paths/job.SIDE
         paths/ways.LEAST_SPAN
         paths/load_result.SHIFT paths/ways.OVER
-        paper/transitions.MARGIN paper/transitions.SIDE
+        paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
