@@ -59,13 +59,12 @@ minima miura:2x2 --starts 1 -o pattern.json
 follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 -o follow.json
 boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 -o set.json
 barriers scene.toml -o barriers.json
-landscape degree6.toml --size 33 -o landscape.npz
+landscape degree6.toml --size 33 -o landscape.pdf
 landscape degree6.toml --critical
 landscape degree6.toml --space
 sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper cone count --full --degree 6 --rest-elevation 0.3
-paper cone branch --flaps mvv --elevation 0.2
 paper cone foldings --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""

@@ -121,7 +121,7 @@ def save(result: Result, path: str | PathLike[str]) -> None:
     ----------
     result
         Anything that a `find_` function returned (`paper.landscape_to_dict` has a landscape with its space,
-        critical points and barriers, `paper.to_arrays` for NumPy).
+        critical points and barriers).
     path
         The file.
 

@@ -12,7 +12,6 @@ from .boundary import (
     Boundary as Boundary,
     BoundaryLine as BoundaryLine,
     border_paths as border_paths,
-    branches_of as branches_of,
     outline_of as outline_of,
     trace_boundary as trace_boundary,
     with_energy as with_energy,
@@ -24,8 +23,8 @@ from .chart import (
     allowed as allowed,
     chart_limits as chart_limits,
     chart_of as chart_of,
-    chart_points as chart_points,
     crease_number as crease_number,
+    fold_wedge as fold_wedge,
 )
 from .energy_map import (
     EnergyBranch as EnergyBranch,
@@ -38,7 +37,6 @@ from .mesh import MeshError as MeshError, edges_of as edges_of, several as sever
 from .topology import (
     Component as Component,
     Spot as Spot,
-    all_edges as all_edges,
     borders as borders,
     handles as handles,
     parts as parts,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.chart.cells import Cells, cells_of, geometry
-from origami_nlp.chart.chart import Chart, allowed, chart_of, chart_points
+from origami_nlp.chart.chart import Chart, allowed
 from origami_nlp.chart.half_chain import HalfChain
 from origami_nlp.chart.mesh import CUT, SEAM, MeshError, exact_states, has, pulled
 from origami_nlp.chart.topology import arcs, borders
@@ -138,17 +138,14 @@ def _boundary(scene: Scene) -> Boundary:
     import shapely
 
     cells, problem = cells_of(scene, RINGS), pose(scene)
-    chart = chart_of(scene)
-    assert chart is not None
+    chart = cells.chart
     lines = [
-        _line(chart, problem, cells, path, branch, thin)
-        for path, branch, thin in border_paths(cells)
+        _line(problem, cells, path, branch, thin) for path, branch, thin in border_paths(cells)
     ]
-    branch = branches_of(cells)[0]
     regions = [_region(chart, k, lines) for k in range(len(chart.signs))]
     free = np.flatnonzero(cells.on == 0)
     for k, region in enumerate(regions):
-        at = chart_points(chart, cells.wedge[free[branch[free] == k]][:, cells.cover.chain.orbit])
+        at = cells.points[free[cells.branch[free] == k]]
         if shapely.contains_xy(region, at).sum() < MOSTLY * len(at):
             regions = []
             break
@@ -157,7 +154,7 @@ def _boundary(scene: Scene) -> Boundary:
 
 def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
     """Return the border from corner to corner: vertices in order, branch of the chart, and whether it is a handle."""
-    branch, sure = branches_of(cells)
+    branch, sure = cells.chart.branch_of(cells.fold_angles)
     edges, thin = borders(cells.triangles, cells.extra_edges)
     a, b = edges.T
     # of two ends that one is asked for its branch which is farther from where branches meet
@@ -175,12 +172,12 @@ def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
 
 
 def _line(
-    chart: Chart, problem: PatternProblem, cells: Cells, path: np.ndarray, branch: int, thin: bool
+    problem: PatternProblem, cells: Cells, path: np.ndarray, branch: int, thin: bool
 ) -> BoundaryLine:
     x = _dense(cells.cover.chain, cells, path)
     phi = x[:, cells.cover.chain.orbit]
     s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
-    line = BoundaryLine((), branch, chart_points(chart, phi), phi, s, thin)
+    line = BoundaryLine((), branch, cells.chart.points(phi), phi, s, thin)
     return replace(line, contacts=tuple(map(problem.name, line.rows(problem))))
 
 
@@ -201,23 +198,6 @@ def _dense(chain: HalfChain, cells: Cells, path: np.ndarray) -> np.ndarray:
         base, leaf = np.insert(base, far + 1, new, axis=0), np.insert(leaf, far + 1, side)
         x = np.insert(x, far + 1, chain.limits.clip(states), axis=0)
     return x
-
-
-def branches_of(cells: Cells) -> tuple[np.ndarray, np.ndarray]:
-    """Return the branch of the chart on which each vertex lies, and how far it is from where branches meet, [V]."""
-    chain, elevation = cells.cover.chain, cells.cover.base[cells.origin, 0]
-    if chain.kind == "degree6":
-        return np.zeros(len(elevation), dtype=int), np.ones(len(elevation))
-    if chain.scene.group.order == 2:  # each side of the flat state has one: `closed_forms.wedge3`
-        return np.where(elevation > 0, 1, 0), np.abs(elevation)
-    chart = chart_of(chain.scene)
-    assert chart is not None
-    misfit = []
-    for k in (0, 1):
-        there = chart.fold_angles(k, cells.wedge[:, 1], elevation)
-        error = np.abs(there - cells.wedge[:, chain.orbit]).max(axis=1)
-        misfit.append(np.where(np.isfinite(error), error, 10.0))
-    return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
 
 
 def _region(chart: Chart, branch: int, lines: list[BoundaryLine]) -> MultiPolygon:

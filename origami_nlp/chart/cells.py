@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart.chart import admissible
+from origami_nlp.chart.chart import Chart, admissible
 from origami_nlp.chart.half_chain import chain_of
 from origami_nlp.chart.mesh import (
     CUT,
@@ -61,9 +61,34 @@ class Cells(ShortRepr):
     extra_edges: np.ndarray
 
     @property
-    def rings(self) -> int:
-        """Of the mesh."""
-        return self.cover.rings
+    def chart(self) -> Chart:
+        """Of the scene."""
+        return self.cover.chain.chart
+
+    @cached_property
+    def fold_angles(self) -> np.ndarray:
+        """States, [V, N] [rad]."""
+        return np.asarray(self.wedge[:, self.cover.chain.orbit])
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Coordinates in the scene's chart, [V, 2]."""
+        return self.chart.points(self.fold_angles)
+
+    @cached_property
+    def branch(self) -> np.ndarray:
+        """Branch of that chart, [V]."""
+        return self.chart.branch_of(self.fold_angles)[0]
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """All edges, those of triangles and the others: vertices [E, 2], smaller first."""
+        edges = np.vstack([edges_of(self.triangles)[0], np.sort(self.extra_edges, axis=1)])
+        return np.unique(edges, axis=0)
+
+    def contacts(self, walls: int) -> tuple[str, ...]:
+        """Name walls, which are given as the bits of `on`."""
+        return tuple(name for k, name in enumerate(self.cover.chain.walls) if walls >> k & 1)
 
 
 def cells_of(scene: Scene, rings: int) -> Cells:

@@ -17,15 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.closed_forms import ChartPoint, Reason, degree6, wedge3
+from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.folding import fold_vertex, pair_depths
 from origami_nlp.numerics import OUTSIDE, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
-
-AROUND = np.array([0.0, -1e-9, 1e-9, -1e-6, 1e-6])
-"""Elevations [rad] beside that of a state: rounding moves one on the fold J = 0 to where the chart has no state."""
-TIE = 1e-2
-"""Branches that miss a state by as much [rad] to within this share it: beside J = 0 they are that close."""
 
 
 @dataclass(frozen=True)
@@ -53,15 +48,36 @@ class Chart:
             value = degree6(rays[0].sector, rays[1].sector, x, y).value
             piece = np.stack([value[..., 0], x, y, value[..., 1]], axis=-1)
         else:
-            value = wedge_point(self.scene, y, x, self.signs[branch]).value
+            sign, order = self.signs[branch], self.scene.group.order
+            value = wedge3(order, rays[0].sector, y, x, sign).value
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 
-    def locate(self, fold_angles: np.ndarray) -> tuple[tuple[int, ...], tuple[float, float]]:
-        """Branches on which the state [N] lies (the best first) and its coordinates (x, y)."""
-        phi = np.asarray(fold_angles, dtype=float)
-        x, y = chart_points(self, phi).tolist()
-        return ((0,) if self.kind == "degree6" else _branches(self, phi, x, y)), (x, y)
+    def branch_of(self, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Branch on which states [..., N] lie, and how far they are from where branches meet, [...]."""
+        elevation = self.points(fold_angles)[..., 1]
+        if self.kind == "degree6":
+            return np.zeros(elevation.shape, dtype=int), np.ones(elevation.shape)
+        if self.scene.group.order == 2 and self.scene.contact == "full":
+            # each side of the flat state has one: `closed_forms.wedge3`
+            return np.where(elevation > 0, 1, 0), np.abs(elevation)
+        misfit = []
+        for k in (0, 1):
+            there = self.fold_angles(
+                k, fold_angles[..., crease_number(self.scene, 1) - 1], elevation
+            )
+            error = np.abs(there - fold_angles).max(axis=-1)
+            misfit.append(np.where(np.isfinite(error), error, 10.0))
+        return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
+
+    def points(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Return the coordinates (x, y) of states [..., N], shape [..., 2]."""
+        x = fold_angles[..., crease_number(self.scene, 1) - 1]
+        if self.kind == "degree6":
+            y = fold_angles[..., crease_number(self.scene, 2) - 1]
+        else:
+            y = wedge_elevation(self.scene, fold_angles)
+        return np.stack([x, y], axis=-1)
 
 
 def chart_of(scene: Scene) -> Chart | None:
@@ -80,20 +96,6 @@ def chart_of(scene: Scene) -> Chart | None:
         names = (f"phi_{crease_number(scene, 1)}", f"upsilon (elevation of crease {number})")
         return Chart(scene, "wedge", names, (1, -1))
     return None
-
-
-def wedge_point(scene: Scene, elevation: Any, phi2: Any, sign: int) -> ChartPoint:
-    """`closed_forms.wedge3` at the scene's order and sector angle."""
-    return wedge3(scene.group.order, scene.group.rays[0].sector, elevation, phi2, sign)
-
-
-def chart_points(chart: Chart, fold_angles: np.ndarray) -> np.ndarray:
-    """Return the chart coordinates (x, y) of states [..., N], shape [..., 2]."""
-    scene = chart.scene
-    x = fold_angles[..., crease_number(scene, 1) - 1]
-    if chart.kind == "degree6":
-        return np.stack([x, fold_angles[..., crease_number(scene, 2) - 1]], axis=-1)
-    return np.stack([x, wedge_elevation(scene, fold_angles)], axis=-1)
 
 
 def crease_number(scene: Scene, ray: int) -> int:
@@ -150,21 +152,16 @@ def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
 
 def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
     """Pairs of non-adjacent facets, one for each class under the scene's symmetry."""
-    n, group = scene.degree, scene.group
-    step = n // group.order
-    first = group.rays[0].crease
-    # crease i -> s - i sends facet (i, i+1) to s - 1 - i; a mirror through a facet needs no thrift
-    maps = [[(f + m * step) % n for f in range(n)] for m in range(group.order)]
-    if group.kind == "D" and first is not None:
-        maps += [[(2 * first - 1 - g) % n for g in row] for row in maps]
-    pairs: list[tuple[int, int]] = []
-    seen: set[frozenset[int]] = set()
+    n, seen, pairs = scene.degree, set[frozenset[int]](), []
     for i in range(n):
-        for j in range(i + 2, n):
-            if (j - i) % n == n - 1 or frozenset((i, j)) in seen:
-                continue
-            seen |= {frozenset((row[i], row[j])) for row in maps}
-            pairs.append((i, j))
+        for j in range(i + 2, n - (i == 0)):
+            if frozenset((i, j)) not in seen:
+                pairs.append((i, j))
+                # crease i -> s - i sends facet (i, i+1) to s - 1 - i
+                seen |= {
+                    frozenset((s - 1 - f if mirrored else f + s) % n for f in (i, j))
+                    for s, mirrored in scene.group.elements
+                }
     return pairs
 
 
@@ -193,35 +190,29 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray, back: bool = False) -
     n_k = (sin pi/n, -cos pi/n, 0); the chart's frame is turned from it by Q(e2, upsilon), so that
     H n_k = (sin pi/n cos upsilon, -cos pi/n, sin pi/n sin upsilon).
     """
-    n = scene.group.order
-    azimuth, h = 0.0, quat.IDENTITY
-    sectors = [ray.sector for ray in scene.group.rays[:2]]
-    for r in (2, 1, 0) if back else (0, 1, 2):
-        # half of the turn: phi_2 / 2, and phi / 4 at both mirrors, which halve the fold
-        half = fold_angles[..., crease_number(scene, r) - 1] / (2 if r == 1 else 4)
-        axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
-        h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
-        azimuth += sectors.pop(-1 if back else 0) if sectors else 0.0
-    normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
+    turn = -1 if back else 1
+    sectors = [ray.sector for ray in scene.group.rays[:2]][::turn]
+    folds = [fold_angles[..., crease_number(scene, r) - 1] for r in (0, 1, 2)][::turn]
+    normal = fold_wedge(scene.group.order, sectors, folds)[1]
     # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/validation/errata.md, 1)
     return np.arctan2(normal[2], normal[0])
 
 
-def _branches(chart: Chart, phi: np.ndarray, x: float, y: float) -> tuple[int, ...]:
-    """Branches of a wedge's chart on which the state [N] at (x, y) lies, the best first."""
-    scene = chart.scene
-    ends = phi[[crease_number(scene, 0) - 1, crease_number(scene, 2) - 1]]
-    nearby = y + AROUND
-    misfit, own = [], []
-    for sign in chart.signs:
-        point = wedge_point(scene, nearby, x, sign)
-        error = np.abs(point.value - ends).max(axis=-1)
-        error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
-        misfit.append(float(error.min()))
-        own.append(bool(point.own_side[0]))
-    # branches meet where J = 0: next to it each explains the state nearly as well
-    tie = abs(misfit[0] - misfit[1]) < TIE if np.isfinite(misfit).all() else misfit[0] == misfit[1]
-    order = [0, 1] if misfit[0] <= misfit[1] else [1, 0]
-    if tie:
-        order.sort(key=lambda k: (not own[k], misfit[k]))
-    return tuple(order if tie else order[:1])
+def fold_wedge(order: int, sectors: Any, folds: Any, by: Any = np) -> tuple[list[Any], Any, Any]:
+    """Fold a wedge of D_n with creases on both mirrors: its rays, the last mirror's normal, and its turns in all.
+
+    H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2); the normal is H n_k.  Of arrays, or what `by` has
+    cosines of, such as CasADi.
+    """
+    azimuth: Any = 0.0
+    turn: Any = quat.IDENTITY
+    rays, last = [], len(sectors)
+    for r in range(last + 1):
+        flat = (by.cos(azimuth), by.sin(azimuth), 0.0)
+        rays.append(quat.rotate(turn, flat))
+        # the mirror halves the fold angle of a crease that lies on it
+        half = folds[r] / (4 if r in (0, last) else 2)
+        turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
+        azimuth = azimuth + sectors[r] if r < last else azimuth
+    whole = math.pi / order
+    return rays, quat.rotate(turn, (math.sin(whole), -math.cos(whole), 0.0)), turn

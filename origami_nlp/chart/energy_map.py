@@ -22,10 +22,11 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, allowed, chart_limits, chart_of, family_of
 from origami_nlp.continuation import ContinuationOptions, End, Point, trace_held
+from origami_nlp.display import shown
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, SETTLED
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from origami_nlp.problem import FoldLimits
@@ -58,14 +59,14 @@ class Place:
     drawn: False where |phi| > pi at some crease, which no chart covers, or the state is of another winding.
     """
 
-    branch: int
-    point: tuple[float, float]
+    branch: int = field(metadata=shown("branch"))
+    point: tuple[float, float] = field(metadata=shown("place", spec=".6f"))
     family: str = ""
-    drawn: bool = True
+    drawn: bool = field(default=True, metadata=shown("drawn"))
 
 
-LARGEST_SIZE = 8192
-"""Cells along each coordinate; that many take about 5 GB."""
+COARSE, LARGEST_SIZE = 81, 8192
+"""Cells along each coordinate: for a first look, and at most; that many take about 5 GB."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -129,7 +130,7 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     size = check_whole("size", size, 8, LARGEST_SIZE)
     chart = chart_of(scene)
     if chart is not None:
-        return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
+        return _areas(chart, size)
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)
     one_turn = 3 if group.kind == "C" else 2
@@ -151,51 +152,45 @@ def cells(low: float, high: float, size: int) -> np.ndarray:
     return low + (high - low) * (np.arange(size) + 0.5) / size
 
 
-def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> EnergyBranch:
-    """One branch over the grid of `axes`, inadmissible states blanked out."""
-    good, phi = allowed(chart, branch, *np.meshgrid(*axes))
-    phi[~good] = np.nan
-    return EnergyBranch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
-
-
-def _degree6(chart: Chart, size: int) -> Landscape:
-    axis = cells(-math.pi, math.pi, size)
-    branch = _area(chart, 0, "", (axis, axis))
-    return Landscape(chart.scene, "area", chart.coordinates, (branch,))
-
-
-def _wedge(chart: Chart, size: int) -> Landscape:
-    scene = chart.scene
-    reach = chart_limits(chart)[3]
-    phi2 = cells(-math.pi, math.pi, size)
-    branches = []
+def _areas(chart: Chart, size: int) -> Landscape:
+    """Evaluate all branches, inadmissible states blanked out."""
+    scene, branches = chart.scene, []
+    x = cells(-math.pi, math.pi, size)
     for k, sign in enumerate(chart.signs):
-        # a coarse look first: each branch fills only a part of the elevations
-        coarse = cells(-reach, reach, 81)
-        # broadcast: phi_2 along columns, elevations along rows
-        look = allowed(chart, k, cells(-math.pi, math.pi, 81), coarse[:, None])[0]
-        rows = np.flatnonzero(look.any(axis=1))
-        low, high = -reach, reach
-        if rows.size:
-            cell = 2 * reach / 81
-            low = max(low, coarse[rows[0]] - 1.5 * cell)
-            high = min(high, coarse[rows[-1]] + 1.5 * cell)
-            if scene.group.order == 2:  # branches of D_2 end at upsilon = 0 exactly
-                low = 0.0 if abs(low) < 2 * cell else low
-                high = 0.0 if abs(high) < 2 * cell else high
-        elevation = cells(low, high, size)
-        branches.append(_area(chart, k, f"branch {sign:+d}", (phi2, elevation)))
+        name, y = (
+            ("", x) if chart.kind == "degree6" else (f"branch {sign:+d}", _rows(chart, k, size))
+        )
+        good, phi = allowed(chart, k, *np.meshgrid(x, y))
+        phi[~good] = np.nan
+        branches.append(EnergyBranch(name, (x, y), np.asarray(scene.energy(phi)), phi))
     return Landscape(scene, "area", chart.coordinates, tuple(branches))
+
+
+def _rows(chart: Chart, branch: int, size: int) -> np.ndarray:
+    """Elevations of a branch, which fills only a part of them."""
+    low, high = chart_limits(chart)[2:]
+    coarse = cells(low, high, COARSE)
+    cell = (high - low) / COARSE
+    # broadcast: phi_2 along columns, elevations along rows
+    look = allowed(chart, branch, cells(-math.pi, math.pi, COARSE), coarse[:, None])[0]
+    rows = coarse[look.any(axis=1)]
+    if rows.size:
+        low, high = max(low, rows[0] - 1.5 * cell), min(high, rows[-1] + 1.5 * cell)
+        if chart.scene.group.order == 2:  # branches of D_2 end at upsilon = 0 exactly
+            low, high = (0.0 if abs(end) < 2 * cell else end for end in (low, high))
+    return cells(low, high, size)
 
 
 def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
     chart = chart_of(picture.scene)
     assert chart is not None
-    candidates, point = chart.locate(phi)
+    x, y = chart.points(phi).tolist()
+    best, sure = (v.item() for v in chart.branch_of(phi))
     rows = [b.axes[1] for b in picture.branches]
     # on both branches: prefer the one that is drawn here
-    drawn = [k for k in candidates if rows[k][0] <= point[1] <= rows[k][-1]]
-    return Place((drawn or candidates)[0], point, family_of(picture.scene, phi))
+    nearby = [best] if sure > SETTLED else [best, 1 - best]
+    drawn = [k for k in nearby if rows[k][0] <= y <= rows[k][-1]]
+    return Place((drawn or nearby)[0], (x, y), family_of(picture.scene, phi))
 
 
 # ---------------------------------------------------------------- one degree of freedom: curves

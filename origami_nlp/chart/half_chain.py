@@ -23,7 +23,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.chart.chart import chart_of, crease_number
+from origami_nlp.chart.chart import Chart, chart_of, crease_number
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import quaternion as quat
@@ -37,10 +37,8 @@ class HalfChain(ShortRepr):
 
     Attributes
     ----------
-    scene
-        The scene that it folds.
-    kind
-        ``"degree6"`` or ``"wedge"`` (as `chart.Chart.kind`).
+    chart
+        Of the scene that it folds.
     sectors
         Sector angles along the chain [rad].
     last_normal, last_along, up
@@ -55,8 +53,7 @@ class HalfChain(ShortRepr):
         Those before facets meet: variable and angle [rad].
     """
 
-    scene: Scene
-    kind: str
+    chart: Chart
     sectors: tuple[float, ...]
     last_normal: np.ndarray
     last_along: np.ndarray
@@ -65,6 +62,16 @@ class HalfChain(ShortRepr):
     walls: tuple[str, ...]
     limits: FoldLimits
     stops: tuple[tuple[int, float], ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that it folds."""
+        return self.chart.scene
+
+    @property
+    def kind(self) -> str:
+        """``"degree6"`` or ``"wedge"``."""
+        return self.chart.kind
 
     @property
     def wrapped(self) -> tuple[bool, ...]:
@@ -80,11 +87,6 @@ class HalfChain(ShortRepr):
     def size(self) -> int:
         """Number of fold angles of a wedge state."""
         return len(self.sectors) + 1
-
-    @property
-    def seam_sine(self) -> float:
-        """Sine of the last sector angle: |y| of states where the leaves meet."""
-        return math.sin(self.sectors[-1])
 
     def penultimate(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return creases (first, second last but one, P) over base points [..., 2], each [..., 3]."""
@@ -105,13 +107,10 @@ class HalfChain(ShortRepr):
         tip = np.stack(np.broadcast_arrays(*quat.rotate(turn, b2)), axis=-1)
         return first, first, tip
 
-    def height(self, base: np.ndarray) -> np.ndarray:
-        """Sine y of P's height over the last mirror, base [..., 2]; a wall where it vanishes."""
-        return self.penultimate(base)[2] @ self.last_normal
-
     def fold_margin(self, base: np.ndarray) -> np.ndarray:
         """sin^2 a - y^2: positive where the two leaves are apart, zero where they meet, negative where no state is."""
-        return self.seam_sine**2 - self.height(base) ** 2
+        height = self.penultimate(base)[2] @ self.last_normal
+        return np.asarray(math.sin(self.sectors[-1]) ** 2 - height**2)
 
     def points(self, base: np.ndarray, leaf: np.ndarray) -> Points:
         """Fold the chain: base [V, 2], leaf [V] of +1, -1 (0: where the leaves meet)."""
@@ -206,26 +205,18 @@ def chain_of(scene: Scene) -> HalfChain:
     limits = FoldLimits(*scene.limit_angles[:, np.array(creases) - 1])
     at_stops = [c for c in limits.both if c.at != math.pi]
     stops = tuple((c.index, c.side * c.at) for c in at_stops)
-    stop_names = tuple(f"phi_{creases[c.index]} = {c.where}" for c in at_stops)
-    first, last = crease_number(scene, 0), crease_number(scene, len(sectors))
+    stop_names = (f"phi_{creases[c.index]} = {c.where}" for c in at_stops)
+    first, last = creases[0], creases[-1]
     up = np.array([0.0, 0.0, 1.0])
     if chart.kind == "degree6":
         touch = f"creases {first} and {last} on each other"
         walls = (names[0], names[1], names[3], names[2], touch, *stop_names)
-        along, normal = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        reach = (math.pi, math.pi)
-        return HalfChain(scene, chart.kind, sectors, normal, along, up, reach, walls, limits, stops)
-    c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
-    if group.order == 2:
-        c, s = 0.0, 1.0
-    walls = (
-        f"crease {first} on the axis",
-        names[0],
-        names[2],
-        names[1],
-        f"crease {last} on the axis",
-        *stop_names,
-    )
-    normal, along = np.array([s, -c, 0.0]), np.array([c, s, 0.0])
-    reach = (math.pi / 2, math.pi)
-    return HalfChain(scene, chart.kind, sectors, normal, along, up, reach, walls, limits, stops)
+        along, normal, reach = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), math.pi
+    else:
+        axis = (f"crease {crease} on the axis" for crease in (first, last))
+        walls = (next(axis), names[0], names[2], names[1], next(axis), *stop_names)
+        c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
+        if group.order == 2:
+            c, s = 0.0, 1.0
+        normal, along, reach = np.array([s, -c, 0.0]), np.array([c, s, 0.0]), math.pi / 2
+    return HalfChain(chart, sectors, normal, along, up, (reach, math.pi), walls, limits, stops)

@@ -17,13 +17,12 @@ import numpy as np
 from origami_nlp.chart.half_chain import HalfChain
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED
+from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED, bracketed_roots
 
 ON = 1000 * ROUNDED
 """Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
 ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
-BISECTIONS = 52
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER = range(5)
 """Bits of `DoubleCover.on`: the walls in the order of `HalfChain.walls`, after these five the stops."""
 SEAM = 60
@@ -198,8 +197,6 @@ Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 def wall_function(chain: HalfChain, bit: int) -> Evaluate:
     """Return the function (base, leaf) -> value of a curved wall or of the seam."""
-    if bit == HEIGHT:
-        return lambda base, leaf: chain.height(base)
     if bit == SEAM:
         return lambda base, leaf: chain.fold_margin(base)
     column = bit - HEIGHT
@@ -241,8 +238,14 @@ def _cut(
     a, b = a[cut], b[cut]
     leaf = surface.between(a, b)
     common = surface.on[a] & surface.on[b]
-    ends = surface.base[a], surface.base[b]
-    place = _find_roots(chain, function, *ends, leaf, value[a], common)
+    start, way = surface.base[a], surface.base[b] - surface.base[a]
+
+    def at(t: np.ndarray) -> np.ndarray:
+        # edges that follow curved walls stay on them
+        return pulled(chain, start + t[:, None] * way, leaf, common)
+
+    share = bracketed_roots(lambda t: function(at(t), leaf), 0.0 * value[a], 0.0 * value[a] + 1.0)
+    place = at(share)
     return surface.divided(
         cut, place, common | (1 << bit), np.zeros_like(leaf) if bit == SEAM else leaf
     )
@@ -300,29 +303,6 @@ def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
         triangles = np.vstack([triangles[~cut], *halves])
         middle = np.vstack([middle[~cut], *left])
     return triangles
-
-
-def _find_roots(
-    chain: HalfChain,
-    function: Evaluate,
-    a: np.ndarray,
-    b: np.ndarray,
-    leaf: np.ndarray,
-    at_a: np.ndarray,
-    common: np.ndarray,
-) -> np.ndarray:
-    """Bisect between base points a and b [E, 2]; edges that follow curved walls stay on them."""
-    low, high = np.zeros(len(a)), np.ones(len(a))
-
-    def at(t: np.ndarray) -> np.ndarray:
-        return pulled(chain, a + t[:, None] * (b - a), leaf, common)
-
-    for _ in range(BISECTIONS):
-        t = 0.5 * (low + high)
-        # invariant: at `low` the wall's function has the sign that it has at a
-        same = function(at(t), leaf) * at_a > 0
-        low, high = np.where(same, t, low), np.where(same, high, t)
-    return at(0.5 * (low + high))
 
 
 def pull(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, bit: int) -> np.ndarray:

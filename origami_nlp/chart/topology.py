@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.chart.mesh import beside, edges_of
+from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import groups
 
@@ -23,22 +24,17 @@ class Component(ShortRepr):
         Of its largest cell.
     euler_characteristic
         V - E + F.
+    holes
+        First Betti number.
     closed_surfaces
         Second Betti number (modulo 2).
     """
 
     vertices: np.ndarray = field(metadata={"plain": False})
-    dimension: int
-    euler_characteristic: int
-    closed_surfaces: int
-
-    ALSO = ("holes",)
-
-    @property
-    def holes(self) -> int:
-        """First Betti number."""
-        # b_0 - b_1 + b_2 = chi with b_0 = 1
-        return 1 + self.closed_surfaces - self.euler_characteristic
+    dimension: int = field(metadata=shown("dimension"))
+    euler_characteristic: int = field(metadata=shown("Euler characteristic"))
+    holes: int = field(metadata=shown("holes"))
+    closed_surfaces: int = field(metadata=shown("closed surfaces"))
 
 
 @dataclass(frozen=True)
@@ -52,15 +48,9 @@ class Spot:
     dimensions: tuple[int, ...]
 
 
-def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
-    """Every edge of the complex once, [E, 2], smaller vertex first."""
-    edges = np.vstack([edges_of(triangles)[0], np.sort(extra, axis=1).reshape(-1, 2)])
-    return np.unique(edges, axis=0)
-
-
 def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Component]:
     """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
-    edges = all_edges(triangles, extra)
+    edges = np.vstack([edges_of(triangles)[0], extra])
     of = groups(count, edges)
     number = int(of.max()) + 1 if count else 0
     v = np.bincount(of, minlength=number)
@@ -71,7 +61,10 @@ def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Componen
     for k in range(number):
         euler = int(v[k] - e[k] + f[k])
         dimension = 2 if f[k] else (1 if e[k] else 0)
-        found.append(Component(np.flatnonzero(of == k), dimension, euler, int(closed[k])))
+        # b_0 - b_1 + b_2 = chi with b_0 = 1
+        holes = 1 + int(closed[k]) - euler
+        own = np.flatnonzero(of == k)
+        found.append(Component(own, dimension, euler, holes, int(closed[k])))
     return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))
 
 

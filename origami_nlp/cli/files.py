@@ -145,7 +145,7 @@ def check(
     """Check whether folded states are real, and whether crease patterns fold flat: all faults, with place and size.
 
     Lengths as in the crease pattern, plane faces, fold angles and letters as the coordinates have them, closure,
-    faces that pass through each other, faceOrders; of a crease pattern Kawasaki, Maekawa, big-little-big and layers.
+    faces that pass through each other, faceOrders; of a crease pattern Kawasaki, Maekawa and layers.
     -o FILE.png marks the faults.  Exit code 0: all valid; 1: faults, or not decided; 2: a file cannot be read.
     --orders: of the state that the file describes, or the pattern folded flat, with unassigned creases as mountain or
     valley.

@@ -195,8 +195,6 @@ _RATIO = "Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone
 RATIO = _option("R", _RATIO, usual=1.0)
 RATIO_WANTED = _option("R", _RATIO, "--ratio")
 DEGREE = _option("N", "Number N of creases: even, at least 6.", usual=...)
-FLAPS = _option("FLAPS", "Valley and mountain flaps round the ring: VVM, or V2M.", usual=...)
-ELEVATION = _angle("Elevation nu")
 REST_ELEVATION = _angle("Elevation nu_0 at rest", "--rest-elevation")
 REST_RULE = _option("waterbomb|paper", "What the cone rests in.", usual="waterbomb")
 END_RULE = _option("contract|contact", "Where a steep flap ends.", usual="contract")

@@ -27,7 +27,6 @@ KINDS = {
     "html": ((".html", ".htm"), "page with states to turn"),
     "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
     "latex": ((".tex",), "snippets"),
-    "npz": ((".npz",), "arrays for NumPy"),
 }
 """What files may hold: endings of their names, and what help calls it."""
 TEXTS = ("json", "scene", "csv", "fold", "latex")

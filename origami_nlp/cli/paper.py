@@ -112,7 +112,7 @@ def transitions(
     family: str = o.FAMILY,
     seed: int = o.SEED,
 ) -> Any:
-    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space."""
+    """Locate every transition of the admissible space of a FAMILY of the paper, over its alpha_1."""
     from origami_nlp.paper import find_transitions
 
     with progress(family, 1.0) as show:
@@ -160,15 +160,6 @@ def foldings(degree: int = o.DEGREE) -> Any:
     return cones.Foldings(degree, degree <= LISTED)
 
 
-@writes("json")
-def branch(flaps: str = o.FLAPS, elevation: str = o.ELEVATION, end: str = o.END_RULE) -> Any:
-    """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.paper import cone as cones
-
-    nu = _angle(elevation, "--elevation")
-    return cones.FoldedCone(cones.branch(flaps, -1 if nu < 0 else 1, end=end), nu)
-
-
 @writes("json", "csv", "figure")
 def phase(
     degree: int = o.DEGREE,
@@ -191,6 +182,6 @@ def _angle(text: str, option: str) -> float:
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")
 paper.add(demo, panels, verify, audit, transitions)
-cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")
-cone.add(count, phase, foldings, branch)
+cone = Group("Cones (uniform vertices of even degree): minima of branches, different foldings.")
+cone.add(count, phase, foldings)
 paper.add_typer(cone, name="cone")

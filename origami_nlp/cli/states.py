@@ -3,7 +3,6 @@ printed and written."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -172,7 +171,7 @@ def barriers(origami: Source, clock: Clock, seed: int = o.SEED) -> Any:
 SMALLEST, LARGEST = 16, 4097
 
 
-@writes("json", "figure", "html", "npz", verbose=True)
+@writes("json", "figure", "html", verbose=True)
 def landscape(
     origami: Source,
     out: Output,
@@ -194,12 +193,11 @@ def landscape(
         find_landscape,
         find_space,
         landscape_to_dict,
-        to_arrays,
     )
 
     stated = origami.read()
     if critical:
-        return _critical(stated, origami.name, clock, seed)
+        return _critical(stated, origami.name)
     if space:
         with progress(f"{stated.label or origami.name}: mesh, walls, layers"):
             return find_space(stated)
@@ -223,34 +221,18 @@ def landscape(
         with progress("passes between minima"):
             passes = find_barriers(stated, result, seed=seed)
     if out.files("json"):
-        points = _critical(stated, origami.name, clock, seed, result)
+        points = _critical(stated, origami.name)
         out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, passes))
-    out.write("npz", lambda: _npz(to_arrays(exact)))
     out.write("figure", draw_landscape, exact)
     out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
     return None
 
 
-def _npz(arrays: dict[str, Any]) -> bytes:
-    import numpy as np
-
-    content = io.BytesIO()
-    np.savez_compressed(content, **arrays)
-    return content.getvalue()
-
-
-def _critical(stated: Scene, name: str, clock: Clock, seed: int, result: Any = None) -> Any:
-    """Find critical points, compared with the minima, and check the Morse identity."""
-    from dataclasses import replace
-
-    from origami_nlp.paper import compare_minima, find_critical_points, find_space
+def _critical(stated: Scene, name: str) -> Any:
+    from origami_nlp.paper import find_critical_points
 
     with progress(f"{stated.label or name}: critical points"):
-        found = find_critical_points(stated, result)
-        if result is None:
-            result = search(clock, stated, name, seed=seed, escape=False)
-            found = compare_minima(found, result)
-        return replace(found, morse=found.verdict(find_space(stated).euler_characteristic))
+        return find_critical_points(stated)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)

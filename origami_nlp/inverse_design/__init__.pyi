@@ -6,9 +6,8 @@ from .finding import design as design
 from .infeasibility import Infeasibility as Infeasibility, why_not as why_not
 from .result import Design as Design, HeldBarrier as HeldBarrier, HeldState as HeldState
 from .targets import (
-    BarrierAsk as BarrierAsk,
     ClosedTarget as ClosedTarget,
-    EnergyGap as EnergyGap,
+    EnergyBounds as EnergyBounds,
     Target as Target,
     Targets as Targets,
     place as place,

@@ -9,10 +9,10 @@ import numpy as np
 
 from origami_nlp.inverse_design.convex import ConvexDesign
 from origami_nlp.inverse_design.result import Design, ExtraMinimum, HeldBarrier, HeldState
-from origami_nlp.inverse_design.targets import BarrierAsk, ClosedTarget, Targets
+from origami_nlp.inverse_design.targets import ClosedTarget, EnergyBounds, Targets
 from origami_nlp.inverse_design.transition_paths import Passes, height
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, find_images
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY
 from origami_nlp.pattern import Pattern, Scene
 
@@ -46,8 +46,7 @@ def check(
     """
     near = [_nearest(minima, targets.model.expand(p.state.x)) for p in targets.placed]
     states = tuple(_held(targets, minima, *one) for one in zip(targets.placed, near, strict=True))
-    ours = {k for k, _ in near}
-    others = [m for k, m in enumerate(minima.minima) if k not in ours]
+    names = [s.name for s in states]
     energy = {s.name: s.energy for s in states}
     barriers = tuple(_barrier(targets, scene, ask, passes, energy) for ask in targets.barriers)
     failed = [*_unheld(targets, states), *_energies(targets, energy)]
@@ -56,13 +55,24 @@ def check(
         posed.margin,
         scene,
         states,
-        tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others),
+        tuple(_extra(minima, dict(zip((k for k, _ in near), names, strict=True)))),
         failed=(*failed, *(b.why for b in barriers if b.why)),
         minima=minima,
         iterations=posed.answer.iterations,
         residual=posed.answer.residual,
         barriers=barriers,
     )
+
+
+def _extra(found: MinimaResult, asked: dict[int, str]) -> Iterator[ExtraMinimum]:
+    """Go through the minima that are not among those asked for, by number from 0, with what they are images of."""
+    images = find_images(found.origami, found.minima)
+    first = [images.get(k, (k, ""))[0] for k in range(1, len(found.minima) + 1)]
+    of = {first[k]: f"state {name}" for k, name in asked.items() if k >= 0}
+    for k, m in enumerate(found.minima):
+        if k not in asked:
+            image = of.get(first[k], f"minimum {first[k]}" if k + 1 in images else "")
+            yield ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles), image)
 
 
 def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
@@ -100,12 +110,9 @@ def _unheld(targets: Targets, states: Sequence[HeldState]) -> Iterator[str]:
 
 def _energies(targets: Targets, energy: dict[str, float]) -> Iterator[str]:
     for gap in targets.energies:
-        high, low = energy[gap.upper], energy[gap.lower]
+        high, low = energy[gap.first], energy[gap.second]
         if why := _outside(high, low, gap.least, gap.most):
-            yield f"energy of {gap.upper!r} above {gap.lower!r} {why}"
-    for name, most in targets.highest.items():
-        if why := _outside(energy[name], 0.0, -math.inf, most):
-            yield f"energy of {name!r} {why}"
+            yield f"energy of {gap.first!r} above {gap.second!r} {why}"
 
 
 def _outside(high: float, low: float, least: float, most: float) -> str:
@@ -118,19 +125,19 @@ def _outside(high: float, low: float, least: float, most: float) -> str:
 def _barrier(
     targets: Targets,
     scene: Scene | Pattern,
-    ask: BarrierAsk,
+    ask: EnergyBounds,
     passes: Passes | None,
     energy: dict[str, float],
 ) -> HeldBarrier:
     """Measure a barrier along the curve of one degree of freedom; with more they are bounded from above alone."""
     if passes is None:
         why = f"barriers of {targets.model.dof} degrees of freedom are not known"
-        return HeldBarrier(ask.start, ask.end, math.nan, (), why)
+        return HeldBarrier(ask.first, ask.second, math.nan, (), why)
     # one way serves both directions: its top is the same
-    pair = (ask.start, ask.end)
+    pair = (ask.first, ask.second)
     model = targets.posed(scene)
     top, x = height(model, passes.ways[pair if pair in passes.ways else pair[::-1]])
-    why = _outside(top, energy[ask.start], ask.least, ask.most)
-    why = f"barrier from {ask.start!r} to {ask.end!r} {why}" if why else ""
+    why = _outside(top, energy[ask.first], ask.least, ask.most)
+    why = f"barrier from {ask.first!r} to {ask.second!r} {why}" if why else ""
     phi = tuple(model.expand(x).tolist())
-    return HeldBarrier(ask.start, ask.end, top - energy[ask.start], phi, why)
+    return HeldBarrier(ask.first, ask.second, top - energy[ask.first], phi, why)

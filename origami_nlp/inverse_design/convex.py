@@ -18,7 +18,6 @@ from origami_nlp.inverse_design.equilibrium import Balance, SpringRows, Springs,
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
-    BALL,
     DESIGN_ACTIVE,
     DESIGN_MARGIN,
     EQUAL,
@@ -118,29 +117,16 @@ class ConvexDesign:
             self.balances.append((i, piece, where))
 
     def _energies(self) -> None:
-        """Bound differences of energies, by rows, and energies, by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
+        """Bound differences of energies, by rows."""
         p, v, t = self.problem, self.places, self.targets
         springs = SpringRows(t.model, t.kinds)
         at = {placed.target.name: placed.state.x for placed in t.placed}
         scale = _row(v.size, (v.scale, 1.0))
         for gap in t.energies:
-            row = springs.energy(at[gap.upper]) - springs.energy(at[gap.lower])
-            words = f"energy of {gap.upper} above {gap.lower}"
+            row = springs.energy(at[gap.first]) - springs.energy(at[gap.second])
+            words = f"energy of {gap.first} above {gap.second}"
             for one in bounded(row, scale, gap.least, gap.most, words):
                 p.add(one.cone, one.a, one.b, one.words)
-        for name, most in t.highest.items():
-            x = at[name]
-            u = p.more(len(x))
-            for j, kind in enumerate(springs.kind):  # creases may share their springs
-                # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
-                a = np.zeros((3, p.size))
-                k, tau, w = v.stiffness.start + kind, v.torque.start + kind, u.start + j
-                a[0, [k, w]] = 1.0, 1.0
-                a[1, [k, w]] = 1.0, -1.0
-                a[2, [k, tau]] = 2 * x[j], -2.0
-                p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {kind + 1}")
-            row = _row(p.size, (v.scale, 2 * most), (u, -t.model.multiplicity))
-            p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
 
     @cached_property
     def answer(self) -> ConicSolution:
@@ -184,7 +170,7 @@ class ConvexDesign:
         wound = max(map(abs, t.rest)) * n
         if not isinstance(t.preload, bool):
             wound += t.preload * n / softest
-        out = np.full(self.problem.size, 2.0 * max(t.highest.values(), default=0.0) * n / softest)
+        out = np.zeros(self.problem.size)
         out[places.stiffness] = n
         out[places.torque] = wound
         out[places.scale] = n / softest
@@ -294,7 +280,7 @@ def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
     t = posed.targets
     levels = [e for gap in t.energies for e in (gap.least, gap.most)]
     levels += [e for ask in t.barriers for e in (ask.least, ask.most)]
-    absolute = t.highest or not isinstance(t.preload, bool)
+    absolute = not isinstance(t.preload, bool)
     if absolute or any(math.isfinite(e) and e != 0.0 for e in levels):
         return float(v[posed.places.scale])
     k, (low, high) = v[posed.places.stiffness], t.stiffness

@@ -186,7 +186,6 @@ def without(targets: Targets, name: str) -> Targets:
     return replace(
         targets,
         states=tuple(t for t in targets.states if t.name != name),
-        energies=tuple(g for g in targets.energies if name not in (g.upper, g.lower)),
-        barriers=tuple(b for b in targets.barriers if name not in (b.start, b.end)),
-        highest={k: v for k, v in targets.highest.items() if k != name},
+        energies=tuple(g for g in targets.energies if name not in (g.first, g.second)),
+        barriers=tuple(b for b in targets.barriers if name not in (b.first, b.second)),
     )

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-
 from origami_nlp.display import (
     Details,
     Report,
@@ -23,8 +21,7 @@ from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.pattern import Pattern, Scene, symmetries
+from origami_nlp.pattern import Pattern, Scene
 
 LISTS = {
     "proved": "list proved complete",
@@ -106,11 +103,14 @@ class ExtraMinimum(NamedTuple):
         Of the minimum.
     fold_angles
         All N [rad].
+    image
+        Of which state it is an image, under a symmetry that geometry and springs happen to share; else "".
     """
 
     energy: float
     kind: str
     fold_angles: tuple[float, ...]
+    image: str = ""
 
 
 @dataclass(frozen=True, repr=False)
@@ -130,7 +130,7 @@ class Design(Report):
     states
         Each target, as found in the scene.
     extra_minima
-        Minima of the scene that nobody asked for: energy [J], kind, fold angles.
+        Minima of the scene that nobody asked for.
     reason
         Why there are no springs; None where there are.
     failed
@@ -156,8 +156,8 @@ class Design(Report):
     (True, ['book'])
     """
 
-    PICTURE, SCHEMA, READS, ROWS = "draw_design", "origami-nlp/design/2", False, "states"
-    ALSO = ("feasible", "verified", "images")
+    PICTURE, SCHEMA, READS, ROWS = "draw_design", "origami-nlp/design/3", False, "states"
+    ALSO = ("feasible", "verified")
 
     targets: Targets = field(metadata={"plain": False})
     margin: float
@@ -181,29 +181,6 @@ class Design(Report):
     def verified(self) -> bool:
         """Whether the main job found and certified every state."""
         return self.feasible and not self.failed
-
-    @property
-    def images(self) -> tuple[str, ...]:
-        """Of which state each extra minimum is an image, under a symmetry that geometry and springs happen to share.
-
-        Images are states of their own, of equal energy.  "" where it is not one of a state asked for, or of an earlier
-        extra minimum (``"minimum 1"`` is the first of these).
-        """
-        if self.minima is None or self.minima.is_pattern:
-            return ("",) * len(self.extra_minima)
-        moves = symmetries(self.minima.scene)
-        known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
-        out = []
-        for i, extra in enumerate(self.extra_minima, start=1):
-            phi = np.array(extra.fold_angles)
-            found = (
-                name
-                for name, other in known
-                if any(np.abs(move.back(other) - phi).max() <= DUPLICATE_TOL for move in moves)
-            )
-            out.append(next(found, ""))
-            known.append((f"minimum {i}", phi))
-        return tuple(out)
 
     @property
     def verdict(self) -> str:
@@ -238,7 +215,7 @@ class Design(Report):
             yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.6g} J")
         for words in self.failed[1:]:
             yield Words(f"not verified: {words}")
-        for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
+        for energy, kind, phi, whose in self.extra_minima:
             angles = " ".join(f"{math.degrees(a):.2f}" for a in phi[:MOST_ANGLES])
             angles += " ..." * (len(phi) > MOST_ANGLES)
             same = f", image of {whose} under a symmetry of the scene" if whose else ""

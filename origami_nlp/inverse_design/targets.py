@@ -42,7 +42,7 @@ class Target:
     Attributes
     ----------
     name
-        For tables and for `EnergyGap`.
+        For tables and for `EnergyBounds`.
     fold_angles
         All N of them [rad]; moved onto closure, and onto contacts that they nearly close.
     margin
@@ -62,39 +62,20 @@ class Target:
 
 
 @dataclass(frozen=True)
-class EnergyGap:
-    """How much higher the energy of one state shall be than that of another [J].
+class EnergyBounds:
+    """Bounds of an energy between two states [J]: equal ones for an exact value.
 
     Attributes
     ----------
-    upper, lower
+    first, second
         Names of states.
     least, most
-        Bounds of U(upper) - U(lower); equal for an exact difference.
+        Of a difference of energies, bounds of U(first) - U(second); of a barrier, of the highest energy on the way from
+        `first` to `second` less that of `first`.
     """
 
-    upper: str
-    lower: str
-    least: float = 0.0
-    most: float = math.inf
-
-
-@dataclass(frozen=True)
-class BarrierAsk:
-    """How much energy it shall take to leave one state for another [J].
-
-    With one degree of freedom the springs are made for it; with more it is not known.
-
-    Attributes
-    ----------
-    start, end
-        Names of states.
-    least, most
-        Bounds of the highest energy on the way less that of `start`; equal for an exact barrier.
-    """
-
-    start: str
-    end: str
+    first: str
+    second: str
     least: float = 0.0
     most: float = math.inf
 
@@ -122,9 +103,8 @@ class Targets:
     energies
         Differences of energy that are asked for.
     barriers
-        Barriers between two states that are asked for.
-    highest
-        Largest energy of states by name [J].
+        Barriers between two states that are asked for; with one degree of freedom the springs are made for them, with
+        more they are not known.
     full_space
         Hold the states also where motions break the symmetry.
     equal
@@ -146,9 +126,8 @@ class Targets:
     stiffness: tuple[float, float] = (0.005, 0.5)
     rest_angles: tuple[float, float] | None = None
     preload: float | bool = False
-    energies: tuple[EnergyGap, ...] = ()
-    barriers: tuple[BarrierAsk, ...] = ()
-    highest: dict[str, float] = field(default_factory=dict)
+    energies: tuple[EnergyBounds, ...] = ()
+    barriers: tuple[EnergyBounds, ...] = ()
     full_space: bool = True
     equal: str | tuple[int, ...] = ""
     limits: Limits = ()
@@ -167,14 +146,12 @@ class Targets:
         for name in names:
             if names.count(name) > 1:
                 raise OptionError(f"two states are called {name!r}: give each a name of its own")
-        for gap in self.energies:
-            who = f"energy of {gap.upper!r} above {gap.lower!r}"
-            self._check_pair(who, "energy", gap.upper, gap.lower, (gap.least, gap.most))
-        for ask in self.barriers:
-            who = f"barrier from {ask.start!r} to {ask.end!r}"
-            self._check_pair(who, "barrier", ask.start, ask.end, (ask.least, ask.most), 0.0)
-        for name in self.highest:
-            self._known(name, "highest energy")
+        for what, asked, lowest in (
+            ("energy", self.energies, -math.inf),
+            ("barrier", self.barriers, 0.0),
+        ):
+            for ask in asked:
+                self._check_between(what, ask, lowest)
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
             said = f"stiffness = [{low:g}, {high:g}]"
@@ -193,27 +170,21 @@ class Targets:
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
 
-    def _check_pair(
-        self,
-        who: str,
-        what: str,
-        one: str,
-        other: str,
-        bounds: Sequence[Any],
-        lowest: float = -math.inf,
-    ) -> None:
+    def _check_between(self, what: str, ask: EnergyBounds, lowest: float) -> None:
         """Raise an error unless two states, and two numbers, which may be infinite, are given."""
-        for name in (one, other):
-            self._known(name, what)
-        if one == other:
-            raise OptionError(f"{who}: it is between two states, not of {one!r} and itself")
-        for value in bounds:
+        known = [t.name for t in self.states]
+        for name in (ask.first, ask.second):
+            if name not in known:
+                raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
+        who = f"{what} between {ask.first!r} and {ask.second!r}"
+        if ask.first == ask.second:
+            raise OptionError(f"{who}: it is between two states, not of one and itself")
+        for value in (ask.least, ask.most):
             if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
                 raise OptionError(f"{who}: {shown(value)} must be a number [J]")
-        least, most = bounds
-        if not lowest <= least <= most or least == math.inf or most == -math.inf:
+        if not lowest <= ask.least <= ask.most or ask.least == math.inf or ask.most == -math.inf:
             span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
-            raise OptionError(f"{who}: [{least:g}, {most:g}] must be {span} [J]")
+            raise OptionError(f"{who}: [{ask.least:g}, {ask.most:g}] must be {span} [J]")
 
     def _check_kind(self) -> None:
         """Raise an error for what is not for a vertex, or not for a pattern."""
@@ -234,11 +205,6 @@ class Targets:
             raise OptionError(
                 f"equal = {shown(equal)} must be '', 'letters' or {n} numbers, one a crease"
             )
-
-    def _known(self, name: str, what: str) -> None:
-        known = [t.name for t in self.states]
-        if name not in known:
-            raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
 
     @property
     def rest(self) -> tuple[float, float]:

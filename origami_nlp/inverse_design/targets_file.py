@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.examples import EXAMPLES
-from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
-from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_toml
+from origami_nlp.inverse_design.targets import EnergyBounds, Target, Targets
+from origami_nlp.io import check_tables, one_of, parse_toml, read_toml
+from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import (
     LIMIT_KEYS,
     Pattern,
@@ -31,7 +32,7 @@ _KEYS = {
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (
         *("name", "fold_angles", "fold_angles_deg", "like", "margin"),
-        *("energy_above", "energy_difference", "energy_at_most"),
+        *("energy_above", "energy_difference"),
     ),
     "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
@@ -87,11 +88,6 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     states = [_state(entry, i, folder, many) for i, entry in enumerate(entries, start=1)]
     named = [*zip((t.name for t in states), entries, strict=True)]
     above = ("energy_above", "energy_difference")
-    highest = {
-        name: check_number(f"state {name!r}: energy_at_most", entry["energy_at_most"], 0.0)
-        for name, entry in named
-        if "energy_at_most" in entry
-    }
     springs, more = dict(data.get("springs", {})), dict(data.get("model", {}))
     if "stiffness" in springs:
         more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
@@ -99,7 +95,7 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
     if len(given) == 2:
         raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
     for key in given:
-        two = _two(f"[springs] {key}", springs[key], numbers=False)
+        two = _two(f"[springs] {key}", springs[key])
         more["rest_angles"] = tuple(_angles(two, key))
     if "preload" in springs:
         more["preload"] = springs["preload"]
@@ -111,7 +107,6 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
         origami,
         tuple(states),
         energies=tuple(_gap(e, name) for name, e in named if any(key in e for key in above)),
-        highest=highest,
         barriers=tuple(_barrier(entry) for entry in data.get("barriers", [])),
         source=source,
         **equal,
@@ -141,6 +136,7 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
     name = entry.get("name", f"state {i}")
     keys = ("fold_angles", "fold_angles_deg", "like")
     given = one_of(entry, f"[[states]] {name!r}", keys, OptionError)
+    phi: Sequence[float]
     if given == "like":
         phi = _like(entry["like"], folder, name)
     else:
@@ -157,38 +153,32 @@ def _angles(values: Any, key: str) -> list[float]:
     return list(parse_angles(values, key, degrees=key.endswith("_deg")))
 
 
-def _like(words: Any, folder: Path, name: str) -> list[float]:
+def _like(words: Any, folder: Path, name: str) -> Sequence[float]:
     """Return the fold angles of a state of an earlier run: ``FILE#2`` is the second of its list."""
     who = f"[[states]] {name!r}"
     file, _, number = words.rpartition("#") if isinstance(words, str) else ("", "", "")
     if not file or not re.fullmatch("[1-9][0-9]{0,8}", number):
         must = "must be 'FILE#NUMBER', such as 'states.json#2'"
         raise OptionError(f"{who}: like = {shown(words)} {must}")
-    data = read_json(folder / file, 200 * _LARGEST, "states", OptionError)
-    states = data.get("minima") if isinstance(data, dict) else None
-    states = states if isinstance(states, list) else []
-    many = len(states)
-    if int(number) > many:
-        raise OptionError(f"{who}: {file!r} has {many or 'no'} minima, like asks for {number}")
-    state = states[int(number) - 1]
-    phi = state.get("fold_angles") if isinstance(state, dict) else None
-    if not isinstance(phi, list) or not all(type(a) in (int, float) for a in phi):
-        raise OptionError(f"{who}: minimum {number} of {file!r} has no fold_angles")
-    return list(parse_angles(phi, f"{who}: fold_angles of {file!r}"))
+    states = MinimaResult.load(folder / file).minima
+    if int(number) > len(states):
+        many = len(states) or "no"
+        raise OptionError(f"{who}: {file!r} has {many} minima, like asks for {number}")
+    return states[int(number) - 1].fold_angles
 
 
-def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:
+def _gap(entry: Mapping[str, Any], name: str) -> EnergyBounds:
     if "energy_above" not in entry:
         raise OptionError(f"[[states]] {name!r}: energy_difference needs energy_above = 'STATE'")
     value = entry.get("energy_difference", [0.0, math.inf])
     if isinstance(value, list):
-        least, most = _two(f"{name!r}: energy_difference", value, finite=False)
+        least, most = _two(f"{name!r}: energy_difference", value)
     else:
         least = most = check_number(f"{name!r}: energy_difference", value)
-    return EnergyGap(name, entry["energy_above"], least, most)
+    return EnergyBounds(name, entry["energy_above"], least, most)
 
 
-def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
+def _barrier(entry: Mapping[str, Any]) -> EnergyBounds:
     """Read what is asked of a barrier."""
     ends = [entry.get(key) for key in ("from", "to")]
     if not all(isinstance(name, str) for name in ends):
@@ -201,12 +191,10 @@ def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
         if len(value) > 1:
             raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
         least = most = value["exactly"]
-    return BarrierAsk(str(ends[0]), str(ends[1]), least, most)
+    return EnergyBounds(str(ends[0]), str(ends[1]), least, most)
 
 
-def _two(name: str, value: Any, *, numbers: bool = True, finite: bool = True) -> list[Any]:
+def _two(name: str, value: Any) -> list[Any]:
     if not isinstance(value, list) or len(value) != 2:
         raise OptionError(f"{name} = {shown(value)} must be [least, most]")
-    if numbers and finite:
-        return [check_number(f"{name}[{i}]", v) for i, v in enumerate(value, start=1)]
     return value

@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.continuation import BoundaryCurve, evaluate, follow_boundary
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.equilibrium import SpringRows, bounded
-from origami_nlp.inverse_design.targets import BarrierAsk, Targets
+from origami_nlp.inverse_design.targets import EnergyBounds, Targets
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import (
     CLOSURE_TOL,
@@ -195,9 +195,9 @@ class Passes:
     def __init__(self, targets: Targets) -> None:
         self.targets, model = targets, targets.model
         self.springs = SpringRows(model, targets.kinds)
-        self.asks: dict[tuple[str, str], list[BarrierAsk]] = {}
+        self.asks: dict[tuple[str, str], list[EnergyBounds]] = {}
         for ask in targets.barriers:
-            pair = (ask.start, ask.end)
+            pair = (ask.first, ask.second)
             one = pair[::-1] if pair[::-1] in self.asks else pair
             self.asks.setdefault(one, []).append(ask)
         at = {p.target.name: p.state.x for p in targets.placed}
@@ -250,14 +250,14 @@ class Passes:
             for ask in asks:
                 start = self.springs.energy(self._start(pair, ask))
                 rises = np.array([self.springs.energy(x) - start for x in top])
-                words = f"barrier from {ask.start} to {ask.end}"
+                words = f"barrier from {ask.first} to {ask.second}"
                 least = ask.least if ask.least > 0.0 else -math.inf
                 out += bounded(rises, scale, least, ask.most, words)
         return out
 
-    def _start(self, pair: tuple[str, str], ask: BarrierAsk) -> np.ndarray:
+    def _start(self, pair: tuple[str, str], ask: EnergyBounds) -> np.ndarray:
         """Return the end of a way at which a barrier begins."""
-        x: np.ndarray = self.ways[pair].states[0 if ask.start == pair[0] else -1]
+        x: np.ndarray = self.ways[pair].states[0 if ask.first == pair[0] else -1]
         return x
 
     def see(self, model: PatternProblem) -> bool:

@@ -60,4 +60,5 @@ from .result import (
 from .rows import KINDS as KINDS, StateRow as StateRow
 from .stability import judged as judged
 from .stopping import chao1 as chao1, chao1_error as chao1_error
+from .summary import find_images as find_images
 from .table import scenes_table as scenes_table

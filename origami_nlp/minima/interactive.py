@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
+from origami_nlp.chart import Landscape, chart_of, landscape
 from origami_nlp.display import Content, Keyframe, Line, Mark, Panel, Poser, Trajectory
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
@@ -212,7 +212,7 @@ def _points(chart: Landscape, branch: int, phi: np.ndarray, track: Trajectory) -
         return np.where(symmetric[:, None], np.stack([phi[:, crease], energy], axis=1), np.nan)
     exact = chart_of(chart.scene)
     if exact is not None:
-        on = [k for k in np.flatnonzero(symmetric) if branch in exact.locate(phi[k])[0]]
-        if on:
-            out[on] = chart_points(exact, phi[on])
+        own, sure = exact.branch_of(phi)
+        on = symmetric & ((own == branch) | (sure <= SETTLED))
+        out[on] = exact.points(phi[on])
     return out

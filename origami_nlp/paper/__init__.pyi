@@ -1,20 +1,19 @@
 from . import cone as cone
 from .audit import Audit as Audit, audit_candidates as audit_candidates
 from .candidates import Candidate as Candidate, read_candidates as read_candidates
-from .critical import compare_minima as compare_minima, find_critical_points as find_critical_points
+from .critical import find_critical_points as find_critical_points
 from .events import Event as Event
 from .landscape import (
     ExactLandscape as ExactLandscape,
     find_landscape as find_landscape,
     landscape_to_dict as landscape_to_dict,
-    to_arrays as to_arrays,
 )
 from .landscape_figure import draw_landscape as draw_landscape
 from .morse import CriticalPoints as CriticalPoints
-from .space import Space as Space, angle_words as angle_words, find_space as find_space
+from .space import Space as Space, find_space as find_space
 from .space_figure import draw_space as draw_space
 from .transitions import (
     Transition as Transition,
-    TransitionSweep as TransitionSweep,
+    Transitions as Transitions,
     find_transitions as find_transitions,
 )

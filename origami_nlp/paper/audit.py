@@ -19,7 +19,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.chart import chart_of, chart_points
+from origami_nlp.chart import chart_of
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible
@@ -214,12 +214,11 @@ def grid_step(scene: Scene, candidates: Sequence[Candidate]) -> float:
     return math.pi / 128
 
 
-def chart_point(scene: Scene, phi: np.ndarray) -> tuple[float, float]:
-    """Return the chart coordinates of a state [N]: (phi_2, phi_3), or (elevation, phi_2) with degree 8."""
+def chart_point(scene: Scene, phi: np.ndarray) -> np.ndarray:
+    """Return the chart coordinates of a state [N]: (phi_2, phi_3), or (phi_2, elevation) with degree 8."""
     chart = chart_of(scene)
     assert chart is not None
-    first, second = chart_points(chart, phi).tolist()
-    return (first, second) if chart.kind == "degree6" else (second, first)
+    return chart.points(phi)
 
 
 def chart_ends(scene: Scene, x: np.ndarray, step: float) -> bool:
@@ -229,7 +228,7 @@ def chart_ends(scene: Scene, x: np.ndarray, step: float) -> bool:
         shown = null_space(model.closure(x)[1])[1:3]
         singular = float(np.linalg.svd(shown, compute_uv=False).min())
         return step >= STRETCHED * singular and max(abs(x[1]), abs(x[2])) <= math.pi / 2
-    v, fold = chart_point(scene, model.expand(x))
+    fold, v = chart_point(scene, model.expand(x))
     alpha = scene.vertex.sector_angles[0]
     edge = math.asin(min(1.0, math.sin(2 * alpha) * math.sin(fold / 2) ** 2))
     return abs(fold) <= step or abs(abs(v) - edge) <= step
@@ -311,7 +310,7 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
         return base
     hit = int(np.argmin(near))
     here, there = (chart_point(result.scene, model.expand(y)) for y in (start, exact[hit]))
-    steps = max(abs(a - b) for a, b in zip(here, there, strict=True)) / step
+    steps = float(np.abs(here - there).max()) / step
     base = replace(base, minimum=hit + 1, grid_steps=steps)
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact")

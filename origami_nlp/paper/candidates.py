@@ -8,7 +8,6 @@ are the notes of the file.  Files are data: nothing in them is evaluated.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,12 +15,15 @@ from pathlib import Path
 from typing import Any
 
 from origami_nlp.errors import OrigamiError, SceneFileError
+from origami_nlp.io import read_json
 from origami_nlp.pattern import Scene, examples, format_angle, parse_angle, parse_angles
 
 INDEPENDENT = {6: (0, 1, 2, 3, 2, 1), 8: (0, 1, 2, 1, 0, 1, 2, 1)}
 """For each degree, which independent fold angle every crease has (D1 and D2 of the paper)."""
 PRINTED = 1e-6
 """Accuracy of published fold angles [rad], of seven digits: closure, symmetry and equality are judged to it."""
+LARGEST = 50_000_000
+"""Bytes of a file of candidates."""
 _ALIASES = {"alpha1": "alpha", "rk": "ratio"}
 _NEEDED = ("degree", "alpha", "ratio", "phi")
 _NOTES = "branch kind alpha1_label alpha1_as_listed handle list closure_at_label_alpha".split()
@@ -66,13 +68,7 @@ def read_candidates(source: str | Path) -> tuple[Candidate, ...]:
     SceneFileError
         If the file cannot be read or a record is malformed; the message names the record.
     """
-    try:
-        data = json.loads(Path(source).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise SceneFileError(f"cannot read candidates {str(source)!r}: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        first = (str(error).splitlines() or ["nested too deeply"])[0]
-        raise SceneFileError(f"candidates are not valid JSON: {first}") from None
+    data = read_json(source, LARGEST, "candidates", SceneFileError)
     if isinstance(data, dict) and set(data) <= {"meta", "records"}:
         data = data.get("records")
     if not isinstance(data, list) or not data:
@@ -84,17 +80,10 @@ def _candidate(number: int, record: Any) -> Candidate:
     where = f"record {number}"
     if not isinstance(record, Mapping):
         raise SceneFileError(f"{where} = {str(record)[:40]!r} must be a table")
-    values: dict[str, Any] = {}
-    for key, value in record.items():
-        name = _ALIASES.get(key, key)
-        if name not in (*_NEEDED, *_NOTES):
-            raise SceneFileError(f"{where}: unknown key {key!r}: it takes {', '.join(_NEEDED)}")
-        if name in values:
-            raise SceneFileError(f"{where}: {name!r} is given twice")
-        values[name] = value
-    missing = [name for name in _NEEDED if name not in values]
-    if missing:
-        raise SceneFileError(f"{where}: missing {', '.join(missing)}")
+    values = {_ALIASES.get(key, key): value for key, value in record.items() if key not in _NOTES}
+    if len(values) < len(set(record) - set(_NOTES)) or set(values) != set(_NEEDED):
+        told = ", ".join(str(key)[:40] for key in record)
+        raise SceneFileError(f"{where} has {told}: it takes each of {', '.join(_NEEDED)} once")
     degree, ratio = values["degree"], values["ratio"]
     if isinstance(degree, bool) or degree not in INDEPENDENT:
         raise SceneFileError(f"{where}: degree = {degree!r} must be 6 or 8 (the paper's families)")

@@ -16,7 +16,7 @@ states spread over X and its edges, edge points from every sign change of dU/ds,
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -24,32 +24,29 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.chart import (
     BoundaryLine,
-    all_edges,
     border_paths,
     cells_of,
     geometry,
+    parts,
     spots,
     trace_boundary,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, Stratum, project
-from origami_nlp.minima import MinimaResult, check_result
+from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import (
     BALANCED,
     FIRM,
-    NEAR_SINGULAR_TOL,
     SETTLED,
     STATIONARY,
     distinct,
     rank,
 )
-from origami_nlp.paper.links import RADII, Link, Way, closed_rows, link_of
+from origami_nlp.paper.links import RADII, Link, Way, link_of
 from origami_nlp.paper.morse import (
     ROUNDING,
     CriticalPoint,
     CriticalPoints,
     Kind,
-    MinimaComparison,
     Part,
 )
 from origami_nlp.paper.newton import NEAR, approach, settle
@@ -59,20 +56,13 @@ from origami_nlp.problem import Contact
 
 KINDS: tuple[Kind, ...] = ("minimum", "saddle", "maximum")
 """Of a regular point, by its index."""
-HALVINGS = 8
-"""Of the step between two points of an edge, before Newton."""
 THINNED = 3
 """Of so many vertices of the mesh one is a start of Newton."""
 RINGS, SIZES = 24, (8, 1025)
 """Rings of the mesh around the flat state, by default and at least and most."""
 
 
-def find_critical_points(
-    scene: Scene,
-    result: MinimaResult | None = None,
-    *,
-    rings: int = RINGS,
-) -> CriticalPoints:
+def find_critical_points(scene: Scene, *, rings: int = RINGS) -> CriticalPoints:
     """Find every critical point of the energy on the contact-admissible symmetric set X.
 
     Critical in the sense of stratified Morse theory: on the inside, the edges and the vertices of X.
@@ -81,15 +71,13 @@ def find_critical_points(
     ----------
     scene
         What is folded.
-    result
-        Of `find_minima` on the same scene; the lists of minima are then compared.
     rings
         Of the mesh of X whose vertices are starts of Newton, 8 to 1025.
 
     Returns
     -------
     CriticalPoints
-        In order of energy; their contributions sum to the Euler characteristic of X where none is missing.
+        In order of energy; their contributions sum to the Euler characteristic of X where none is missing (`closes`).
 
     Raises
     ------
@@ -108,8 +96,6 @@ def find_critical_points(
     """
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
-    if result is not None:
-        check_result(result, scene)
     check_whole("rings", rings, *SIZES)
     problem = pose(scene)
     if problem.dof != 2:
@@ -122,11 +108,12 @@ def find_critical_points(
             f"contact = {scene.contact!r}: critical points are found with contact = 'full'"
         )
     search = _Search(scene, problem, rings)
-    points = [*search.vertices(), *search.edges(), *search.interior()]
+    points = [*map(search.vertex, search.corners), *search.edges(), *search.interior()]
     search.warn_of_neighbours(points)
     points.sort(key=lambda p: rank(p.energy / problem.scale, p.fold_angles))
-    found = CriticalPoints(scene, tuple(points), None, tuple(search.doubts))
-    return found if result is None else compare_minima(found, result)
+    pieces = parts(len(search.cells.wedge), search.cells.triangles, search.cells.extra_edges)
+    euler = sum(piece.euler_characteristic for piece in pieces)
+    return CriticalPoints(scene, tuple(points), euler, tuple(search.doubts))
 
 
 @dataclass(frozen=True)
@@ -146,20 +133,25 @@ def stratum_vertices(scene: Scene, rings: int) -> tuple[StratumVertex, ...]:
     """Find the vertices of X, of a scene without springs (`chart.geometry`): where contacts meet, or edges end."""
     cells, problem = cells_of(scene, rings), pose(scene)
     count = len(cells.wedge)
-    edges = all_edges(cells.triangles, cells.extra_edges)
-    alone = ~np.isin(np.arange(count), edges)
+    alone = ~np.isin(np.arange(count), cells.edges)
     alone[[v for path, *_ in border_paths(cells) for v in (path[0], path[-1])]] = True
     alone[[s.vertex for s in spots(count, cells.triangles, cells.extra_edges)]] = True
-    x, out = cells.wedge[alone], []
+    x = cells.wedge[alone]
     thin = [line for line in trace_boundary(scene).lines if line.thin]
-    for state in (State(problem, y, SETTLED) for y in x[distinct(x, SETTLED)]):
+
+    def at(state: State) -> StratumVertex:
         ways = [way for line in thin for way in _ways(problem, line, state.x)]
-        try:
-            links = tuple(link_of(scene, state, r, ways) for r in RADII)
-            out.append(StratumVertex(state.x, links))
-        except ValueError as error:
-            out.append(StratumVertex(state.x, (), str(error)))
-    return tuple(out)
+        return StratumVertex(state.x, *_links(scene, state, ways))
+
+    return tuple(at(State(problem, y, SETTLED)) for y in x[distinct(x, SETTLED)])
+
+
+def _links(scene: Scene, state: State, handles: Sequence[Way]) -> tuple[tuple[Link, ...], str]:
+    """Sample the links of a state; none with the reason where they are not known."""
+    try:
+        return tuple(link_of(scene, state, radius, handles) for radius in RADII), ""
+    except ValueError as error:
+        return (), str(error)
 
 
 def _ways(problem: PatternProblem, line: BoundaryLine, x: np.ndarray) -> Iterator[Way]:
@@ -184,18 +176,6 @@ class _Search:
         # the multiplier and curvature, scaled, from which they decide
         self.firm = FIRM * float((problem.parameters.stiffness / problem.multiplicity).min())
 
-    def links(self, state: State, handles: Sequence[Way] = ()) -> tuple[Link, ...]:
-        """Sample the links of a state, or record why they are not known."""
-        try:
-            return tuple(link_of(self.scene, state, radius, handles) for radius in RADII)
-        except ValueError as error:
-            self.doubts.append(f"the link of {in_degrees(state.x)} is not known: {error}")
-            return ()
-
-    def vertices(self) -> list[CriticalPoint]:
-        """Judge all vertices by their links."""
-        return [self._vertex(vertex) for vertex in self.corners]
-
     def interior(self) -> list[CriticalPoint]:
         """Critical points at which nothing touches."""
         cells, problem = self.cells, self.problem
@@ -211,7 +191,7 @@ class _Search:
         for start in x:
             plane = settle(problem, start)
             # the strata of closed contacts are looked at by themselves
-            if plane is None or plane.state.refused or closed_rows(plane.state):
+            if plane is None or plane.state.refused or _closed(plane.state):
                 continue
             state = plane.state
             # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
@@ -229,7 +209,7 @@ class _Search:
             index = int((curvature < 0).sum())
             kind, how = KINDS[index], f"reduced Hessian, index {index}"
             return _point(plane, index, (-1) ** index, "interior", kind, (), (), how)
-        contribution, kind, how = self.count_links(self.links(state))
+        contribution, kind, how = self.count_links(state.x, *_links(self.scene, state, ()))
         return _point(plane, None, contribution, "interior", kind, (), (), how)
 
     def edges(self) -> list[CriticalPoint]:
@@ -252,7 +232,7 @@ class _Search:
     ) -> CriticalPoint | None:
         """Find and judge the critical point between two points of an edge; None where it is known already."""
         rows = line.rows(self.problem)[:1]
-        found = settle(self.problem, self._level(a, b, slope, rows), rows)
+        found = settle(self.problem, a + (b - a) * slope[0] / (slope[0] - slope[1]), rows)
         known = np.concatenate([self.along, self.at_corners])
         reach = 1.5 * float(np.abs(b - a).max()) + SETTLED
         if found is None or found.state.refused or np.abs(found.state.x - a).max() > reach:
@@ -267,18 +247,6 @@ class _Search:
         self.along = np.concatenate([self.along, state.x[None]])
         return self._edge(found, line)
 
-    def _level(
-        self, a: np.ndarray, b: np.ndarray, slope: np.ndarray, rows: tuple[Contact, ...]
-    ) -> np.ndarray:
-        """Return a state between two points of an edge at which dU/ds nearly vanishes, by halving."""
-        low, high, middle = a, b, a
-        for _ in range(HALVINGS):
-            middle = project(self.problem, 0.5 * (low + high), rows, steps=6)[0]
-            ahead = State(self.problem, middle).on(rows).tangent[:, 0] / self.problem.root
-            at = float(self.problem.parameters.torque(middle) @ ahead) * np.sign(ahead @ (b - a))
-            low, high = (middle, high) if (at > 0) == (slope[0] > 0) else (low, middle)
-        return middle
-
     def _edge(self, held: Stratum, line: BoundaryLine) -> CriticalPoint:
         state, row = held.state, held.contacts[0]
         curvature, push = held.stiffness, float(held.forces[0])
@@ -291,7 +259,7 @@ class _Search:
         if not by_formula:
             rows, ahead = line.rows(self.problem), held.tangent[:, 0] / self.problem.root
             ways = [(ahead, rows), (-ahead, rows)] if line.thin else []
-            contribution, kind, how = self.count_links(self.links(state, ways))
+            contribution, kind, how = self.count_links(state.x, *_links(self.scene, state, ways))
         elif (
             push < 0
         ):  # U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
@@ -300,13 +268,14 @@ class _Search:
         else:
             contribution, kind = 1 - 2 * int(curvature < 0), KINDS[int(curvature < 0)]
             how = f"multiplier > 0, index {index} along the edge"
-        names = _names(state) or line.contacts
+        names = tuple(dict.fromkeys(map(self.problem.name, _closed(state)))) or line.contacts
         return _point(held, index, contribution, part, kind, names, moment, how)
 
-    def _vertex(self, vertex: StratumVertex) -> CriticalPoint:
+    def vertex(self, vertex: StratumVertex) -> CriticalPoint:
+        """Judge a vertex by its links."""
         problem = self.problem
         state = State(problem, vertex.x, SETTLED)
-        rows = _descriptions(state)
+        rows = _closed(state)
         held = state.on(rows)
         found = held.multiplier_set
         multipliers: tuple[float, ...] = ()
@@ -315,15 +284,13 @@ class _Search:
             weights = np.array([problem.weight(r) for r in rows])
             values = found.smallest * problem.scale / weights
             multipliers = tuple(np.where(np.abs(values) < ROUNDING, 0.0, values).tolist())
-        if vertex.reason:
-            self.doubts.append(f"the link of {in_degrees(vertex.x)} is not known: {vertex.reason}")
-        contribution, kind, how = self.count_links(vertex.links)
+        contribution, kind, how = self.count_links(vertex.x, vertex.links, vertex.reason)
         smooth = bool(vertex.links) and all(
             len(link.circles) == 1 and link.pieces == 1 and not len(link.thin)
             for link in vertex.links
         )
         part: Part = "corner" if smooth else "singular"
-        names = tuple(dict.fromkeys(problem.name(r) for r in rows))
+        names = tuple(dict.fromkeys(map(problem.name, rows)))
         return _point(state.on(), None, contribution, part, kind, names, multipliers, how)
 
     def warn_of_neighbours(self, points: list[CriticalPoint]) -> None:
@@ -334,9 +301,12 @@ class _Search:
                 if np.abs(self.at_corners - x).max(axis=1).min(initial=np.inf) <= RADII[0]:
                     self.doubts.append(f"{in_degrees(x)} lies inside the sampled link of a vertex")
 
-    def count_links(self, links: tuple[Link, ...]) -> tuple[int, Kind, str]:
+    def count_links(
+        self, x: np.ndarray, links: tuple[Link, ...], reason: str
+    ) -> tuple[int, Kind, str]:
         """Return contribution, kind and how from the links of a state at several radii."""
         if not links:
+            self.doubts.append(f"the link of {in_degrees(x)} is not known: {reason}")
             return 0, "undecided", "link not known"
         counts = [link.lower(self.problem.parameters) for link in links]
         chi, empty, whole = counts[-1]
@@ -345,8 +315,7 @@ class _Search:
         contribution = 1 - chi
         radii = " and ".join(f"{link.radius:g}" for link in links)
         if len(set(counts)) > 1:
-            where = in_degrees(links[0].center)
-            self.doubts.append(f"links of {where} disagree between radii {radii}")
+            self.doubts.append(f"links of {in_degrees(x)} disagree between radii {radii}")
         how = f"sampled link at radii {radii} rad, {links[-1].pieces} pieces"
         if empty:
             return contribution, "minimum", how
@@ -355,15 +324,10 @@ class _Search:
         return contribution, "saddle" if contribution else "regular", how
 
 
-def _descriptions(state: State) -> tuple[Contact, ...]:
+def _closed(state: State) -> tuple[Contact, ...]:
     """Return the closed contacts of a state, one description for each."""
     found = state.contacts
     return tuple(dict.fromkeys((*found.base, *(r for o in found.branches for r in o[0]))))
-
-
-def _names(state: State) -> tuple[str, ...]:
-    """Name the closed contacts of a state."""
-    return tuple(dict.fromkeys(state.problem.name(row) for row in _descriptions(state)))
 
 
 def _point(
@@ -382,27 +346,9 @@ def _point(
     if part not in ("corner", "singular"):
         size = 1.0 + float(np.abs(state.gradient).max())
         residual = max(residual, float(np.abs(held.imbalance).max()) / size)
-    where = tuple((state.fold_angles + 0.0).tolist()), state.energy, index, contribution
-    return CriticalPoint(*where, part, kind, names, multipliers, residual, how)
-
-
-def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoints:
-    """Return the same points with their minima matched, in fold angles, to those of a search."""
-    check_result(minima, found.scene)
-    here = [k for k, p in enumerate(found.points) if p.kind == "minimum"]
-    pairs = []
-    for j, other in enumerate(minima.minima):
-        for k in here:
-            apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
-            if apart <= NEAR_SINGULAR_TOL:
-                pairs.append((k, j))
-                break
-    lists = MinimaComparison(
-        tuple(pairs),
-        tuple(k for k in here if k not in {p[0] for p in pairs}),
-        tuple(j for j in range(len(minima.minima)) if j not in {p[1] for p in pairs}),
-    )
-    return replace(found, comparison=lists)
+    phi = tuple((state.fold_angles + 0.0).tolist())
+    what = (state.energy, part, kind, contribution, phi, names, multipliers, residual, how, index)
+    return CriticalPoint(*what)
 
 
 def in_degrees(x: np.ndarray) -> str:

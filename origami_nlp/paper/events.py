@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart import HalfChain, chain_of
+from origami_nlp.chart import HalfChain, chain_of, fold_wedge
 from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
@@ -97,33 +97,29 @@ def find_events(
     walls = walls_of(chain)
     k = chain.size
     found: list[Event] = []
-    for count in range(1, MOST_WALLS + 1):
-        for chosen in itertools.combinations(range(len(walls)), count):
-            variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
-            if len(set(variables)) < len(variables):
+    sets = (itertools.combinations(walls, count) for count in range(1, MOST_WALLS + 1))
+    for chosen in itertools.chain.from_iterable(sets):
+        limits = [wall for wall in chosen if wall.variable >= 0]
+        if len({wall.variable for wall in limits}) < len(limits):
+            continue
+        system = ContactKkt(make, middle, chain, chosen)
+        for _ in range(starts):
+            z = np.append(rng.uniform(-math.pi, math.pi, k), rng.uniform(low, high))
+            for wall in limits:
+                z[wall.variable] = wall.side * math.pi
+            z = np.append(z, system.first_multipliers(z))
+            answer = root(
+                system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
+            )
+            if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
                 continue
-            system = ContactKkt(make, middle, chain, [walls[i] for i in chosen])
-            for _ in range(starts):
-                z = np.concatenate([rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]])
-                for i in chosen:
-                    if walls[i].variable >= 0:
-                        z[walls[i].variable] = walls[i].side * math.pi
-                z = np.concatenate([z, system.first_multipliers(z)])
-                answer = root(
-                    system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
-                )
-                if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
-                    continue
-                event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
-                if event is None:
-                    continue
-                known = [
-                    e
-                    for e in found
-                    if e.walls == event.walls and abs(e.alpha - event.alpha) <= RESOLVED
-                ]
-                if not known or (event.admissible and not known[0].admissible):
-                    found = [e for e in found if e not in known] + [event]
+            event = _polished(make, chosen, system, answer.x, low, high)
+            if event is None:
+                continue
+            same = [e for e in found if e.walls == event.walls]
+            same = [e for e in same if abs(e.alpha - event.alpha) <= RESOLVED]
+            if not same or (event.admissible and not same[0].admissible):
+                found = [e for e in found if e not in same] + [event]
     return sorted(found, key=lambda e: (e.alpha, e.walls))
 
 
@@ -131,7 +127,7 @@ class ContactKkt:
     """The KKT system of one set of walls at z = (x, alpha, lambda), compiled: `residual` and `jacobian`."""
 
     def __init__(
-        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: list[Wall]
+        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: Sequence[Wall]
     ) -> None:
         import casadi as ca
 
@@ -160,7 +156,7 @@ def _equations(
     make: Callable[[float], Scene],
     middle: float,
     chain: HalfChain,
-    walls: list[Wall],
+    walls: Sequence[Wall],
     x: Any,
     alpha: Any,
 ) -> Any:
@@ -171,9 +167,11 @@ def _equations(
     # two scenes of the family give both coefficients
     slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
     start = one - slope * middle
-    sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
-    rays, normal, equations = _fold_wedge(chain.scene.group.order, chain.size, x, sectors)
-    rows: list[Any] = [equations]
+    sectors = [start[i] + slope[i] * alpha for i in range(len(one))]
+    order = chain.scene.group.order
+    rays, normal, turn = fold_wedge(order, sectors, [x[r] for r in range(chain.size)], ca)
+    # the last mirror makes the angle pi/n with the first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1
+    rows: list[Any] = [turn[1], turn[3]] if order == 1 else [normal[1] + math.cos(math.pi / order)]
     for wall in walls:
         if wall.variable >= 0:
             rows.append(x[wall.variable] - wall.side * math.pi)
@@ -186,32 +184,9 @@ def _equations(
     return ca.vertcat(*rows)
 
 
-def _fold_wedge(order: int, count: int, x: Any, sectors: Any) -> tuple[list[Any], Any, Any]:
-    """Fold a wedge of D_n with creases on both mirrors: its rays, the last mirror's normal, and closure.
-
-    H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray makes the angle pi/n with the
-    first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1, n_1 . H n_k = -cos(pi/n), flat normals e2 and n_k, for n >= 2.
-    """
-    import casadi as ca
-
-    whole = math.pi / order
-    azimuths = [ca.sum1(sectors[:r]) for r in range(count - 1)] + [whole]
-    q: Any = quat.IDENTITY
-    rays = []
-    for r, azimuth in enumerate(azimuths):
-        flat = ca.cos(azimuth), ca.sin(azimuth), 0.0
-        rays.append(quat.rotate(q, flat))
-        # the mirror halves the fold angle of a crease that lies on it
-        half = x[r] / (4 if r in (0, count - 1) else 2)
-        q = quat.multiply(q, quat.fold(ca.cos(half), ca.sin(half), flat))
-    normal = quat.rotate(q, (math.sin(whole), -math.cos(whole), 0.0))
-    closed = ca.vertcat(q[1], q[3]) if order == 1 else normal[1] + math.cos(whole)
-    return rays, normal, closed
-
-
 def _polished(
     make: Callable[[float], Scene],
-    walls: list[Wall],
+    walls: Sequence[Wall],
     system: ContactKkt,
     z: np.ndarray,
     low: float,

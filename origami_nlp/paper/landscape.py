@@ -23,7 +23,7 @@ from origami_nlp.chart import (
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
-from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
+from origami_nlp.display import Content, Line, Report, Section, Viewable, record_table
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import pose
@@ -117,21 +117,12 @@ class ExactLandscape(Report, Viewable):
         stable = verdicts.count("stable")
         return len(verdicts), stable + verdicts.count("undecided"), stable
 
-    def table(self) -> Table:
-        """Return one row a minimum: energy, place on the landscape, kind and verdict."""
-        names = [name.split(" (")[0] for name in self.chart.coordinates]
-        rows = []
-        for k, m in enumerate(self.result.minima):
-            point = self.places[k].point[: len(names)] if self.places else ()
-            known = m.full_space.verdict if m.full_space else "-"
-            where = [f"{v:.6f}" for v in point] or ["-"] * len(names)
-            rows.append((str(k + 1), f"{m.energy:.9g}", *where, m.kind, known))
-        heads = ("#", "energy [J]", *names, "kind", "full space")
-        return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
-
     def report_sections(self) -> Iterator[Section]:
         """Return the minima with their places and verdicts, and the boundary."""
-        yield self.table()
+        yield self.result.table()
+        if self.places:
+            names = ", ".join(name.split(" (")[0] for name in self.chart.coordinates)
+            yield record_table(self.places, f"where they are on ({names})")
         symmetric, not_unstable, stable = self.counts
         yield f"{symmetric} symmetric minima (N_sym)" + (
             "; stability in the full space was not asked for"
@@ -245,63 +236,6 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
     return tuple(out)
 
 
-def to_arrays(exact: ExactLandscape) -> dict[str, Any]:
-    """Return everything as named NumPy arrays, for `numpy.savez_compressed`.
-
-    Parameters
-    ----------
-    exact
-        Of `find_landscape`.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray
-        x_b, y_b, energy_b [ny, nx], fold_angles_b [ny, nx, N] [rad], admissible_b [ny, nx] of branch b;
-        boundary_k_points, boundary_k_fold_angles, boundary_k_s of line k, with boundary_branch, boundary_contacts,
-        boundary_thin;
-        minima_fold_angles [m, N], minima_points [m, 2], minima_branch, minima_energy, minima_kind, minima_verdict;
-        metastable_k_points with metastable_branch; coordinates: their names.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.paper import to_arrays
-    >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
-    >>> to_arrays(o.find_landscape(result, size=21))["energy_0"].shape
-    (21, 21)
-    """
-    chart, result = exact.chart, exact.result
-    arrays: dict[str, Any] = {
-        "coordinates": np.array(chart.coordinates),
-        "branches": np.array([b.name for b in chart.branches]),
-    }
-    for b, branch in enumerate(chart.branches):
-        arrays[f"x_{b}"], arrays[f"y_{b}"] = branch.axes
-        arrays[f"energy_{b}"] = branch.energy
-        arrays[f"fold_angles_{b}"] = branch.fold_angles
-        arrays[f"admissible_{b}"] = np.isfinite(branch.energy)
-    lines = exact.boundary.lines if exact.boundary else ()
-    arrays["boundary_branch"] = np.array([line.branch for line in lines], dtype=int)
-    arrays["boundary_contacts"] = np.array(["; ".join(line.contacts) for line in lines], dtype=str)
-    arrays["boundary_thin"] = np.array([line.thin for line in lines], dtype=bool)
-    for k, line in enumerate(lines):
-        arrays[f"boundary_{k}_points"] = line.points
-        arrays[f"boundary_{k}_fold_angles"] = line.fold_angles
-        arrays[f"boundary_{k}_s"] = line.s
-    minima, degree = result.minima, result.scene.degree
-    arrays["minima_fold_angles"] = np.array([m.fold_angles for m in minima]).reshape(-1, degree)
-    arrays["minima_energy"] = np.array([m.energy for m in minima])
-    arrays["minima_kind"] = np.array([m.kind for m in minima], dtype=str)
-    verdicts = [m.full_space.verdict if m.full_space else "not asked" for m in minima]
-    arrays["minima_verdict"] = np.array(verdicts, dtype=str)
-    arrays["minima_points"] = np.array([p.point for p in exact.places]).reshape(-1, 2)
-    arrays["minima_branch"] = np.array([p.branch for p in exact.places], dtype=int)
-    arrays["metastable_branch"] = np.array([m.branch for m in exact.metastable], dtype=int)
-    for k, part in enumerate(exact.metastable):
-        arrays[f"metastable_{k}_points"] = part.points
-    return arrays
-
-
 def landscape_to_dict(
     exact: ExactLandscape, space: Space, critical: CriticalPoints, barriers: Barriers
 ) -> dict[str, Any]:
@@ -317,7 +251,6 @@ def landscape_to_dict(
     dict
         ``exact.to_dict()`` and, under their names, the plain data of the others.
     """
-    judged = replace(critical, morse=critical.verdict(space.euler_characteristic))
-    parts = to_plain({"space": space, "critical": judged, "barriers": barriers})
+    parts = to_plain({"space": space, "critical": critical, "barriers": barriers})
     del parts["barriers"]["result"]
     return {**exact.to_dict(), **parts}

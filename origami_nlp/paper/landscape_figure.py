@@ -7,7 +7,7 @@ exist only at phi = +-pi exactly.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -29,9 +29,6 @@ from origami_nlp.display import (
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import drawn_minima, mark_minima, marks_legend
 from origami_nlp.paper.landscape import ExactLandscape
-
-if TYPE_CHECKING:
-    pass
 
 STAR, LINE, TEXT = 16.0, 1.2, 10.5
 """Sizes of markers, boundaries and letters [points]."""

@@ -22,7 +22,7 @@ import numpy as np
 
 from origami_nlp.chart import admissible
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import INDEPENDENT, RANK, ROUNDED
+from origami_nlp.numerics import INDEPENDENT
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact, Parameters, Problem
 
@@ -83,13 +83,6 @@ def count_arcs(mask: np.ndarray) -> int:
     return int((mask & ~np.roll(mask, 1)).sum())
 
 
-def closed_rows(state: State) -> tuple[Contact, ...]:
-    """Return every contact that is closed at a state, whichever way facets lie."""
-    found = state.contacts
-    rows = [*found.base, *(row for options in found.branches for o in options for row in o)]
-    return tuple(dict.fromkeys([*rows, *(again for again, _ in found.implied)]))
-
-
 def link_of(scene: Scene, state: State, radius: float, handles: Sequence[Way] = ()) -> Link:
     """Sample the link of an admissible state of a scene at one radius.
 
@@ -137,7 +130,12 @@ def _placings(state: State, radius: float) -> list[Placing]:
     if not forms:
         if kernel.shape[1] != 2:
             raise ValueError(f"the state has {kernel.shape[1]} degrees of freedom, not 2")
-        return [lambda theta: _over_plane(problem, state.x, radius, kernel, theta)]
+
+        def circle(theta: np.ndarray) -> np.ndarray:
+            d = np.stack([np.cos(theta), np.sin(theta)], axis=1) @ kernel.T
+            return project(problem, state.x + radius * d)[0]
+
+        return [circle]
     if len(forms) > 1:
         raise ValueError(f"closure loses {len(forms)} ranks")
     form, axes = np.linalg.eigh(forms[0])
@@ -160,20 +158,3 @@ def _placings(state: State, radius: float) -> list[Placing]:
         return project(problem, state.x + d)[0]
 
     return [lambda theta: cone(theta, 1.0), lambda theta: cone(theta, -1.0)]
-
-
-def _over_plane(
-    problem: Problem, x: np.ndarray, radius: float, z: np.ndarray, theta: np.ndarray
-) -> np.ndarray:
-    """Return the closed states over a circle in the tangent plane z [n, 2]."""
-    y = x + radius * np.stack([np.cos(theta), np.sin(theta)], axis=1) @ z.T
-    fixed = np.broadcast_to(z.T, (len(y), 2, problem.size))
-    for _ in range(6):
-        g, jac = problem.constraints(y)
-        if np.abs(g).max(initial=0.0) <= ROUNDED:
-            break
-        # Newton with the coordinates in the plane held: x(theta) over the circle, not the nearest closed state
-        whole = np.concatenate([jac, fixed], axis=1)
-        right = np.concatenate([-g, np.zeros((len(y), 2))], axis=1)
-        y = y + np.einsum("kij,kj->ki", np.linalg.pinv(whole, rcond=RANK), right)
-    return y

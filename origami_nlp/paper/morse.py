@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from origami_nlp.display import Report, Section, Table, angle_columns
+from origami_nlp.display import Report, Section, angle_columns, record_row, record_table, shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene
@@ -24,15 +23,8 @@ class CriticalPoint(ShortRepr):
 
     Attributes
     ----------
-    fold_angles
-        All N [rad].
     energy
         [the scene's units].
-    index
-        Number of negative curvatures along the stratum (0 to 2 in the interior, 0 or 1 on an edge); None for a
-        vertex, which has no directions of its own, and where a curvature vanishes.
-    contribution
-        1 - chi(lower link): what the point adds to the Euler characteristic of X.
     stratum
         ``interior`` (nothing touches), ``boundary`` (an edge of X), ``handle`` (a one-dimensional part of X),
         ``corner`` (a vertex beside which X is one sector), ``singular`` (any other vertex: the flat state, ends
@@ -41,6 +33,10 @@ class CriticalPoint(ShortRepr):
         ``minimum`` (empty lower link), ``maximum`` (the whole link is lower, and it is a circle), ``saddle``
         (contribution below 0), ``pinch`` (another essential point), ``regular`` (contribution 0, so the
         topology of {U <= c} does not change there), ``undecided``.
+    contribution
+        1 - chi(lower link): what the point adds to the Euler characteristic of X.
+    fold_angles
+        All N [rad].
     contacts
         Those closed, in words.
     multipliers
@@ -51,74 +47,28 @@ class CriticalPoint(ShortRepr):
         Largest entry of closure and closed contacts and, except at vertices, of stationarity.
     how
         What decided the contribution.
+    index
+        Number of negative curvatures along the stratum (0 to 2 in the interior, 0 or 1 on an edge); None for a
+        vertex, which has no directions of its own, and where a curvature vanishes.
     """
 
-    fold_angles: tuple[float, ...]
-    energy: float
-    index: int | None
-    contribution: int
-    stratum: Part
-    kind: Kind
-    contacts: tuple[str, ...]
-    multipliers: tuple[float, ...]
-    residual: float
-    how: str
+    energy: float = field(metadata=shown("energy", "J", ".9g"))
+    stratum: Part = field(metadata=shown("stratum"))
+    kind: Kind = field(metadata=shown("kind"))
+    contribution: int = field(metadata=shown("adds", "", "+d"))
+    fold_angles: tuple[float, ...] = field(metadata=shown("fold angles", "rad", "z.3f"))
+    contacts: tuple[str, ...] = field(
+        metadata=shown("contacts", missing="nothing touches", between="; ")
+    )
+    multipliers: tuple[float, ...] = field(metadata=shown("multipliers", "N m", ".4g"))
+    residual: float = field(metadata=shown("residual", "", residual_words))
+    how: str = field(metadata=shown("how"))
+    index: int | None = field(metadata=shown())
 
     @property
     def essential(self) -> bool:
         """Whether the topology of {U <= c} changes at this point."""
         return self.contribution != 0
-
-
-@dataclass(frozen=True)
-class MinimaComparison:
-    """Minima among the critical points against those of `find_minima`, matched in fold angles.
-
-    Attributes
-    ----------
-    matched
-        Pairs (position in CriticalPoints.points, position in the list of minima).
-    only_critical
-        Positions of minima that the search for minima misses.
-    only_search
-        Positions in the list of minima that are no minimum here.
-    """
-
-    ALSO = ("agree",)
-
-    matched: tuple[tuple[int, int], ...]
-    only_critical: tuple[int, ...]
-    only_search: tuple[int, ...]
-
-    @property
-    def agree(self) -> bool:
-        """Whether both lists hold the same states."""
-        return not self.only_critical and not self.only_search
-
-
-@dataclass(frozen=True)
-class MorseVerdict:
-    """The identity sum of contributions = Euler characteristic of X.
-
-    Attributes
-    ----------
-    morse_sum
-        Sum of the contributions.
-    euler_characteristic
-        Of X, obtained without the energy.
-    closes
-        Whether the identity holds; if not, at least one critical point is missing or misjudged.
-    """
-
-    morse_sum: int
-    euler_characteristic: int
-    closes: bool
-
-    @property
-    def text(self) -> str:
-        """What it says."""
-        words = "closes" if self.closes else "does not close: a point is missing or misjudged"
-        return f"Euler characteristic {self.euler_characteristic}: the count {words}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -131,29 +81,26 @@ class CriticalPoints(Report):
         The scene.
     points
         In order of energy.
-    comparison
-        With a list of minima, where one was given.
+    euler_characteristic
+        Of X, obtained without the energy.
     doubts
         What could not be decided or checked, in words; empty in the regular case.
-    morse
-        What the Morse identity says, where the Euler characteristic of X is known (`verdict`).
 
     Examples
     --------
     >>> import origami_nlp as o
     >>> found = o.find_critical_points(o.examples.degree6("pi/4", ratio=0.01), rings=12)
-    >>> len(found.minima), found.verdict(euler_characteristic=1).closes
-    (2, True)
+    >>> len(found.minima), found.morse_sum, found.closes
+    (2, 1, True)
     """
 
     scene: Scene
     points: tuple[CriticalPoint, ...]
-    comparison: MinimaComparison | None = None
-    doubts: tuple[str, ...] = field(default=())
-    morse: MorseVerdict | None = None
+    euler_characteristic: int
+    doubts: tuple[str, ...] = ()
 
     WIDTH, SCHEMA = 160, "origami-nlp/landscape/2"
-    ALSO = ("morse_sum",)
+    ALSO = ("morse_sum", "closes")
 
     @property
     def morse_sum(self) -> int:
@@ -165,64 +112,26 @@ class CriticalPoints(Report):
         """Points with an empty lower link."""
         return tuple(p for p in self.points if p.kind == "minimum")
 
-    def verdict(self, euler_characteristic: int) -> MorseVerdict:
-        """Compare with the Euler characteristic of X, obtained without the energy.
-
-        Parameters
-        ----------
-        euler_characteristic
-            Such as `Space.euler_characteristic`.
-
-        Returns
-        -------
-        MorseVerdict
-            Whether the contributions sum to it.
-        """
-        total = self.morse_sum
-        return MorseVerdict(total, euler_characteristic, total == euler_characteristic)
-
-    def table(self) -> Table:
-        """Return one row for each point that is essential, or undecided, with the fold angles of a piece."""
-        creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
-        shown = [p for p in self.points if p.essential or p.kind == "undecided"]
-        title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(shown)} critical points"
-        if hidden := len(self.points) - len(shown):
-            title += f" ({hidden} more are not essential)"
-        rows = [
-            (
-                str(number),
-                f"{p.energy:.9g}",
-                p.stratum,
-                p.kind,
-                f"{p.contribution:+d}",
-                residual_words(p.residual),
-                ", ".join(f"{round(math.degrees(p.fold_angles[c]), 3) + 0.0:.3f}" for c in creases),
-                "; ".join(p.contacts) or "nothing touches",
-                p.how + "".join(f"; {v:.4g} N m" for v in p.multipliers),
-            )
-            for number, p in enumerate(shown, start=1)
-        ]
-        angles = f"fold angles {', '.join(str(c + 1) for c in creases)} [deg]"
-        heads = ("#", "energy [J]", "stratum", "kind", "adds", "residual", angles)
-        return Table((*heads, "contacts", "how"), rows, title, "rrllrrlLL")
+    @property
+    def closes(self) -> bool:
+        """Whether the Morse identity holds; if not, at least one point is missing or misjudged."""
+        return self.morse_sum == self.euler_characteristic
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table, the Morse sum, and what is said of it."""
-        yield self.table()
-        yield f"Morse sum {self.morse_sum}" + (f", {self.morse.text}" if self.morse else "")
-        if self.comparison and not self.comparison.agree:
-            here, there = map(len, (self.comparison.only_critical, self.comparison.only_search))
-            yield f"minima: {here} are not in the list of the search, {there} only there"
+        """Return a table of the points that are essential, or undecided, the Morse sum, and what is said of it."""
+        told = [p for p in self.points if p.essential or p.kind == "undecided"]
+        title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(told)} critical points"
+        if hidden := len(self.points) - len(told):
+            title += f" ({hidden} more are not essential)"
+        yield record_table(told, title)
+        words = "closes" if self.closes else "does not close: a point is missing or misjudged"
+        yield (
+            f"Morse sum {self.morse_sum}, Euler characteristic {self.euler_characteristic}: the count {words}"
+        )
         yield from (f"doubt: {doubt}" for doubt in self.doubts)
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        for number, p in enumerate(self.points, start=1):
-            row = {"scene": self.scene.label, "number": number, "energy_J": p.energy}
-            row |= {
-                "kind": p.kind,
-                "stratum": p.stratum,
-                "index": p.index,
-                "contribution": p.contribution,
-            }
-            row["contacts"] = "; ".join(p.contacts)
+        for p in self.points:
+            row = record_row(p)
+            del row["fold_angles_rad"]
             yield row | angle_columns(p.fold_angles)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.kkt import State, Stratum, project
-from origami_nlp.numerics import FOLLOWED, NONZERO, RANK, STATIONARY
+from origami_nlp.kkt import State, Stratum, newton, project
+from origami_nlp.numerics import FOLLOWED, NONZERO, RANK
 from origami_nlp.problem import Contact, Problem
 
 LONGEST_STEP = 0.3
 """Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
-STEPS, MANY_STEPS = 12, 15
-"""Of Newton: from a state nearby, and from any."""
+MANY_STEPS = 15
+"""Of Newton."""
 DIFFERENCE = 1e-5
 """Step of the differences by which many states learn how closure bends [rad]."""
 NEAR = 1e-3
@@ -20,20 +20,12 @@ NEAR = 1e-3
 
 def settle(problem: Problem, x: np.ndarray, rows: tuple[Contact, ...] = ()) -> Stratum | None:
     """Return the critical point along the stratum of `rows` near x [n], admissible or not; None where there is none."""
-    level = False
-    for _ in range(STEPS):
-        held = State(problem, project(problem, x, rows)[0]).on(rows)
-        z, left = held.tangent, held.tangent.T @ held.state.gradient
-        size = 1.0 + float(np.abs(held.state.gradient).max())
-        was, level = level, bool(np.abs(left).max(initial=0.0) <= STATIONARY * size)
-        if was and level:  # one step beyond, down to rounding
-            # closure and contacts say whether the state is one
-            off = max(held.state.residual, float(np.abs(held.openings).max(initial=0.0)))
-            return held if off <= FOLLOWED else None
-        step = -z @ np.linalg.lstsq(z.T @ held.hessian @ z, left, rcond=RANK)[0]
-        cut = min(1.0, LONGEST_STEP / max(float(np.linalg.norm(step)), NONZERO))
-        x = held.state.x + cut * step / problem.root
-    return None
+    found = newton(problem, project(problem, x, rows)[0], rows)[0]
+    if found is None:
+        return None
+    held = State(problem, found.x).on(rows)
+    off = max(held.state.residual, float(np.abs(held.openings).max(initial=0.0)))
+    return held if off <= FOLLOWED else None
 
 
 def approach(problem: Problem, x: np.ndarray) -> np.ndarray:

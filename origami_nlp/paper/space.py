@@ -20,17 +20,13 @@ from origami_nlp.chart import (
     Cells,
     Component,
     Spot,
-    all_edges,
-    branches_of,
     cells_of,
-    chart_of,
-    chart_points,
     handles,
     parts,
     several,
     spots,
 )
-from origami_nlp.display import Report, Section
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import OUTSIDE, SETTLED, groups
 from origami_nlp.pattern import Scene, as_scene, format_angle
@@ -43,50 +39,15 @@ NEARBY = 0.5
 """Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
 
-@dataclass(frozen=True, repr=False)
-class SpaceMesh(Cells):
-    """X as a complex (`chart.Cells`); vertices on contacts are exact states (rounding)."""
+def angle_word(angle: float) -> str:
+    """Write a fold angle for people: a multiple of pi as such, others with four decimals."""
+    text = format_angle(angle) if abs(angle) > OUTSIDE else "0"
+    return text if "pi" in text or text == "0" else f"{angle:.4f}"
 
-    @cached_property
-    def fold_angles(self) -> np.ndarray:
-        """States, [V, N] [rad]."""
-        return np.asarray(self.wedge[:, self.cover.chain.orbit])
 
-    @property
-    def walls(self) -> tuple[str, ...]:
-        """Names of the walls that `on` is a bit mask of."""
-        return self.cover.chain.walls
-
-    @cached_property
-    def edges(self) -> np.ndarray:
-        """[E, 2] vertices: all edges, handles included."""
-        return all_edges(self.triangles, self.extra_edges)
-
-    @cached_property
-    def chart(self) -> np.ndarray:
-        """[V, 2] coordinates of the scene's chart."""
-        chart = chart_of(self.cover.chain.scene)
-        assert chart is not None
-        return chart_points(chart, self.fold_angles)
-
-    @cached_property
-    def branch(self) -> np.ndarray:
-        """[V] branch of that chart."""
-        return branches_of(self)[0]
-
-    def contacts(self, vertex: int) -> tuple[str, ...]:
-        """Name the contacts that are closed at a vertex."""
-        return tuple(name for k, name in enumerate(self.walls) if self.on[vertex] >> k & 1)
-
-    def signed_contacts(self, vertex: int) -> tuple[str, ...]:
-        """Name the contacts that are closed at a vertex, with the sign of fold angles at +-pi."""
-        names = []
-        for name in self.contacts(vertex):
-            if name.startswith("phi_"):
-                crease = int(name.removeprefix("phi_").split(" ")[0])
-                name = name.replace("+-", "+" if self.fold_angles[vertex, crease - 1] > 0 else "-")
-            names.append(name)
-        return tuple(sorted(names))
+def angle_words(values: Iterable[float]) -> str:
+    """Write fold angles [rad] for people, such as ``"(pi/2, 0.1234)"``."""
+    return f"({', '.join(map(angle_word, values))})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,10 +68,10 @@ class PinchPoint(ShortRepr):
         Of the mesh.
     """
 
-    kind: str
-    fold_angles: tuple[float, ...]
-    dimensions: tuple[int, ...]
-    contacts: tuple[str, ...]
+    kind: str = field(metadata=shown("where pieces meet"))
+    fold_angles: tuple[float, ...] = field(metadata=shown("fold angles", spec=angle_word))
+    dimensions: tuple[int, ...] = field(metadata=shown("dimensions", between=" + "))
+    contacts: tuple[str, ...] = field(metadata=shown("contacts", between="; "))
     vertex: int = field(metadata={"plain": False})
 
 
@@ -132,11 +93,11 @@ class Handle:
         What each end is (``"free"`` or the kind of the pinch point there).
     """
 
-    contacts: tuple[str, ...]
+    contacts: tuple[str, ...] = field(metadata=shown("handle", between="; "))
     path: np.ndarray = field(repr=False, metadata={"plain": False})
     fold_angles: np.ndarray = field(repr=False)
-    length: float
-    ends: tuple[str, str]
+    length: float = field(metadata=shown("length", spec=".4f"))
+    ends: tuple[str, str] = field(metadata=shown("ends", between=" to "))
 
 
 @dataclass(frozen=True, repr=False)
@@ -177,16 +138,10 @@ class Space(Report):
     pinch_points: tuple[PinchPoint, ...]
     handles: tuple[Handle, ...]
     euler_characteristic: int
-    mesh: SpaceMesh = field(metadata={"plain": False})
+    mesh: Cells = field(metadata={"plain": False})
 
     PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        names = ("dimension", "euler_characteristic", "holes", "closed_surfaces")
-        for number, one in enumerate(self.components, start=1):
-            row = {"scene": self.scene.label, "component": number}
-            row |= {name: getattr(one, name) for name in names}
-            yield row
+    ROWS = "components"
 
     @property
     def signature(self) -> tuple[int, ...]:
@@ -202,11 +157,17 @@ class Space(Report):
         counts: dict[tuple[str, ...], int] = {}
         mesh = self.mesh
         for v in np.flatnonzero(several(mesh.on)).tolist():
-            key = mesh.signed_contacts(v)
+            names = []
+            for name in mesh.contacts(int(mesh.on[v])):
+                if name.startswith("phi_"):  # with the sign of fold angles at +-pi
+                    angle = mesh.fold_angles[v, int(name.removeprefix("phi_").split(" ")[0]) - 1]
+                    name = name.replace("+-", "+" if angle > 0 else "-")
+                names.append(name)
+            key = tuple(sorted(names))
             counts[key] = counts.get(key, 0) + 1
         return tuple(sorted(counts.items()))
 
-    @property
+    @cached_property
     def picture_joins(
         self,
     ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
@@ -214,7 +175,32 @@ class Space(Report):
 
         For each such point: its coordinates, and one state [N] of each separate set of states over it.
         """
-        return _picture_joins(self.mesh)
+        mesh, place = self.mesh, self._places
+        low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
+        low = -low
+        np.minimum.at(low, place, mesh.wedge)
+        np.maximum.at(high, place, mesh.wedge)
+        found = []
+        for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
+            over = np.flatnonzero(place == k)
+            point = mesh.points[over[0]]
+            # states that X does not connect over the disc around the point
+            near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
+            edges = mesh.edges[near[mesh.edges].all(axis=1)]
+            piece = groups(len(place), edges)[over]
+            first = over[np.unique(piece, return_index=True)[1]]
+            if len(first) > 1:
+                states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
+                found.append(((float(point[0]), float(point[1])), states))
+        return tuple(found)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Number of the chart point (to `SETTLED`, branches apart) of each vertex of the mesh."""
+        from scipy.spatial import cKDTree
+
+        points = np.column_stack([self.mesh.points, 10.0 * self.mesh.branch])
+        return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
     @property
     def picture_holes(self) -> int:
@@ -224,30 +210,20 @@ class Space(Report):
         characteristic by n - 1; a picture in the plane encloses no volume.
         """
         joins = [len(states) - 1 for _, states in self.picture_joins]
-        return _picture_components(self.mesh) - (self.euler_characteristic - sum(joins))
+        place = self._places
+        count = int(place.max(initial=-1)) + 1
+        components = int(groups(count, place[self.mesh.edges]).max(initial=-1)) + 1
+        return components - (self.euler_characteristic - sum(joins))
 
     def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
         yield (
-            f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s), "
-            f"Euler characteristic {self.euler_characteristic} (mesh of {self.size} rings, "
-            f"{len(self.mesh.wedge)} vertices)"
+            f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s) "
+            f"(mesh of {self.size} rings, {len(self.mesh.wedge)} vertices)"
         )
-        for k, part in enumerate(self.components, start=1):
-            yield (
-                f"  component {k}: dimension {part.dimension}, Euler characteristic {part.euler_characteristic}, "
-                f"{part.holes} hole(s)"
-            )
-        for pinch in self.pinch_points:
-            dimensions = " + ".join(map(str, pinch.dimensions))
-            contacts = f", {'; '.join(pinch.contacts)}" if pinch.contacts else ""
-            yield f"  {pinch.kind} ({dimensions}): {angle_words(pinch.fold_angles)}{contacts}"
-        for handle in self.handles:
-            ends = " to ".join(
-                f"{angle_words(handle.fold_angles[k])} [{end}]"
-                for k, end in zip((0, -1), handle.ends, strict=True)
-            )
-            yield f"  handle, {'; '.join(handle.contacts)}, length {handle.length:.4f} rad: {ends}"
+        for records in (self.components, self.pinch_points, self.handles):
+            if records:
+                yield record_table(records, "")
         joins = self.picture_joins
         if joins:
             yield (
@@ -256,42 +232,6 @@ class Space(Report):
             )
         for point, states in joins:
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
-
-
-def _places(mesh: SpaceMesh) -> np.ndarray:
-    """Number of the chart point (to `SETTLED`, branches apart) of each vertex."""
-    from scipy.spatial import cKDTree
-
-    points = np.column_stack([mesh.chart, 10.0 * mesh.branch])
-    return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
-
-
-def _picture_joins(
-    mesh: SpaceMesh,
-) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
-    """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
-    place = _places(mesh)
-    low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
-    low = -low
-    np.minimum.at(low, place, mesh.wedge)
-    np.maximum.at(high, place, mesh.wedge)
-    found = []
-    for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
-        over = np.flatnonzero(place == k)
-        point = mesh.chart[over[0]]
-        near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
-        edges = mesh.edges[near[mesh.edges].all(axis=1)]
-        piece = groups(len(place), edges)[over]
-        first = over[np.unique(piece, return_index=True)[1]]
-        if len(first) > 1:
-            states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
-            found.append(((float(point[0]), float(point[1])), states))
-    return tuple(found)
-
-
-def _picture_components(mesh: SpaceMesh) -> int:
-    place = _places(mesh)
-    return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1
 
 
 def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
@@ -328,22 +268,21 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
     cells = cells_of(scene, check_whole("rings", rings, *SIZES))
-    mesh = SpaceMesh(**vars(cells))
     count = len(cells.wedge)
     components = tuple(parts(count, cells.triangles, cells.extra_edges))
     pinch = tuple(
-        _pinch_point(mesh, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
+        _pinch_point(cells, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
     )
     kinds = {p.vertex: p.kind for p in pinch}
     arcs = tuple(
-        _handle(mesh, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
+        _handle(cells, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
     )
     holes = sum(c.holes for c in components)
     euler = sum(c.euler_characteristic for c in components)
-    return Space(scene, cells.rings, components, holes, pinch, arcs, euler, mesh)
+    return Space(scene, cells.cover.rings, components, holes, pinch, arcs, euler, cells)
 
 
-def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
+def _pinch_point(mesh: Cells, spot: Spot) -> PinchPoint:
     dimensions = spot.dimensions
     if dimensions.count(2) >= 2:
         kind = "pinch point"
@@ -353,34 +292,13 @@ def _pinch_point(mesh: SpaceMesh, spot: Spot) -> PinchPoint:
         kind = "handle junction"
     v = spot.vertex
     phi = tuple(mesh.fold_angles[v].tolist())
-    return PinchPoint(kind, phi, dimensions, mesh.contacts(v), v)
+    return PinchPoint(kind, phi, dimensions, mesh.contacts(int(mesh.on[v])), v)
 
 
-def _handle(mesh: SpaceMesh, path: np.ndarray, kinds: dict[int, str]) -> Handle:
+def _handle(mesh: Cells, path: np.ndarray, kinds: dict[int, str]) -> Handle:
     common = int(np.bitwise_and.reduce(mesh.on[path]))
-    contacts = tuple(name for k, name in enumerate(mesh.walls) if common >> k & 1)
     length = float(np.linalg.norm(np.diff(mesh.wedge[path], axis=0), axis=1).sum())
     ends = tuple(kinds.get(int(v), "free") for v in (path[0], path[-1]))
     if path[0] == path[-1]:
         ends = ("loop", "loop")
-    return Handle(contacts, path, mesh.fold_angles[path], length, (ends[0], ends[1]))
-
-
-def angle_words(values: Iterable[float]) -> str:
-    """Write fold angles for people: multiples of pi as such, others with four decimals.
-
-    Parameters
-    ----------
-    values
-        Fold angles [rad].
-
-    Returns
-    -------
-    str
-        Such as ``"(pi/2, 0.1234)"``.
-    """
-    texts = []
-    for v in values:
-        text = format_angle(v) if abs(v) > OUTSIDE else "0"
-        texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
-    return "(" + ", ".join(texts) + ")"
+    return Handle(mesh.contacts(common), path, mesh.fold_angles[path], length, (ends[0], ends[1]))

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 
-from origami_nlp.chart import area_axes, chart_of, surface_pieces, trace_boundary
+from origami_nlp.chart import area_axes, surface_pieces, trace_boundary
 from origami_nlp.display import HANDLE, INK, MARGIN, RING, StackedFigure, label_text, patch
 from origami_nlp.paper.space import Space
 
@@ -39,14 +39,13 @@ def draw_space(space: Space) -> Any:
     matplotlib.figure.Figure
         The picture.
     """
-    chart, mesh = chart_of(space.scene), space.mesh
-    assert chart is not None
+    mesh = space.mesh
     piece = surface_pieces(mesh.triangles)
     colour = [LOBES[min(k, len(LOBES) - 1)] for k in piece]
     marks = [("several states there", point) for point, _ in space.picture_joins]
     for pinch in space.pinch_points:
         name = "pinch point" if pinch.kind == "pinch point" else "end of a 1-handle"
-        marks.append((name, mesh.chart[pinch.vertex]))
+        marks.append((name, mesh.points[pinch.vertex]))
     entries: list[Any] = [patch(c, f"surface {k}") for k, c in enumerate(LOBES, 1) if c in colour]
     entries.append(Line2D([], [], color=INK, label="contact"))
     entries += [Line2D([], [], **HANDLE, label="1-handle")] * bool(space.handles)
@@ -56,13 +55,13 @@ def draw_space(space: Space) -> Any:
     stack = StackedFigure(2 * MARGIN + LEFT + SIDE, SIDE + 0.45, _title(space), entries)
     axes = stack.axes(MARGIN + LEFT, 0.0, SIDE, SIDE)
     fill: dict[str, Any] = {"facecolors": colour, "edgecolors": colour, "linewidth": 0.3}
-    axes.add_collection(PolyCollection(list(mesh.chart[mesh.triangles]), **fill, rasterized=True))
+    axes.add_collection(PolyCollection(list(mesh.points[mesh.triangles]), **fill, rasterized=True))
     for line in trace_boundary(space.scene).lines:
         look = HANDLE if line.thin else {"color": INK, "linewidth": 1.2}
         axes.plot(*line.points.T, **look | {"zorder": 5}, clip_on=False)
     for name, at in marks:
         axes.plot(*np.array(at), linestyle="", **LOOKS[name], clip_on=False)
-    area_axes(axes, chart)
+    area_axes(axes, mesh.chart)
     return stack.figure
 
 

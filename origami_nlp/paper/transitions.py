@@ -1,14 +1,10 @@
-"""Sweep the sector angle of a family of vertices and find every transition of its admissible space X.
+"""Every transition of the admissible space X of a family of vertices, as their sector angle changes.
 
-Two searches that share only the geometry of the half-chain, and neither is given the places to look at:
-
-- the sweep: X is analysed at many sector angles; where its signature (topology, corners, and the loops of its picture
-  in the paper's chart) differs between neighbours, bisection closes in on the change;
-- the events: KKT points of the sector angle (`events`), exact to rounding.
-
-A transition is an event at which the signature differs, on its two sides or at the event (handles can exist at one
-sector angle only).  Brackets without event, and events without change, are reported, not hidden.  The topology does not
-depend on stiffness.
+Where X changes, contacts become dependent: at KKT points of the sector angle (`events`), exact to rounding.  X itself
+is analysed on both sides of each, and at it (handles can exist at one sector angle only): a transition is an event at
+which its signature (topology, corners, and the loops of its picture in the paper's chart) differs.  Between two events
+it must not change: intervals in which it does, and events without change, are reported, not hidden.  The topology does
+not depend on stiffness.
 """
 
 from __future__ import annotations
@@ -20,8 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.chart import MeshError
-from origami_nlp.display import Report, Section, Table, Words
+from origami_nlp.display import Report, Section, Words, record_table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paper.events import Event, find_events
@@ -32,45 +27,41 @@ FAMILIES: dict[str, Callable[[float], Scene]] = {"degree6": degree6, "degree8": 
 """The paper's families of vertices, by name; sector angle alpha_1 in (0, pi/2)."""
 SIDE = 1e-5
 """Distance from a transition at which its two sides are looked at [rad]."""
-BRACKET = 1e-6
-"""Width to which the sweep's bisection closes in [rad]."""
-SWEEP_SIZE = 16
-"""Rings of the meshes of a sweep."""
-SAMPLES = 25
-MARGIN = 0.05
-"""The sweep keeps this far from 0 and pi/2 [rad], where facets degenerate."""
+RINGS = 16
+"""Of the meshes."""
+MARGIN = 0.1
+"""Sector angles keep this far from 0 and pi/2 [rad], where facets degenerate."""
 
 OnProgress = Callable[[str, float], None]
 
 
-TOPOLOGY = ("components", "holes", "euler_characteristic", "pinch_points", "handle_ends", "handles")
-"""Names of the numbers in `Signature.topology`."""
-
-
 @dataclass(frozen=True)
 class Signature:
-    """What a sweep compares.
+    """What is compared of two spaces.
 
     Attributes
     ----------
-    topology
-        `Space.signature` (components, holes, Euler characteristic, pinch points, handle ends, handles).
     picture_holes
         Loops of the picture in the paper's chart.
     corners
         States where several contacts close, by their contacts, with their number.
+    components, holes, euler_characteristic, pinch_points, handle_ends, handles
+        `Space.signature`.
     """
 
-    topology: tuple[int, ...] = field(metadata={"plain": False})
-    picture_holes: int
+    picture_holes: int = field(metadata=shown("drawn holes"))
     corners: tuple[tuple[tuple[str, ...], int], ...]
-
-    ALSO = ("counts",)
+    components: int = field(metadata=shown("components"))
+    holes: int = field(metadata=shown("holes"))
+    euler_characteristic: int = field(metadata=shown("chi"))
+    pinch_points: int = field(metadata=shown("pinch points"))
+    handle_ends: int = field(metadata=shown("handle ends"))
+    handles: int = field(metadata=shown("handles"))
 
     @property
-    def counts(self) -> dict[str, int]:
-        """The numbers of `topology` by their names."""
-        return dict(zip(TOPOLOGY, self.topology, strict=True))
+    def topology(self) -> tuple[int, ...]:
+        """`Space.signature`."""
+        return tuple(vars(self).values())[2:]
 
 
 @dataclass(frozen=True)
@@ -81,8 +72,6 @@ class Transition:
     ----------
     alpha
         alpha_1 [rad], to rounding.
-    bracket
-        Where the sweep saw the change; None if only the event itself differs.
     below, at, above
         Signatures at alpha - SIDE, alpha, alpha + SIDE.
     changes
@@ -94,7 +83,6 @@ class Transition:
     """
 
     alpha: float
-    bracket: tuple[float, float] | None
     below: Signature
     at: Signature
     above: Signature
@@ -108,18 +96,7 @@ class Transition:
             f"alpha_1 = {self.alpha:.15f} = {format_angle(self.alpha)}: {', '.join(self.changes)}",
             "bold",
         )
-        if self.bracket is None:
-            yield "  not seen by the sweep: both sides are alike"
-        else:
-            half = (self.bracket[1] - self.bracket[0]) / 2
-            yield f"  the sweep's bracket: {sum(self.bracket) / 2:.9f} +- {half:.0e}"
-        rows = []
-        for name, s in (("below", self.below), ("at", self.at), ("above", self.above)):
-            cells = (*s.topology[:3], s.topology[5], s.picture_holes)
-            corners = "-" if s.topology[5] else str(sum(n for _, n in s.corners))
-            rows.append((name, *map(str, cells), corners))
-        heads = ("", "components", "holes", "chi", "handles", "drawn holes", "corners")
-        yield Table(heads, rows, columns="LLLLLLL")
+        yield record_table((self.below, self.at, self.above), "  below, at, above")
         before, after = dict(self.below.corners), dict(self.above.corners)
         for what, one, other in (("gone", before, after), ("new", after, before)):
             for contacts in sorted(c for c in one if other.get(c) != one[c]):
@@ -130,25 +107,22 @@ class Transition:
 
 
 @dataclass(frozen=True, repr=False)
-class TransitionSweep(Report):
-    """What a sweep over a family of vertices finds.
+class Transitions(Report):
+    """The transitions of a family of vertices.
 
     Attributes
     ----------
     family
         Its name.
-    samples
-        Sector angles of the sweep with their signatures.
     transitions
         In order of the sector angle.
     unexplained
-        Brackets in which no event lies.
+        Pairs of sector angles between which X changes without an event.
     silent
         Sector angles of events at which nothing changes.
     """
 
     family: str
-    samples: tuple[tuple[float, Signature], ...]
     transitions: tuple[Transition, ...]
     unexplained: tuple[tuple[float, float], ...]
     silent: tuple[float, ...]
@@ -156,62 +130,54 @@ class TransitionSweep(Report):
     SCHEMA, READS = "origami-nlp/paper/1", False
 
     def report_sections(self) -> Iterator[Section]:
-        """Return every transition, and what the two searches do not agree on."""
-        count = len(self.transitions)
-        yield f"{self.family}: {count} transition(s), {len(self.samples)} sector angles swept"
+        """Return every transition, and what the events do not explain."""
+        yield f"{self.family}: {len(self.transitions)} transition(s)"
         for t in self.transitions:
             yield ""
             yield from t.report_sections()
         for a, b in self.unexplained:
-            yield f"unexplained: the signature changes between {a:.9f} and {b:.9f}"
+            yield f"unexplained: the space changes between {a:.9f} and {b:.9f}"
         for a in self.silent:
             yield f"silent: contacts become dependent at {a:.12f}, and nothing changes"
 
 
-def signature_of(scene: Scene, rings: int) -> Signature:
-    """Return what a sweep compares of a scene's space."""
-    space = find_space(scene, rings=rings)
-    return Signature(space.signature, space.picture_holes, space.corners)
-
-
 def find_transitions(
     family: str,
-    samples: int = SAMPLES,
-    rings: int = SWEEP_SIZE,
+    rings: int = RINGS,
     seed: int = 0,
     report: OnProgress = lambda what, done: None,
-) -> TransitionSweep:
-    """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
+) -> Transitions:
+    """Find where the space X of admissible states of a family of vertices changes with the sector angle.
 
-    This takes minutes: events are solved for exactly.
+    Events are solved for exactly, which takes some ten seconds.
 
     Parameters
     ----------
     family
         ``"degree6"`` or ``"degree8"``.
-    samples
-        Sector angles of the sweep, at least 3, spread over (0, pi/2) less `MARGIN` with jitter from `seed`.
     rings
         Rings of the meshes.
     seed
-        Of the jitter and of the search for events.
+        Of the search for events.
     report
         Called with what is done and the fraction of it.
 
     Returns
     -------
-    TransitionSweep
-        The transitions, and what the sweep saw that no event explains.
+    Transitions
+        The transitions, and changes that no event explains.
 
     Raises
     ------
     OptionError
-        If `family` is unknown, `samples` is out of range, or `rings` is too coarse.
+        If `family` or `seed` is unknown.
+    MeshError
+        If `rings` are too few.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> sweep = o.paper.find_transitions("degree6", samples=5)  # doctest: +SKIP
+    >>> found = o.paper.find_transitions("degree6")  # doctest: +SKIP
     >>> o.paper.find_transitions("degree7")
     Traceback (most recent call last):
         ...
@@ -220,77 +186,34 @@ def find_transitions(
     make = FAMILIES.get(family) if isinstance(family, str) else None
     if make is None:
         raise OptionError(f"family = {family!r} is unknown: use one of {', '.join(FAMILIES)}")
-    check_whole("samples", samples, 3, 10_000)
     check_whole("seed", seed, 0)
 
-    def look(alpha: float) -> Signature | None:
-        try:
-            return signature_of(make(alpha), rings)
-        except MeshError:  # features thinner than the mesh resolves
-            return None
+    def look(alpha: float) -> Signature:
+        space = find_space(make(alpha), rings=rings)
+        return Signature(space.picture_holes, space.corners, *space.signature)
 
     low, high = MARGIN, math.pi / 2 - MARGIN
-    rng = np.random.default_rng(seed)
-    step = (high - low) / samples
-    # drawn within their cells: nothing special happens just at a sample
-    angles = low + step * (np.arange(samples) + rng.uniform(0.2, 0.8, samples))
-    signatures = []
-    for k, alpha in enumerate(angles):
-        report("sweep", k / samples)
-        here = look(float(alpha))
-        if here is None:
-            raise OptionError(
-                f"rings = {rings}: too coarse at alpha_1 = {alpha:.6g}; use more rings"
-            )
-        signatures.append(here)
-    brackets: list[tuple[float, float]] = []
-    for k in range(samples - 1):
-        report("bisection", k / samples)
-        ends = (float(angles[k]), float(angles[k + 1]))
-        brackets += _bisect(look, ends, (signatures[k], signatures[k + 1]))
     report("events", 0.0)
-    events = find_events(make, low, high, seed)
-    transitions, silent = [], []
-    # events at one angle are one transition if X differs on the two sides or at it, else silent
-    for group in _grouped(events):
+    groups = _grouped(find_events(make, low, high, seed))
+    transitions, silent, unexplained = [], [], []
+    last, before = low, look(low)
+    for done, group in enumerate(groups):
+        report("both sides", done / len(groups))
         alpha = float(np.median([e.alpha for e in group]))
-        report("both sides", 0.0)
-        below, at, above = (
-            signature_of(make(a), rings) for a in (alpha - SIDE, alpha, alpha + SIDE)
-        )
-        changes = _changes(below, at, above)
-        if not changes:
+        below, at, above = (look(a) for a in (alpha - SIDE, alpha, alpha + SIDE))
+        if _changes(before, below, below):
+            unexplained.append((last, alpha))
+        last, before = alpha, above
+        # events at one angle are one transition if X differs on the two sides or at it
+        if changes := _changes(below, at, above):
+            walls = sorted({e.walls for e in group if e.admissible}, key=lambda w: (len(w), w))
+            told = (alpha, below, at, above, changes, tuple(walls), tuple(group))
+            transitions.append(Transition(*told))
+        else:
             silent.append(alpha)
-            continue
-        inside = [b for b in brackets if b[0] - BRACKET <= alpha <= b[1] + BRACKET]
-        walls = {e.walls for e in group if e.admissible}
-        contacts = tuple(sorted(walls, key=lambda w: (len(w), w)))
-        bracket = inside[0] if inside else None
-        transitions.append(
-            Transition(alpha, bracket, below, at, above, changes, contacts, tuple(group))
-        )
-    explained = {t.bracket for t in transitions}
-    unexplained = tuple(b for b in brackets if b not in explained)
-    pairs = tuple(zip(angles.tolist(), signatures, strict=True))
-    return TransitionSweep(family, pairs, tuple(transitions), unexplained, tuple(silent))
-
-
-def _bisect(
-    look: Callable[[float], Signature | None],
-    ends: tuple[float, float],
-    signatures: tuple[Signature, Signature],
-) -> list[tuple[float, float]]:
-    """Brackets of width `BRACKET` around every change of signature that bisection sees between two angles."""
-    (a, b), (at_a, at_b) = ends, signatures
-    if at_a == at_b:
-        return []
-    if b - a <= BRACKET:
-        return [(a, b)]
-    middle = 0.5 * (a + b)
-    here = look(middle)
-    if here is None:  # this close to the change its features are thinner than rounding
-        return [(a, b)]
-    return _bisect(look, (a, middle), (at_a, here)) + _bisect(look, (middle, b), (here, at_b))
+    if _changes(before, end := look(high), end):
+        unexplained.append((last, high))
+    return Transitions(family, tuple(transitions), tuple(unexplained), tuple(silent))
 
 
 def _grouped(events: list[Event]) -> list[list[Event]]:

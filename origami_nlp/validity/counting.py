@@ -5,14 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Container, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_whole
-from origami_nlp.display import Report, Section, Table, shown
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
 from origami_nlp.pattern import Pattern, as_pattern
@@ -126,13 +126,7 @@ class LayerOrders(Report):
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over a table of the components."""
-        parts = sorted(self.components, key=lambda c: (-c.orders, -c.pairs))
-        rows = [
-            (str(len([*many])), str(c.pairs), f"{'' if c.whole else '>= '}{c.orders:,}")
-            for c, many in itertools.groupby(parts)
-        ]
-        heads = ("components", "pairs in each", "orders of each")
-        yield Table(heads, rows, self.verdict, "rrr", False) if rows else self.verdict
+        yield record_table(self.components, self.verdict) if self.components else self.verdict
         if not self.reason:
             left = self.pairs - sum(c.pairs for c in self.components)
             yield (
@@ -239,33 +233,32 @@ def count_orders(
     # what rounding leaves is no noise
     misses = misses if misses > 10 * CLOSURE_TOL else 0.0
 
-    def without(reason: str, decided: bool = True, pairs: int = 0) -> LayerOrders:
-        free = len(unassigned)
-        return LayerOrders(pattern, phi, pairs, (), (), reason, decided, free, misses)
-
+    found, pairs, written = Counted(), 0, list[Any]()
     if max(misses, problem.residual(phi)) > 10 * NOISE:
         why = f"the state does not close: facets miss each other by {misses:.1e} of the sheet"
-        return without(why, decided=False)
-    if pierced := problem.crossings.find(phi):
+        found = Counted(reason=why, decided=False)
+    elif pierced := problem.crossings.find(phi):
         f, g = pierced[0]
-        return without(f"facets {f + 1} and {g + 1} pass through each other")
-    stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
-    found = count_stack(stack, unassigned, guesses)
-    listed: tuple[Any, ...] = ()
-    if found.orders is not None and not found.reason and most:
-        # of each part no more than are listed: the product begins with those
-        each = [list(itertools.islice(found.orders.answers(p), most)) for p, _, _ in found.parts]
-        unknowns = [u for part, _, _ in found.parts for u in part]
-        values = [v == 1 for v in found.orders.values]
-        written = []
-        for answer in itertools.islice(itertools.product(*each), most):
-            for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
-                values[u] = v
-            written.append(stack.polygons(values))
-        listed = tuple(written)
+        found = Counted(reason=f"facets {f + 1} and {g + 1} pass through each other")
+    else:
+        stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
+        found, pairs = count_stack(stack, unassigned, guesses), len(stack.pairs)
+        if found.orders is not None and not found.reason and most:
+            written = [*itertools.islice(_listed(stack, found, most), most)]
     parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
-    made = without(found.reason, found.decided, len(stack.pairs))
-    return replace(made, components=parts, orders=listed)
+    told = (tuple(written), found.reason, found.decided, len(unassigned), misses)
+    return LayerOrders(pattern, phi, pairs, parts, *told)
+
+
+def _listed(stack: Stack, found: Counted, most: int) -> Iterator[tuple[tuple[int, int, int], ...]]:
+    """Go through the orders of a stack; of each part no more than are listed, the product begins with those."""
+    each = [list(itertools.islice(found.orders.answers(p), most)) for p, _, _ in found.parts]
+    unknowns = [u for part, _, _ in found.parts for u in part]
+    values = [v == 1 for v in found.orders.values]
+    for answer in itertools.product(*each):
+        for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
+            values[u] = v
+        yield stack.polygons(values)
 
 
 class Counted(NamedTuple):

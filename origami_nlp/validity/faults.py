@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from origami_nlp.display import shown
 from origami_nlp.numerics import NOISE, PLACES
 from origami_nlp.pattern import Frame
 
@@ -21,9 +22,9 @@ LENGTHS, PLANES = "lengths as in the crease pattern", "plane faces"
 ANGLES, LETTERS = "fold angles as in the coordinates", "mountains and valleys as folded"
 ROUND, FLAT = "flat round every vertex", "flat edges are flat"
 CLOSES, CROSSINGS = "closes round vertices and holes", "no faces pass through each other"
-KAWASAKI, MAEKAWA, LITTLE = "Kawasaki", "Maekawa", "big-little-big"
+KAWASAKI, MAEKAWA = "Kawasaki", "Maekawa"
 UNITS = dict.fromkeys((LENGTHS, PLANES, CROSSINGS), "length")
-UNITS |= dict.fromkeys((ANGLES, LETTERS, ROUND, FLAT, CLOSES, KAWASAKI, LITTLE), "rad")
+UNITS |= dict.fromkeys((ANGLES, LETTERS, ROUND, FLAT, CLOSES, KAWASAKI), "rad")
 """Of the sizes of the faults of a test."""
 
 Status = Literal["ok", "fault", "not decided", "does not apply"]
@@ -51,15 +52,18 @@ class Fault:
         ``"length"`` in that of the file, ``"rad"``, or ``""`` for a share.
     """
 
-    test: str
-    text: str
-    frame: int
-    vertices: tuple[int, ...] = ()
-    edges: tuple[int, ...] = ()
-    faces: tuple[int, ...] = ()
-    place: tuple[float, ...] = ()
-    size: float | None = None
-    unit: str = ""
+    test: str = field(metadata=shown())
+    text: str = field(metadata=shown())
+    frame: int = field(metadata=shown())
+    vertices: tuple[int, ...] = field(default=(), metadata=shown())
+    edges: tuple[int, ...] = field(default=(), metadata=shown())
+    faces: tuple[int, ...] = field(default=(), metadata=shown())
+    place: tuple[float, ...] = field(default=(), metadata=shown())
+    size: float | None = field(default=None, metadata=shown())
+    unit: str = field(default="", metadata=shown())
+
+
+STYLES = {"fault": "red", "not decided": "yellow", "does not apply": "dim"}
 
 
 @dataclass(frozen=True)
@@ -78,10 +82,10 @@ class Test:
         What was looked at, or why it is not decided or does not apply.
     """
 
-    name: str
-    frame: int
-    status: Status
-    text: str = ""
+    name: str = field(metadata=shown("test"))
+    frame: int = field(metadata=shown("frame"))
+    status: Status = field(metadata=shown("answer", styles=STYLES))
+    text: str = field(default="", metadata=shown("of what"))
 
 
 @dataclass
@@ -98,8 +102,6 @@ class Findings:
 
     frame: Frame
     tolerance: float | None = None
-    posed: bool = False
-    """Whether what is looked at is folded from the crease pattern, elsewhere than the coordinates of the frame."""
     notes: list[str] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
@@ -161,7 +163,7 @@ class Findings:
         place: Sequence[float] | np.ndarray | None = None,
     ) -> None:
         """Record a fault of this frame; its place is the middle of the vertices, and its unit that of the test."""
-        if place is None or self.posed:
+        if place is None:
             place = self.middle(vertices, edges, faces)
         v, e, fs = (tuple(map(int, numbers)) for numbers in (vertices, edges, faces))
         at = tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place)

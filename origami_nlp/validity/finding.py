@@ -152,29 +152,18 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
         f.skip("the state as a sheet of rigid facets", "its faces make no sheet", undecided=True)
         return
     check_fold_angles(f, measured)
-    alike = sheet is not None and sheet.numbers.tolist() == measured.numbers.tolist()
-    whole = as_paper and pattern is not None and not f.of(PLANES)
-    phi, what = measured.reference, measured
-    if sheet is not None and alike and whole:
-        check_closure(f, PatternProblem(sheet), phi)
-    elif sheet is not None and not whole and not np.isnan(sheet.file_angles).any():
-        # coordinates are off: the state is the one of the fold angles that the file states
-        phi, what, f.posed = sheet.file_angles, sheet, True
-        if not check_closure(f, PatternProblem(sheet), phi):
-            f.skip(CROSSINGS, "neither coordinates nor fold angles are a state", undecided=True)
-            return
-    elif not whole:
+    if not as_paper or pattern is None or f.of(PLANES):
         f.skip(CROSSINGS, "the coordinates are none of the sheet", undecided=True)
         return
-    problem = PatternProblem(what)
-    if what is sheet:
-        phi, _ = problem.project(phi, np.abs(phi) == math.pi)
-    if check_crossings(f, problem, phi):
-        check_layers(f, problem, phi)
+    if sheet is not None and sheet.numbers.tolist() == measured.numbers.tolist():
+        check_closure(f, PatternProblem(sheet), measured.reference)
+    problem = PatternProblem(measured)
+    if check_crossings(f, problem, measured.reference):
+        check_layers(f, problem, measured.reference)
 
 
 def _sheet_of(mate: Frame, folded: Frame) -> Pattern | None:
-    """Return the crease pattern with the fold angles, letters and orders of a folded form."""
+    """Return the crease pattern with the fold angles and letters of a folded form."""
     try:
         sheet = frame_pattern(mate)
     except OrigamiError:
@@ -183,16 +172,9 @@ def _sheet_of(mate: Frame, folded: Frame) -> Pattern | None:
     alike &= [{*q} for q in sheet.polygons] == [{*face} for face in folded.faces]
     if not (sheet.is_flat and alike and np.array_equal(mate.numbers, folded.numbers)):
         return None
-    # s of (f, g, s) is by the normal of g: as the file has it, or turned over
-    at = [q.index(face[0]) for face, q in zip(folded.faces, sheet.polygons, strict=True)]
-    turned = [
-        q[(k + 1) % len(q)] != face[1]
-        for k, face, q in zip(at, folded.faces, sheet.polygons, strict=True)
-    ]
-    orders = tuple((f, g, -s if turned[g] else s) for f, g, s in folded.face_orders)
     which = [int(np.flatnonzero(folded.numbers == n)[0]) for n in sheet.numbers]
     letters = "".join(folded.assignment[k].replace("?", "U") for k in which)
-    return replace(sheet, file_angles=folded.fold_angles[which], assignment=letters, orders=orders)
+    return replace(sheet, file_angles=folded.fold_angles[which], assignment=letters)
 
 
 def _check_pattern(f: Findings, beside_folded: bool) -> None:

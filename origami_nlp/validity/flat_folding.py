@@ -1,4 +1,4 @@
-"""Does a crease pattern fold flat: Kawasaki, Maekawa, big-little-big and layers at each vertex, then all layers."""
+"""Does a crease pattern fold flat: Kawasaki, Maekawa and layers at each vertex, then all layers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from origami_nlp.numerics import INPUT_TOL, NONZERO
 from origami_nlp.pattern import FoldVertex, fold_vertices
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
-from origami_nlp.validity.faults import KAWASAKI, LITTLE, MAEKAWA, Findings
+from origami_nlp.validity.faults import KAWASAKI, MAEKAWA, Findings
 
 VERTEX = "layers round each vertex"
 EXISTS = "layers have an order"
@@ -50,8 +50,7 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             mountains, valleys = v.assignment.count("M"), v.assignment.count("V")
             text = f"vertex {v.number} has {mountains} mountains and {valleys} valleys: they must differ by 2"
             f.fault(MAEKAWA, text, abs(v.maekawa), vertices=where)
-        colliding = _little(f, v, max(most, INPUT_TOL))
-        if good and not v.maekawa and not colliding:
+        if good and not v.maekawa:
             folds = _folds(v)
             if folds is None:
                 undecided.append(v.number)
@@ -62,8 +61,7 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     some = f"{many}; {unassigned} not assigned in whole" if unassigned else many
     doubt = f"vertices {', '.join(map(str, undecided[:8]))} are not decided" if undecided else ""
     ok = f.settle(KAWASAKI, f"{many}, {_off(largest)}")
-    for name in (MAEKAWA, LITTLE):
-        ok &= f.settle(name, some)
+    ok &= f.settle(MAEKAWA, some)
     ok &= f.settle(VERTEX, some, doubt if problem is None else "")
     if not ok or problem is None:
         why = "not asked where a vertex does not fold flat, or there is no sheet"
@@ -105,38 +103,6 @@ def _folded(v: FoldVertex) -> FoldVertex | None:
         kawasaki=None if len(keep) % 2 else abs(float(a[::2].sum() - a[1::2].sum())),
         maekawa=abs(letters.count("M") - letters.count("V")) - 2 if whole else None,
     )
-
-
-def _little(f: Findings, v: FoldVertex, most: float) -> bool:
-    """Record runs of equal sectors between larger ones whose creases cannot have their letters; whether there are any.
-
-    Of k equal sectors between two larger ones, mountains and valleys among the k + 1 creases are as many where k is
-    odd, and differ by one where it is even (Hull, Origametry, on equal consecutive angles); for k = 1 that is
-    big-little-big.
-    """
-    a, n, before = np.array(v.sector_angles), v.degree, len(f.faults)
-    for i in range(n):
-        if a[i - 1] <= a[i] + most:
-            continue
-        k = 1
-        while k < n and abs(a[(i + k) % n] - a[i]) <= most:
-            k += 1
-        if k >= n - 1 or a[(i + k) % n] <= a[i] + most:
-            continue
-        # sector i lies between creases i and i + 1
-        run = [(i + m) % n for m in range(k + 1)]
-        letters = "".join(v.assignment[m] for m in run)
-        if abs(letters.count("M") - letters.count("V")) == (k + 1) % 2:
-            continue
-        edges = [v.edges[m] for m in run]
-        what = "a smaller angle" if k == 1 else f"{k} equal smaller angles"
-        text = (
-            f"round vertex {v.number} edges {', '.join(map(str, edges))} ({letters}) enclose {what} of "
-            f"{math.degrees(a[i]):.5g} degrees between larger ones"
-        )
-        size = float(min(a[i - 1], a[(i + k) % n]) - a[i])
-        f.fault(LITTLE, text, size, vertices=[v.number], edges=edges)
-    return len(f.faults) > before
 
 
 def _folds(v: FoldVertex) -> bool | None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, fields
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Literal
 
-from origami_nlp.display import Cell, Details, Report, Section, Table, Words
+from origami_nlp.display import Cell, Details, Report, Section, Table, record_table
 from origami_nlp.io import printable
 from origami_nlp.pattern import Frame
 from origami_nlp.validity.faults import Fault, Test
@@ -50,6 +49,7 @@ class Validity(Report):
     PICTURE = "draw_validity"
     SCHEMA = "origami-nlp/validity/1"
     ALSO = ("verdict",)
+    ROWS = "faults"
     source: str
     kinds: tuple[tuple[int, str], ...]
     tests: tuple[Test, ...]
@@ -82,35 +82,21 @@ class Validity(Report):
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over the tests, then the faults."""
         open_ = tuple(t for t in self.tests if t.status not in ("ok", "does not apply"))
-        shown = self.tests if len(self.kinds) <= MOST_FRAMES else open_
-        yield self._table(shown, self.sentence) if shown else self.sentence
+        told = self.tests if len(self.kinds) <= MOST_FRAMES else open_
+        names = () if len(self.kinds) > 1 else ("name", "status", "text")
+        yield record_table(told, self.sentence, names) if told else self.sentence
         yield from map(self._words, self.faults[:MOST_FAULTS])
         for note in self.notes:
             yield f"note: {note}"
         rest = self.faults[MOST_FAULTS:]
         pieces: list[Table | Cell] = [*map(self._words, rest)]
-        if len(shown) < len(self.tests):
-            pieces.append(self._table(self.tests, "all tests"))
+        if len(told) < len(self.tests):
+            pieces.append(record_table(self.tests, "all tests"))
         if pieces:
             title = f"{len(rest)} more faults" if rest else "All tests of all frames"
             yield Details(pieces, title)
-
-    def _table(self, tests: Iterable[Test], title: str) -> Table:
-        styles = {"fault": "red", "not decided": "yellow", "ok": "", "does not apply": "dim"}
-        rows = [(str(t.frame), t.name, Words(t.status, styles[t.status]), t.text) for t in tests]
-        skip = int(len(self.kinds) == 1)
-        heads, columns = ("frame", "test", "", "")[skip:], "rLLL"[skip:]
-        return Table(heads, [row[skip:] for row in rows], title, columns, framed=False)
 
     def _words(self, one: Fault) -> str:
         where = f"frame {one.frame}: " if len(self.kinds) > 1 else ""
         at = f", at ({', '.join(f'{v:.4g}' for v in one.place)})" if one.place else ""
         return f"fault: {where}{one.text}{at}"
-
-    def _rows(self) -> Iterable[dict[str, object]]:
-        for one in self.faults:
-            row = {f.name: getattr(one, f.name) for f in fields(one)}
-            place = (*row.pop("place"), *[math.nan] * 3)
-            at = dict(zip("xyz", place, strict=False))
-            last = {key: row.pop(key) for key in ("size", "unit")}
-            yield {"frame": row.pop("frame")} | row | at | last

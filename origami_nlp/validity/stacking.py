@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.folding import TRANSITIVE, Rule
+from origami_nlp.folding import TRANSITIVE, Orders
 from origami_nlp.numerics import INSIDE
 from origami_nlp.pattern_problem import Layers, PatternProblem, Stack, Unclear, conflict, pose_stack
 from origami_nlp.validity.closing import face_words
@@ -16,21 +15,11 @@ from origami_nlp.validity.counting import UNCLEAR, count_stack
 from origami_nlp.validity.faults import MILLI, Findings
 
 STATED = "faceOrders agree with each other"
-FOLLOWS = f"{STATED}, with what follows"
 CREASES = "faceOrders agree with creases"
 WHOLE = "faceOrders are whole"
 RULES = "faceOrders are those of paper"
 EXISTS = "layers have an order"
 Order = tuple[int, int, int]
-
-
-@dataclass
-class _Said:
-    """What is said of pairs of pieces: values, and which statement says each."""
-
-    value: dict[int, bool]
-    by: dict[int, int]
-    disputed: set[int]
 
 
 def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
@@ -42,71 +31,72 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
         f.settle(EXISTS, "no faces lie on each other")
         return
     try:
-        rules = list(stack.rules())
+        posed = pose_stack(stack)
+        orders = None if isinstance(posed, Layers) else posed[0]
     except Unclear:
         f.skip(EXISTS, UNCLEAR, undecided=True)
         return
     if not stated:
         f.skip(WHOLE, f"the file states none; {len(stack.pairs):,} pairs of layers")
-    elif not _check_rules(f, stack, rules, _stated(f, stack, stated)):
+    elif not _check_stated(f, stack, orders, stated):
         for name in (WHOLE, EXISTS):
             f.skip(name, "the orders that are stated are not those of paper")
         return
-    else:
-        _check_whole(f, stack, stated)
+    elif orders is not None:
+        _check_whole(f, stack, orders)
     _check_exists(f, stack, stated)
 
 
-def _stated(f: Findings, stack: Stack, stated: Sequence[Order]) -> _Said:
-    """Read what the file states of each pair, against itself and against the creases."""
-    shown, given = f.frame.face_orders, _Said({}, {}, set())
-    for k, order in enumerate(stated):
-        for unknown, value in stack.states(order):
-            if given.value.setdefault(unknown, value) != value and unknown not in given.disputed:
-                given.disputed.add(unknown)
-                one, other = _written(shown, given.by[unknown]), _written(shown, k)
-                text = f"{one} and {other} say the opposite of each other"
-                f.fault(STATED, text, faces=shown[k][:2], place=_place(stack, unknown))
-            given.by.setdefault(unknown, k)
-    f.settle(STATED, f"{len(stated)} stated")
-    for unknown, value, crease in stack.known():
-        if given.value.get(unknown, value) == value or unknown in given.disputed:
-            given.value[unknown] = value
-            continue
-        given.disputed.add(unknown)
-        edge, by = int(stack.crossings.pattern.numbers[crease]), given.by[unknown]
-        kinds = ("valley", "mountain")[:: 1 if stack.phi[crease] > 0 else -1]
-        said = f"but {_written(shown, by)} says {kinds[1]}"
-        text = f"edge {edge} is folded as a {kinds[0]}, {said}"
-        f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=_place(stack, unknown))
-    f.settle(CREASES, f"{sum(1 for _ in stack.known())} creases folded flat")
-    return given
-
-
-def _check_rules(
-    f: Findings, stack: Stack, rules: list[tuple[Rule, tuple[int, ...]]], given: _Said
+def _check_stated(
+    f: Findings, stack: Stack, orders: Orders | None, stated: Sequence[Order]
 ) -> bool:
-    """Check every rule with what is said of its pairs; whether all are obeyed."""
-    seen, common = set(), None
-    for (unknowns, allowed), pieces in rules:
-        known = [None if u in given.disputed else given.value.get(u) for u in unknowns]
+    """Check what the file states of each pair, against itself, the creases and the rules of paper; whether it holds."""
+    shown = dict(zip(stated, f.frame.face_orders, strict=True))
+    said, wrong = dict[int, tuple[bool, Order]](), set[Order]()
+    for order in stated:
+        for unknown, value in stack.states(order):
+            was, by = said.setdefault(unknown, (value, order))
+            if was != value and not {order, by} <= wrong:
+                wrong |= {order, by}
+                text = f"{[*shown[by]]} and {[*shown[order]]} say the opposite of each other"
+                f.fault(STATED, text, faces=shown[order][:2], place=_place(stack, unknown))
+    f.settle(STATED, f"{len(stated)} stated")
+    values = {unknown: value for unknown, (value, by) in said.items() if by not in wrong}
+    known = [*stack.known()]
+    for unknown, value, crease in known:
+        if values.setdefault(unknown, value) != value:
+            del values[unknown]
+            _, by = said[unknown]
+            edge = int(stack.crossings.pattern.numbers[crease])
+            kinds = ("valley", "mountain")[:: 1 if stack.phi[crease] > 0 else -1]
+            text = f"edge {edge} is folded as a {kinds[0]}, but {[*shown[by]]} says {kinds[1]}"
+            place = _place(stack, unknown)
+            f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=place)
+    f.settle(CREASES, f"{len(known)} creases folded flat")
+    _check_rules(f, stack, values)
+    if orders is not None and not any(map(f.of, (STATED, CREASES, RULES))):
+        core, _ = conflict(stack, orders, stated)
+        if core:
+            words = " and ".join(str([*shown[one]]) for one in core)
+            faces = sorted({face for one in core for face in shown[one][:2]})
+            f.fault(RULES, f"{words} contradict each other, by what follows from them", faces=faces)
+    f.settle(RULES, f"{len(stack.ruled[1]):,} rules")
+    return not any(map(f.of, (STATED, CREASES, RULES)))
+
+
+def _check_rules(f: Findings, stack: Stack, values: dict[int, bool]) -> None:
+    """Check every rule with what is said of its pairs."""
+    seen = set()
+    for (unknowns, allowed), pieces in stack.rules():
+        known = [values.get(u) for u in unknowns]
         if any(all(k in (None, v) for k, v in zip(known, fit, strict=True)) for fit in allowed):
             continue
-        named = {u for u in unknowns if given.value.get(u) is not None}
-        common = named if common is None else common & named
         text = _broken(f, stack, allowed == TRANSITIVE, pieces)
         if text not in seen:
             seen.add(text)
             place = _place(stack, unknowns[0]) if unknowns else stack.x[pieces[0]].mean(axis=0)
             which = stack.crossings.polygon[list(pieces)].tolist()
             f.fault(RULES, text, faces=sorted({*which}) if f.frame.faces else [], place=place)
-    blamed = sorted({given.by[u] for u in common or () if u in given.by})
-    words = f"{len(rules):,} rules"
-    if blamed and len(f.of(RULES)) > 1:
-        names = " or ".join(_written(f.frame.face_orders, k) for k in blamed)
-        words += f", all of them with {names}"
-    f.settle(RULES, words)
-    return not (f.of(RULES) or given.disputed)
 
 
 def _broken(f: Findings, stack: Stack, transitive: bool, pieces: tuple[int, ...]) -> str:
@@ -138,27 +128,12 @@ def _is_taco(stack: Stack, a: int, b: int) -> bool:
     return (min(a, b), max(a, b)) in stack.unknown
 
 
-def _check_whole(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
+def _check_whole(f: Findings, stack: Stack, orders: Orders) -> None:
     """Check that of all faces that overlap an order is stated, or follows from what is."""
-    posed = pose_stack(stack)
-    if isinstance(posed, Layers):
-        f.fault(WHOLE, posed.reason)
-        f.settle(WHOLE)
-        return
-    orders, _ = posed
-    core, _ = conflict(stack, orders, stated)
-    number = stack.crossings.polygon
-    if core:
-        shown = dict(zip(stack.crossings.pattern.orders, f.frame.face_orders, strict=True))
-        words = ", ".join(str([*shown[o]]) for o in core)
-        faces = sorted({face for o in core for face in shown[o][:2]})
-        text = f"{words} contradict each other, by what follows from them"
-        f.fault(FOLLOWS, text, faces=faces)
-        f.settle(FOLLOWS)
-        return
     open_: dict[tuple[int, ...], int] = {}
     for k in np.flatnonzero(np.array(orders.values) < 0).tolist():
-        open_.setdefault(tuple(sorted(number[stack.pairs[k]].tolist())), k)
+        pair = stack.crossings.polygon[stack.pairs[k]].tolist()
+        open_.setdefault(tuple(sorted(pair)), k)
     for pair, k in open_.items():
         words = face_words(f, stack.crossings.pattern, *pair)
         text = f"{words} overlap, and no order of them is stated or follows"
@@ -189,7 +164,3 @@ def _place(stack: Stack, unknown: int) -> np.ndarray:
     """Return the middle of what a pair has in common."""
     x: np.ndarray = stack.middles(np.array([unknown]))[0]
     return x
-
-
-def _written(orders: Sequence[Order], k: int) -> str:
-    return str([*orders[k]])

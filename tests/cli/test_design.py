@@ -1,7 +1,6 @@
 """`origami-nlp design`: files and exit codes."""
 
 import json
-import math
 
 import pytest
 
@@ -76,11 +75,9 @@ BAD = [
     (VERTEX + A.replace("-27.353", "60"), "'a' does not close"),
     (GOOD.replace("sector_angles_deg", "sector_angles"), "sector_angles[1]"),
     (LIKE.format("no.json#1"), "No such file"),
-    (LIKE.format("states.json#9"), "5 minima"),
+    (LIKE.format("states.json#9"), "schema"),
     (LIKE.format("states.json"), "FILE#NUMBER"),
     (LIKE.format("states.json#" + "9" * 5000), "FILE#NUMBER"),
-    (LIKE.format("states.json#1"), "2 fold angles"),
-    (LIKE.format("states.json#5"), "no fold_angles"),
     (LIKE.format("nan.json#1"), "not valid JSON"),
     (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", "[0.5, 0.1]"),
     (GOOD + "[springs]\nrest_angles = [1, -1]\n", "rest_angles = [1, -1]"),
@@ -99,12 +96,7 @@ BAD = [
 @pytest.mark.parametrize(("text", "word"), BAD)
 def test_bad_targets_get_one_line_and_nothing_is_written(text, word, tmp_path):
     (tmp_path / "t.toml").write_text(text, encoding="utf-8")
-    states = [{"fold_angles": [0, 0]}, {"fold_angles": [0, 0, 0, math.inf]}, 5]
-    states += [{"fold_angles": [first, 0, 0, 0]} for first in (True, None)]
-    run_of = json.dumps({"minima": states}).replace(
-        "Infinity", "1e999"
-    )  # JSON, but beyond a double
-    (tmp_path / "states.json").write_text(run_of)
+    (tmp_path / "states.json").write_text('{"minima": []}')
     (tmp_path / "nan.json").write_text('{"minima": [{"fold_angles": [0, 0, 0, NaN]}]}')
     before = sorted(tmp_path.iterdir())
     files = ("-o", tmp_path / "s.toml", "-o", tmp_path / "d.json")

@@ -11,9 +11,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.display import Result
-from origami_nlp.paper import compare_minima
 from tests.computed_once import (
-    PANELS,
     panel_barriers,
     panel_contacts,
     panel_points,
@@ -30,7 +28,7 @@ def results():
     """One of each kind, by class."""
     scene = o.examples.degree6("pi/4", 0.01)
     result = panel_result(scene)
-    points = compare_minima(panel_points(15), panel_result(PANELS[15]))
+    points = panel_points(15)
     contacts = panel_contacts()
     found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
     found += [panel_barriers(), o.find_landscape(result, size=21)]
@@ -61,7 +59,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "Space": (lambda r: len(r.components), True, True, False),
     "Barriers": (lambda r: len(r.passes), True, True, True),
     "ExactLandscape": (None, True, True, False),
-    "PhaseDiagram": (lambda r: r.minima.size, True, True, False),
+    "PhaseDiagram": (lambda r: r.map.total.size, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "MeasuredHinge": (lambda r: len(r.angle), True, True, True),
     "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),

@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import (
-    BarrierAsk,
+    EnergyBounds,
     Target,
     Targets,
     design,
@@ -157,7 +157,7 @@ def _between(found, count):
 @pytest.mark.slow  # seconds of curves or searches
 def test_barriers_at_most():
     targets = parse_targets(EXAMPLES["switch"])
-    low = replace(targets, barriers=(BarrierAsk("off", "on", 0.0, 0.015),))
+    low = replace(targets, barriers=(EnergyBounds("off", "on", 0.0, 0.015),))
     found = design(low)
     assert found.verified and found.barriers[0].rise <= 0.015 * (1 + 1e-9)
 
@@ -166,7 +166,7 @@ def test_bad_questions_are_named():
     vertex = o.Vertex(("pi/2",) * 4)
     state = Target("a", (0.0,) * 4)
     with pytest.raises(OptionError, match="barrier of 'b'"):
-        Targets(vertex, (state,), barriers=(BarrierAsk("a", "b"),))
+        Targets(vertex, (state,), barriers=(EnergyBounds("a", "b"),))
     with pytest.raises(OptionError, match="exactly alone"):
         parse_targets(
             "[vertex]\nsector_angles_deg=[90,90,90,90]\n[[states]]\nname='a'\nfold_angles=[0,0,0,0]\n"
@@ -185,3 +185,14 @@ def test_a_file_of_targets_is_a_question(tmp_path):
         o.design("nowhere.toml")
     with pytest.raises(o.OrigamiError, match="targets"):
         o.design(3)
+
+
+def test_states_are_like_those_of_an_earlier_run(tmp_path):
+    found = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=8, escape=False)
+    found.save(tmp_path / "states.json")
+    sectors = "sector_angles_deg = [45, 45, 90, 90, 45, 45]"
+    text = f"[vertex]\n{sectors}\n[[states]]\nlike = 'states.json#{{}}'\n"
+    (state,) = parse_targets(text.format(2), tmp_path).states
+    assert state.fold_angles == found.minima[1].fold_angles
+    with pytest.raises(o.OrigamiError, match="has 2 minima, like asks for 3"):
+        parse_targets(text.format(3), tmp_path)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from origami_nlp.inverse_design import EnergyGap, scene_of, solve
+from origami_nlp.inverse_design import EnergyBounds, scene_of, solve
 from tests.inverse_design.questions import question
 
 pytest.importorskip("clarabel")
@@ -19,7 +19,7 @@ def test_differences_of_energy_are_exact():
         asked = question(seed, 4 + seed % 3, 2, seed // 3 % 2, 0, preload=True)
         if asked is None:
             continue
-        asked = replace(asked, energies=(EnergyGap("s1", "s0", gap, gap),))
+        asked = replace(asked, energies=(EnergyBounds("s1", "s0", gap, gap),))
         posed = solve(asked)
         if not posed.feasible:
             continue

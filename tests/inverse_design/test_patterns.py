@@ -7,7 +7,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design import BarrierAsk, Target, Targets, parse_targets
+from origami_nlp.inverse_design import EnergyBounds, Target, Targets, parse_targets
 from origami_nlp.pattern import scene_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from tests.command_line import run
@@ -56,7 +56,7 @@ def test_a_barrier_of_a_sheet_is_as_low_as_asked():
     """Along closed states from the first to the second, followed by steps along the kernel."""
     pattern = o.examples.pattern("metasheet:2x3")
     states = wanted(o.find_minima(pattern, effort="quick", escape=False).minima[3:5])
-    asks = (BarrierAsk("state 1", "state 2", 0.0, 0.5),)
+    asks = (EnergyBounds("state 1", "state 2", 0.0, 0.5),)
     answer = o.design(
         Targets(pattern, states, stiffness=(0.01, 10.0), barriers=asks), effort="quick"
     )

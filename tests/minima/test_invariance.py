@@ -139,7 +139,7 @@ def test_descriptions_are_of_the_same_vertex(name, number):
 
 
 def test_rounding_hangs_on_no_label():
-    """Descents go down under labels that all agree on: of this vertex two labels listed one minimum more than others."""
+    """Descents go down under labels that all agree on: of this vertex two labels listed one minimum more."""
     sectors = (68.0, 46.8, 87.7, 46.6, 64.9, 46.0)
     springs = (1.58, 0.91, 0.7, 0.57, 0.76, 0.79), (0.18, -0.24, 2.29, 2.27, 1.48, 0.86)
     scene = Scene(Vertex.from_degrees(sectors), *springs, "none", "full")

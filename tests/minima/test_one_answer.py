@@ -10,7 +10,6 @@ from origami_nlp import (
     Vertex,
     examples,
     find_barriers,
-    find_critical_points,
     find_minima,
 )
 from origami_nlp.errors import OptionError
@@ -52,7 +51,5 @@ def test_a_verb_takes_the_minima_of_its_own_origami_only():
         result = find_minima(other, max_starts=4)
         with pytest.raises(OptionError):
             find_barriers(scene, result)
-        with pytest.raises(OptionError):
-            find_critical_points(scene, result, rings=12)
     with pytest.raises(OptionError):
         find_barriers(scene, scene)

@@ -24,16 +24,16 @@ BESIDE_THE_TABLE = {
         paths/boundary.AROUND continuation/line.SHARE paths/event_curve.CUSP
         paths/event_curve.FIRST paths/event_curve.LONGEST paths/event_curve.REACHES
         paths/event_curve.SHORTEST barriers/passes.OFF
-        chart/boundary.CLOSE chart/cells.RADIUS chart/chart.AROUND chart/mesh.DIFFERENCE
+        chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
         cli/timed.SHORTEST contact/margin.ASIDE
-        paper/links.RADII paper/newton.DIFFERENCE paper/newton.NEAR pattern_problem/faces.ASIDE
-        kkt/level.BESIDE_FLAT
+        paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR
+        pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
         paper/landscape.PIECE paths/ways.OFF_BRANCH paths/job.SIDE
         paths/ways.LEAST_SPAN
         paths/load_result.SHIFT paths/ways.OVER
-        paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
+        paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
@@ -61,7 +61,7 @@ BESIDE_THE_TABLE = {
         pattern/law_course.IMAGINARY pattern/law_course.TINY
     """,
     "what is shown, or said in words": """
- chart/boundary.GRID chart/chart.TIE chart/boundary.SLIVER
+ chart/boundary.GRID chart/boundary.SLIVER
         paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
@@ -106,7 +106,7 @@ BESIDE_THE_TABLE = {
         proof/flat.CLEAR
     """,
     "room for rounding": """
-        paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
+        paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
         numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """

@@ -30,8 +30,8 @@ def record(phi: object, **changes: object) -> dict[str, object]:
 BAD = {
     "{": "not valid JSON",
     '{"states": []}': '"records"',
-    json.dumps([record([0] * 4, colour=1)]): "'colour'",
-    json.dumps([{"degree": 6}]): "missing alpha, ratio, phi",
+    json.dumps([record([0] * 4, colour=1)]): "colour",
+    json.dumps([{"degree": 6}]): "it takes each of degree, alpha, ratio, phi once",
     json.dumps([record([0] * 4, alpha="__import__('os')")]): "not an angle",
     json.dumps([record([0, 0, 0, 4])]): "phi[4]",
     json.dumps([record([0, 0, 0, 0, 0, 0.1])]): "phi[6]",
@@ -60,7 +60,7 @@ def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not(
     model = pose(scene)
     for v in (-0.7, 0.6):
         for x in states_at(alpha, v, 0.5):
-            assert chart_point(scene, model.expand(x)) == pytest.approx((v, 0.5), abs=1e-9)
+            assert chart_point(scene, model.expand(x)) == pytest.approx((0.5, v), abs=1e-9)
     edge = math.asin(math.sin(2 * alpha) * math.sin(fold / 2) ** 2)
     for beyond in (0.3, 9):
         states = [x for s in (1, -1) for x in states_at(alpha, s * (edge + beyond * STEP), fold)]

@@ -1,4 +1,4 @@
-"""`origami-nlp landscape`: figure, arrays and JSON say the same, and nothing half-written."""
+"""`origami-nlp landscape`: figure, map and JSON say the same, and nothing half-written."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.chart import with_energy
-from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.folding import fold_vertex
 from origami_nlp.paper import find_landscape, find_space
 from origami_nlp.paper.landscape import metastable_stretches
 from tests import computed_once
@@ -33,8 +33,8 @@ def folder_written():
     folder = computed_once.folder / "landscape"
     folder.mkdir()
     path = scene_file(folder, SCENE)
-    files = [folder / name for name in ("l.json", "l.npz", "l.png")]
-    options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 31]
+    files = [folder / name for name in ("l.json", "l.png")]
+    options = ["-o", files[0], "-o", files[1], "--size", 31]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("origami_nlp.pattern_states.find_states", minima_once)  # a panel
         # coarse meshes, which find the same on them as on finer ones
@@ -52,7 +52,7 @@ def test_json_is_consistent(written):
     """Morse sum, Euler characteristic, minima, barriers and counts fit together."""
     data = json.loads((written / "l.json").read_text())
     space, critical = data["space"], data["critical"]
-    assert critical["morse_sum"] == space["euler_characteristic"] and critical["morse"]["closes"]
+    assert critical["morse_sum"] == space["euler_characteristic"] and critical["closes"]
     assert space["euler_characteristic"] == len(space["components"]) - space["holes"]
     minima = dict(enumerate(data["result"]["minima"], start=1))
     assert data["counts"][0] == len(minima) == len(data["places"])
@@ -74,27 +74,20 @@ def test_json_is_consistent(written):
     assert lowest == pytest.approx(min(m["energy"] for m in minima.values()), rel=1e-10)
 
 
-def test_arrays_hold_states(written):
-    with np.load(written / "l.npz", allow_pickle=False) as a:
-        assert a["coordinates"][0] == "phi_2"
-        assert "energy_0" in a and len(a["coordinates"]) == 2
-        for b in range(sum(k.startswith("energy_") for k in a)):
-            good = a[f"admissible_{b}"]
-            assert good.shape == (len(a[f"y_{b}"]), len(a[f"x_{b}"])) == (31, 31)
-            assert (np.isfinite(a[f"energy_{b}"]) == good).all() and good.any()
-            phi = a[f"fold_angles_{b}"][good]
-            np.testing.assert_allclose(SCENE.energy(phi), a[f"energy_{b}"][good], rtol=1e-13)
-            assert np.abs(fold_vertex(SCENE.vertex, phi)[1][:, 1:]).max() < 1e-11
-        for k, contacts in enumerate(a["boundary_contacts"]):
-            phi = a[f"boundary_{k}_fold_angles"]
-            assert len(phi) == len(a[f"boundary_{k}_points"]) == len(a[f"boundary_{k}_s"])
-            assert np.abs(fold_vertex(SCENE.vertex, phi)[1][:, 1:]).max() < 1e-12
-            if contacts.startswith("phi = "):
-                assert np.abs(np.abs(phi).max(axis=1) - math.pi).max() < 1e-12
-        for phi, energy in zip(a["minima_fold_angles"], a["minima_energy"], strict=True):
-            assert float(SCENE.energy(phi)) == pytest.approx(energy, rel=1e-13)
-            assert check_admissible(SCENE.vertex, phi).admissible
-        assert set(a["minima_verdict"]) <= {"stable", "unstable", "undecided"}
+def test_maps_and_lines_hold_states(written):
+    exact = find_landscape(minima_once(SCENE), size=31)
+    for branch in exact.chart.branches:
+        good = np.isfinite(branch.energy)
+        assert good.shape == (31, 31) and good.any()
+        phi = branch.fold_angles[good]
+        np.testing.assert_allclose(SCENE.energy(phi), branch.energy[good], rtol=1e-13)
+        assert np.abs(fold_vertex(SCENE.vertex, phi)[1][:, 1:]).max() < 1e-11
+    for line in exact.boundary.lines:
+        phi = line.fold_angles
+        assert len(phi) == len(line.points) == len(line.s)
+        assert np.abs(fold_vertex(SCENE.vertex, phi)[1][:, 1:]).max() < 1e-12
+        if line.contacts[0].startswith("phi = "):
+            assert np.abs(np.abs(phi).max(axis=1) - math.pi).max() < 1e-12
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -36,7 +36,7 @@ def check_count(scene, rings=16):
     space = o.find_space(scene, rings=rings)
     low, high = scene.limit_angles
     assert ((space.mesh.fold_angles >= low) & (space.mesh.fold_angles <= high)).all()
-    for k, name in enumerate(space.mesh.walls):
+    for k, name in enumerate(space.mesh.cover.chain.walls):
         here = space.mesh.on >> k & 1 == 1
         if name.endswith("(stop)"):
             crease, angle = name.removeprefix("phi_").split(" degrees")[0].split(" = ")
@@ -54,7 +54,8 @@ def test_critical_points_count_the_euler_characteristic():
     scene = stopped(8)
     found = check_count(scene)
     search = o.find_minima(scene, escape=False, prove=False, full=False)
-    assert o.paper.compare_minima(found, search).comparison.agree
+    ours, theirs = ([m.fold_angles for m in each.minima] for each in (found, search))
+    assert np.abs(np.subtract(sorted(ours), sorted(theirs))).max() < 1e-3
     held = [p for p in found.minima if any("(stop)" in name for name in p.contacts)]
     assert held and all(min(p.multipliers) > 0 for p in held)
 

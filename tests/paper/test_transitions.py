@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from origami_nlp.paper import find_transitions
 from origami_nlp.paper.events import find_events
 from origami_nlp.pattern import degree6, degree8
 from tests.computed_once import once
@@ -72,3 +73,11 @@ def test_pi_4_of_degree_8_is_confirmed_by_flat_foldings_that_share_no_code(sign)
         assert np.abs(piece.closure(x)[0]).max() < 1e-12
         verdicts.append(symmetrically_admissible(piece, x).tolist())
     assert verdicts == [[True, False], [False, True]]
+
+
+@pytest.mark.slow
+def test_the_space_changes_at_events_alone():
+    found = find_transitions("degree8")
+    assert [t.alpha for t in found.transitions] == pytest.approx([math.pi / 4], abs=1e-13)
+    assert found.transitions[0].changes == ("corners",)
+    assert found.unexplained == () == found.silent

@@ -4,7 +4,7 @@
 >>> found = cone.count(8, ratio=1.0, elevation=0.5)
 >>> found.stable_interior, found.branches
 (16, 32)
->>> cone.branch("VVM").fold_angles(0.3).shape
+>>> cone.ConeBranch("VVM").fold_angles(0.3).shape
 (6,)
 
 `count` counts the minima of all branches at one point, `count_map` over a plane, `phase_diagram` adds the exact

@@ -1,18 +1,14 @@
-from .branches import (
-    ConeBranch as ConeBranch,
-    FoldedCone as FoldedCone,
-    branch as branch,
-)
-from .classes import (
-    AssignmentClasses as AssignmentClasses,
-    EnergyClass as EnergyClass,
-    assignment_classes as assignment_classes,
-    energy_classes as energy_classes,
-)
-from .energy import SideEnergy as SideEnergy
+from .branches import ConeBranch as ConeBranch
+from .classes import Branches as Branches
+from .energy import BranchEnergy as BranchEnergy
 from .flaps import class_of as class_of, parse_flaps as parse_flaps, write_flaps as write_flaps
-from .map import CountMap as CountMap, count_map as count_map
-from .minima import ConeCount as ConeCount, ConeMinima as ConeMinima, count as count
+from .minima import (
+    ConeCount as ConeCount,
+    ConeMinima as ConeMinima,
+    CountMap as CountMap,
+    count as count,
+    count_map as count_map,
+)
 from .necklaces import (
     Folding as Folding,
     Foldings as Foldings,

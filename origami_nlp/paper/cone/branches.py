@@ -8,8 +8,7 @@ other way round.  So a branch is known by its flaps and by which of them are ste
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
@@ -18,40 +17,53 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
-from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.paper.cone.classes import direction_name
-from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, symmetry_of, write_flaps
+from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, write_flaps
 from origami_nlp.paper.cone.rules import SLACK, Cone
-from origami_nlp.pattern import Scene, Vertex, format_angle
-
-UP, DOWN = 1, -1
-LONGEST_WORD = 24
-"""Flaps that are written out where a branch is named."""
+from origami_nlp.pattern import format_angle
 
 
 @dataclass(frozen=True)
 class ConeBranch:
-    """One branch of a cone; `branch` makes it.
+    """One branch of a cone: its fold angles, where it ends, and what touches there.
 
     Attributes
     ----------
     flaps
-        Assignment, +1 valley and -1 mountain.
+        Valleys and mountains around the ring: "VVM", "V2M", or +1 and -1, one a flap; N/2 of them.
     direction
-        Sign of the elevation, +1 up or -1 down.
+        Sign of the elevation: +1 or "up", -1 or "down".
     end_rule
-        See `Cone`.
+        Where a branch with a single steep flap ends, see `Cone`.
+
+    Raises
+    ------
+    OptionError
+        If there is no such branch.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> own = cone.ConeBranch("VVM", "up")
+    >>> round(own.end, 4), own.end_text
+    (0.5236, 'the even crease of the steep flap stands on the axis (no contact yet)')
+    >>> own.fold_angles(0.3).round(3).tolist()
+    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
     """
 
     flaps: Flaps
     direction: int
     end_rule: str = "contract"
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "flaps", parse_flaps(self.flaps))
-        if not isinstance(self.direction, Integral) or self.direction not in (UP, DOWN):
-            raise OptionError(f"direction = {shown(self.direction)}: up is +1, down is -1")
+    def __init__(
+        self, flaps: str | Sequence[int], direction: int | str = 1, end_rule: str = "contract"
+    ) -> None:
+        known = isinstance(direction, str | Integral) and not isinstance(direction, bool)
+        sign = {"up": 1, "down": -1, 1: 1, -1: -1}.get(direction) if known else None
+        if sign is None:
+            raise OptionError(f"direction = {shown(direction)}: write up or down, +1 or -1")
+        vars(self).update(flaps=parse_flaps(flaps), direction=sign, end_rule=end_rule)
         _ = self.cone  # raises an error for an unknown rule
 
     @property
@@ -90,11 +102,6 @@ class ConeBranch:
             return "folded flat, the steep flap on the flap opposite"
         return "the even crease of the steep flap meets the odd crease opposite"
 
-    @property
-    def symmetry(self) -> str:
-        """Symmetry of its states, "D3" or "C1" for example."""
-        return symmetry_of(self.flaps)
-
     def fold_angles(self, elevation: Any) -> np.ndarray:
         """Fold angles of all creases, shape S + (N,) for elevations of shape S [rad].
 
@@ -122,114 +129,4 @@ class ConeBranch:
         return cone_fold_angles(self.degree, v, self.flaps).value
 
     def __repr__(self) -> str:
-        word = write_flaps(self.flaps)
-        short = word if len(word) <= LONGEST_WORD else word[: LONGEST_WORD - 3] + "..."
-        return f"{short} {direction_name(self.direction)}"
-
-
-def branch(
-    flaps: str | Sequence[int], direction: int | str = "up", *, end: str = "contract"
-) -> ConeBranch:
-    """Return a branch of a cone: its fold angles, where it ends, and what touches there.
-
-    Parameters
-    ----------
-    flaps
-        Valleys and mountains around the ring: "VVM", "V2M", or +1 and -1, one a flap; N/2 of them.
-    direction
-        "up" or +1: elevations v > 0; "down" or -1: v < 0.
-    end
-        Where a branch with a single steep flap ends, see `Cone`.
-
-    Returns
-    -------
-    ConeBranch
-        ``.fold_angles(elevation)`` are its states.
-
-    Raises
-    ------
-    OptionError
-        If there is no such branch.
-
-    Examples
-    --------
-    >>> from origami_nlp.paper import cone
-    >>> own = cone.branch("VVM", "up")
-    >>> round(own.end, 4), own.end_text
-    (0.5236, 'the even crease of the steep flap stands on the axis (no contact yet)')
-    >>> own.fold_angles(0.3).round(3).tolist()
-    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
-    """
-    sign = {"up": UP, "down": DOWN}.get(direction) if isinstance(direction, str) else direction
-    if sign is None:
-        raise OptionError(f"direction = {shown(direction)}: write up or down")
-    return ConeBranch(parse_flaps(flaps), sign, end)
-
-
-def cone_sheet(degree: int) -> Scene:
-    """Return the flat sheet of a cone, with springs that do not matter."""
-    return Scene(Vertex((2 * math.pi / degree,) * degree), (1.0,) * degree, (0.0,) * degree, "none")
-
-
-@dataclass(frozen=True, repr=False)
-class FoldedCone(Report):
-    """A state of a branch of a cone.
-
-    Attributes
-    ----------
-    branch
-        Of `branch`.
-    elevation
-        Signed [rad].
-
-    Examples
-    --------
-    >>> from origami_nlp.paper import cone
-    >>> state = cone.FoldedCone(cone.branch("VVM"), 0.3)
-    >>> state.fold_angles.round(3).tolist()
-    [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
-    """
-
-    branch: ConeBranch
-    elevation: float
-
-    SCHEMA, READS = "origami-nlp/paper/1", False
-
-    def __post_init__(self) -> None:
-        _ = self.fold_angles  # raises an error past the end
-
-    @property
-    def fold_angles(self) -> np.ndarray:
-        """All N [rad]."""
-        return self.branch.fold_angles(self.elevation)
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return the branch, and a row a crease."""
-        own, phi = self.branch, self.fold_angles
-        yield (
-            f"branch {own!r}, symmetry {own.symmetry}, elevation {format_angle(self.elevation)}; "
-            f"ends at |elevation| = {format_angle(own.end)}: {own.end_text}"
-        )
-        rows = [
-            (str(number), f"{angle:.15g}", f"{math.degrees(angle):.12g}")
-            for number, angle in enumerate(phi.tolist(), start=1)
-        ]
-        yield Table(("crease", "fold angle [rad]", "[deg]"), rows, "", "rrr", framed=False)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data; ``edges_*`` are as in FOLD files: degrees, valley V and mountain M."""
-        own, phi = self.branch, self.fold_angles
-        return {
-            "schema": self.SCHEMA,
-            "degree": own.degree,
-            "flaps": write_flaps(own.flaps),
-            "direction": direction_name(own.direction),
-            "symmetry": own.symmetry,
-            "end": own.end,
-            "end_rule": own.end_rule,
-            "at_end": own.end_text,
-            "elevation": float(self.elevation),
-            "fold_angles": phi.tolist(),
-            "edges_foldAngle": np.degrees(phi).tolist(),
-            "edges_assignment": ["V" if p > 0 else "M" if p < 0 else "F" for p in phi],
-        }
+        return f"{write_flaps(self.flaps)} {direction_name(self.direction)}"

@@ -8,6 +8,7 @@ state.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from numbers import Real
 from typing import Any
@@ -16,22 +17,20 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import OptionError
-from origami_nlp.paper.cone.rules import LARGEST_DEGREE, check_degree
+from origami_nlp.paper.cone.rules import check_degree
 
 Flaps = tuple[int, ...]
 """One entry a flap, +1 valley or -1 mountain."""
 MEANING = "write +1 (valley) or -1 (mountain), one a flap"
 
 
-def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
+def parse_flaps(text: str | Sequence[int]) -> Flaps:
     """Read an assignment of the flaps.
 
     Parameters
     ----------
     text
         Letters V and M such as "VVM" (runs may be written V2M), or +1 (valley) and -1 (mountain), one a flap.
-    degree
-        N, if it is known: N/2 flaps are wanted.
 
     Returns
     -------
@@ -41,7 +40,7 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
     Raises
     ------
     OptionError
-        If it is not an assignment, or not one of `degree`.
+        If it is not an assignment.
 
     Examples
     --------
@@ -49,28 +48,14 @@ def parse_flaps(text: str | Sequence[int], degree: int | None = None) -> Flaps:
     >>> cone.parse_flaps("V2M")
     (1, 1, -1)
     """
-    if isinstance(text, str):
-        flaps: list[int] = []
-        number = ""
-        for letter in [*text.strip().upper().replace("_", ""), " "]:
-            if letter.isdigit() and letter.isascii() and flaps and len(number) < 5:
-                number += letter
-                continue
-            if number:
-                if int(number) < 1 or int(number) > LARGEST_DEGREE:
-                    raise OptionError(f"flaps = {text!r}: a run of {number} flaps")
-                flaps += [flaps[-1]] * (int(number) - 1)
-                number = ""
-            if letter in "VM":
-                flaps.append(1 if letter == "V" else -1)
-            elif letter != " ":
-                raise OptionError(f'flaps = {text!r}: write V and M, one a flap, such as "VVM"')
-    else:
+    if not isinstance(text, str):
         flaps = _signs(text)
-    if degree is not None and len(flaps) != degree // 2:
+    elif re.fullmatch(r"([VM]([1-9][0-9]{0,3})?)+", text.strip().upper()):
+        runs = re.findall(r"([VM])(\d*)", text.upper())
+        flaps = [1 if letter == "V" else -1 for letter, n in runs for _ in range(int(n or 1))]
+    else:
         raise OptionError(
-            f"flaps = {write_flaps(flaps)!r} has {len(flaps)} flaps, a cone of degree {degree} "
-            f"has {degree // 2}"
+            f'flaps = {shown(text)}: write V and M, one a flap, such as "VVM", or runs, "V2M"'
         )
     check_degree(2 * len(flaps))
     return tuple(flaps)

@@ -1,4 +1,4 @@
-"""Minima of the energy on all 2^(N/2 + 1) branches of a cone, counted exactly.
+"""Minima of the energy on all 2^(N/2 + 1) branches of a cone, counted exactly: at a point, and over a plane of them.
 
 A branch has an interior minimum where the slope F of its energy turns from falling to rising,
 and a contact-pinned one at its end where the energy still falls there, with multiplier
@@ -15,20 +15,22 @@ as contact (the rest state of the all-valley branch at the end of its range is o
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from origami_nlp.arguments import check_number
 from origami_nlp.display import Report, Section, Table
+from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
-from origami_nlp.paper.cone.classes import EnergyClass, assignment_classes, direction_name
-from origami_nlp.paper.cone.energy import SideEnergy
-from origami_nlp.paper.cone.numbers import exact, number_words, share_words
-from origami_nlp.paper.cone.roots import polish, slope_signs
-from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone, Rest, check_depth, check_ratio
+from origami_nlp.paper.cone.classes import Branches, direction_name
+from origami_nlp.paper.cone.energy import BranchEnergy
+from origami_nlp.paper.cone.numbers import SAFE, exact, number_words, share_words
+from origami_nlp.paper.cone.roots import minima_of
+from origami_nlp.paper.cone.rules import Cone, Rest, check_depth, check_ratio
 from origami_nlp.pattern import format_angle
 
 MOST_ROWS, MOST_TIES = 60, 8
@@ -36,6 +38,7 @@ MOST_ROWS, MOST_TIES = 60, 8
 SMALL = 1e-3
 """Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
 HEADS = ("branches", "changes", "number", "elevation [rad]", "energy/k_odd", "depth", "kind")
+KINDS = ("interior", "contact", "cut")
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,12 +47,8 @@ class ConeMinima(ShortRepr):
 
     Attributes
     ----------
-    valleys, changes
-        The class (see `AssignmentClasses`); changes is 2j.
-    direction
-        +1 up, -1 down.
-    multiplicity
-        Number of branches that have this minimum, exact.
+    branches
+        Class of each, with the number of branches that have this minimum.
     elevation
         Signed, nu [rad].
     energy
@@ -63,10 +62,7 @@ class ConeMinima(ShortRepr):
         -dU/d|nu| at the end, 0 for interior minima; for "cut" no contact bears it.
     """
 
-    valleys: np.ndarray
-    changes: np.ndarray
-    direction: np.ndarray
-    multiplicity: tuple[int, ...]
+    branches: Branches
     elevation: np.ndarray
     energy: np.ndarray
     depth: np.ndarray
@@ -74,47 +70,14 @@ class ConeMinima(ShortRepr):
     multiplier: np.ndarray
 
     def __len__(self) -> int:
-        return len(self.multiplicity)
-
-    @property
-    def interior(self) -> np.ndarray:
-        """Mask of the minima inside their branch."""
-        return self.kind == "interior"
-
-    @property
-    def contact(self) -> np.ndarray:
-        """Mask of the minima pinned by contact."""
-        return self.kind == "contact"
+        return len(self.elevation)
 
     def count(self, kind: str) -> int:
         """Return the number of branches with a minimum of a kind, exact."""
-        pairs = zip(self.multiplicity, (self.kind == kind).tolist(), strict=True)
-        return sum(number for number, own in pairs if own)
+        return int(self.branches.multiplicity[self.kind == kind].sum())
 
-    @property
-    def columns(self) -> list[Any]:
-        """The arrays in order, of which the multiplicity is a tuple."""
-        return [getattr(self, f.name) for f in fields(self)]
-
-    def where(self, keep: np.ndarray) -> ConeMinima:
-        """Return the minima of a mask."""
-        rows = np.nonzero(keep)[0]
-        numbers = tuple(self.multiplicity[k] for k in rows.tolist())
-        kept: list[Any] = [numbers if isinstance(c, tuple) else c[rows] for c in self.columns]
-        return ConeMinima(*kept)
-
-    def of_class(self, valleys: int, changes: int, direction: int) -> np.ndarray:
-        """Mask of the minima of one class of branches."""
-        same = (self.valleys == valleys) & (self.changes == changes)
-        return same & (self.direction == direction)
-
-    def then(self, more: ConeMinima) -> ConeMinima:
-        """Return these minima followed by others."""
-        pairs = zip(self.columns, more.columns, strict=True)
-        joined: list[Any] = [
-            a + b if isinstance(a, tuple) else np.concatenate([a, b]) for a, b in pairs
-        ]
-        return ConeMinima(*joined)
+    def __getitem__(self, rows: Any) -> ConeMinima:
+        return ConeMinima(*(column[rows] for column in vars(self).values()))
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,8 +99,8 @@ class ConeCount(Report):
     minima
         One entry a class and minimum: up first, then by valleys, changes, |elevation|.
     undecided
-        (valleys, changes, direction) of classes with a tie: slope 0 to rounding at either end, or a
-        double zero of it.  Their minima are counted as the module says.
+        Classes with a tie: slope 0 to rounding at either end, or a double zero of it.  Their minima are counted as the
+        module says.
     """
 
     cone: Cone
@@ -145,14 +108,19 @@ class ConeCount(Report):
     ratio: float
     depth: float
     minima: ConeMinima
-    undecided: tuple[tuple[int, int, int], ...]
+    undecided: Branches
 
     SCHEMA, READS = "origami-nlp/paper/1", False
-
-    @property
-    def degree(self) -> int:
-        """N."""
-        return self.cone.degree
+    stable_interior = property(
+        lambda self: self.minima.count("interior"), doc="Minima inside their branch, exact."
+    )
+    stable_contact = property(
+        lambda self: self.minima.count("contact"), doc="Minima pinned by contact, exact."
+    )
+    falling_at_cut = property(
+        lambda self: self.minima.count("cut"),
+        doc='Branches whose energy falls where "contract" cuts them and nothing touches.',
+    )
 
     @property
     def branches(self) -> int:
@@ -160,35 +128,20 @@ class ConeCount(Report):
         return self.cone.branches
 
     @cached_property
-    def stable_interior(self) -> int:
-        """Number of minima inside their branch, exact."""
-        return self.minima.count("interior")
-
-    @cached_property
-    def stable_contact(self) -> int:
-        """Number of minima pinned by contact, exact."""
-        return self.minima.count("contact")
-
-    @cached_property
-    def falling_at_cut(self) -> int:
-        """Number of branches whose energy falls where the rule "contract" cuts them and nothing touches."""
-        return self.minima.count("cut")
-
-    @cached_property
     def branches_with_minimum(self) -> int:
         """Number of branches with at least one minimum (a branch may have several), exact.
 
         One that falls at its cut has one further along.
         """
-        m = self.minima
-        keys = zip(m.direction.tolist(), m.valleys.tolist(), m.changes.tolist(), strict=True)
-        return sum(dict(zip(keys, m.multiplicity, strict=True)).values())
+        b = self.minima.branches
+        keys = zip(b.direction.tolist(), b.valleys.tolist(), b.changes.tolist(), strict=True)
+        return sum(dict(zip(keys, b.multiplicity.tolist(), strict=True)).values())
 
     def report_sections(self) -> Iterator[Section]:
         """Return the numbers of branch minima, then a row for each class and minimum, deepest first."""
         whole, end = self.branches, self.cone.end
         yield (
-            f"cone of degree {self.degree}, r_k = {self.ratio:g}, rest elevation "
+            f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, rest elevation "
             f"{format_angle(self.rest.elevation)} ({self.cone.rest}), branches end by the {end} rule"
         )
         for name, number in (
@@ -202,8 +155,8 @@ class ConeCount(Report):
                 yield f"  {name}: {words} ({share_words(number, whole)})"
         if self.depth > 0:
             yield f"  counted: wells deeper than {self.depth:g} of the flat state's energy"
-        for tied in self.undecided[:MOST_TIES]:
-            name = EnergyClass(self.cone, *tied).name
+        for k in range(min(len(self.undecided), MOST_TIES)):
+            name = self.undecided.name(k)
             yield f"  tie to rounding on {name}: slope 0 at an end, or a double zero"
         if len(self.undecided) > MOST_TIES:
             yield f"  and ties on {len(self.undecided) - MOST_TIES} more classes"
@@ -216,33 +169,33 @@ class ConeCount(Report):
         """Return one row a class and minimum, deepest first; those at an end with their multiplier."""
         m, rows = self.minima, []
         for k in np.argsort(-m.depth, kind="stable")[:MOST_ROWS].tolist():
-            own = EnergyClass(self.cone, int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
             row = (
-                own.name.split(" (")[0],
-                str(own.changes),
-                number_words(m.multiplicity[k]),
+                m.branches.name(k),
+                str(m.branches.changes[k]),
+                number_words(m.branches.multiplicity[k]),
                 f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > SMALL else f"{m.elevation[k]:.3e}",
                 f"{m.energy[k]:.5g}",
                 f"{m.depth[k]:.4g}",
-                "interior" if m.interior[k] else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
+                m.kind[k] if m.kind[k] == "interior" else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
             )
             rows.append(row)
         return Table(HEADS, rows, "", "lrrrrrl", framed=False, narrow=True)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data, an entry of ``classes`` for each class and minimum; numbers beyond 2^53 are text."""
-        m = self.minima
-        columns = {f.name: getattr(m, f.name) for f in fields(m)}
-        columns["direction"] = [direction_name(d) for d in m.direction.tolist()]
-        columns["multiplicity"] = [exact(number) for number in m.multiplicity]
-        lists = [c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()]
+        columns = vars(self.minima.branches) | vars(self.minima)
+        lists = {k: v.tolist() for k, v in columns.items() if isinstance(v, np.ndarray)}
+        lists["direction"] = [*map(direction_name, lists["direction"])]
+        lists["multiplicity"] = [*map(exact, lists["multiplicity"])]
         kinds = ("stable_interior", "stable_contact", "falling_at_cut")
         return {
             "schema": self.SCHEMA,
-            "degree": self.degree,
+            "degree": self.cone.degree,
             "branches": str(self.branches),
             **{kind: exact(getattr(self, kind)) for kind in kinds},
-            "classes": [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)],
+            "classes": [
+                dict(zip(lists, row, strict=True)) for row in zip(*lists.values(), strict=True)
+            ],
         }
 
 
@@ -280,68 +233,121 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     >>> cone.count(cone.Cone(1000, end="contact"), 2.0, 0.3).branches_with_minimum == 2**500
     True
     """
-    cone = Cone.of(cone, LARGEST_DEGREE)
+    branches = Branches.of(cone)
     ratio, depth = check_ratio(ratio), check_depth(depth)
-    classes = assignment_classes(cone.degree)
-    parts, undecided = [], []
-    for direction in (1, -1):
-        side = SideEnergy.of(cone, direction, elevation)
-        found, ties = minima_of(side, np.full(len(classes), ratio))
-        parts.append(_filled(side, classes.multiplicity, ratio, found))
-        rows = zip(classes.valleys[ties].tolist(), classes.changes[ties].tolist(), strict=True)
-        undecided += [(a, c, direction) for a, c in rows]
-    minima = parts[0].then(parts[1])
-    if depth > 0:
-        minima = minima.where(minima.depth > depth)
-    return ConeCount(cone, side.rest, ratio, depth, minima, tuple(undecided))
-
-
-class Found(NamedTuple):
-    """Minima on branches: classes `rows`, elevations s, which are at an end, and -F there."""
-
-    rows: np.ndarray
-    s: np.ndarray
-    at_end: np.ndarray
-    multiplier: np.ndarray
-
-
-def minima_of(side: SideEnergy, ratio: np.ndarray) -> tuple[Found, np.ndarray]:
-    """Find the minima of all classes of one direction, each at its ratio [m], and the rows of those with ties."""
-    if side.rest.odd == 0 and side.rest.even == 0:  # flat at rest: all branches climb
-        none = np.zeros(0, dtype=np.int64)
-        return Found(none, none * 1.0, none == 1, none * 1.0), none
-    signs = slope_signs(side, ratio)
-    inside = polish(side, ratio, signs)
-    # F(end) = 0 but for rounding: what F does before it decides
-    tied = np.nonzero(signs.end == 0)[0]
-    bend = side.at(side.end[tied], tied).curvature(ratio[tied])
-    # the energy falls to the end, or is level there and curves up: the end is a minimum of the closed branch
-    pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend > 0])
-    rows = np.concatenate([signs.rows, pinned])
-    s = np.concatenate([inside, side.end[pinned]])
-    at_end = np.concatenate([np.zeros(len(inside), bool), np.ones(len(pinned), bool)])
-    multiplier = np.concatenate([np.zeros(len(inside)), np.maximum(-signs.end[pinned], 0.0)])
-    order = np.lexsort((s, rows))
-    ties = np.concatenate([np.nonzero(signs.start == 0)[0], tied, signs.undecided])
-    return Found(*(each[order] for each in (rows, s, at_end, multiplier))), np.unique(ties)
-
-
-def _filled(
-    side: SideEnergy, multiplicity: tuple[int, ...], ratio: float, found: Found
-) -> ConeMinima:
-    """Fill in energies, depths and kinds of minima."""
-    rows, s, at_end, multiplier = found
-    here = side.at(s, rows)
-    odd, even = here.energies
-    flat = here.flat[0] + ratio * here.flat[1]
-    return ConeMinima(
-        side.valleys[rows],
-        side.changes[rows],
-        np.full(len(rows), side.direction),
-        tuple(multiplicity[k] for k in rows.tolist()),
-        side.direction * s,
-        odd + ratio * even,
-        np.minimum(here.depth(ratio), 1.0) if flat else np.zeros(len(rows)),
-        np.where(at_end, np.where(side.cut[rows], "cut", "contact"), "interior"),
-        multiplier,
+    rest = branches.cone.at_rest(elevation)
+    rows, s, at_end, multiplier, ties = minima_of(branches, rest, np.full(len(branches), ratio))
+    own = branches[rows]
+    here = BranchEnergy(own, rest, ratio, s)
+    kind = np.array(KINDS)[_kinds(own, at_end)]
+    minima = ConeMinima(
+        own, own.direction * s, here.total(here.energies), here.depth, kind, multiplier
     )
+    if depth > 0:
+        minima = minima[minima.depth > depth]
+    return ConeCount(branches.cone, rest, ratio, depth, minima, branches[ties])
+
+
+def _kinds(branches: Branches, at_end: np.ndarray) -> np.ndarray:
+    """Number the kind of each minimum, in the order of `KINDS`."""
+    return np.where(at_end, np.where(branches.cone.is_cut(branches.steep), 2, 1), 0)
+
+
+@dataclass(frozen=True, repr=False)
+class CountMap(ShortRepr):
+    """Numbers of branch minima, shape [ratios, elevations] each.
+
+    Attributes
+    ----------
+    cone
+        Degree and rules.
+    ratios
+        r = k_even/k_odd of the rows.
+    elevations
+        Rest elevations nu_0 of the columns [rad].
+    interior, contact, cut
+        By kind, see `ConeMinima`; int64 where all numbers fit, else exact Python integers (dtype object).
+    """
+
+    cone: Cone
+    ratios: np.ndarray
+    elevations: np.ndarray
+    interior: np.ndarray
+    contact: np.ndarray
+    cut: np.ndarray
+
+    @property
+    def at_end(self) -> np.ndarray:
+        """Minima at the end of their branch, pinned there by contact or by the cut."""
+        return self.contact + self.cut
+
+    @property
+    def total(self) -> np.ndarray:
+        """All minima."""
+        return self.interior + self.at_end
+
+
+def count_map(
+    cone: Cone | int,
+    ratios: Sequence[float] | np.ndarray,
+    elevations: Sequence[float] | np.ndarray,
+    *,
+    depth: float = 0.0,
+    progress: Callable[[int], None] | None = None,
+) -> CountMap:
+    """Count branch minima by kind at every (r_k, v_0): `count` for a plane.
+
+    Parameters
+    ----------
+    cone
+        A `Cone`, or its degree.
+    ratios, elevations
+        Values of r_k, and of v_0 [rad], in any order.
+    depth
+        As in `count`.
+    progress
+        Called with the number of columns (elevations) done.
+
+    Returns
+    -------
+    CountMap
+        Numbers [ratios, elevations] of each kind.
+
+    Raises
+    ------
+    OptionError, AngleError
+        For values out of range.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.count_map(10, ratios=[0.02, 1.0], elevations=[-0.9, 0.3, 0.8]).total.tolist()
+    [[37, 32, 32], [32, 32, 32]]
+    """
+    branches = Branches.of(cone)
+    depth = check_depth(depth)
+    given = np.array([check_ratio(r, "ratios") for r in np.atleast_1d(ratios).tolist()])
+    columns = np.array([check_number("elevations", v) for v in np.atleast_1d(elevations).tolist()])
+    if given.ndim != 1 or columns.ndim != 1 or not given.size or not columns.size:
+        raise OptionError("ratios and elevations must be lists of numbers")
+    # exact however many branches there are
+    numbers = branches.multiplicity
+    if branches.cone.branches <= SAFE:
+        numbers = numbers.astype(np.int64)
+    counts = np.zeros((3, len(given), len(columns)), numbers.dtype)
+    # every class at every ratio, one after the other
+    every = branches[np.tile(np.arange(len(branches)), len(given))]
+    each = np.repeat(given, len(branches))
+    for k, elevation in enumerate(columns):
+        rest = branches.cone.at_rest(elevation)
+        rows, s, at_end, *_ = minima_of(every, rest, each)
+        deep = slice(None)
+        if depth > 0:
+            deep = BranchEnergy(every[rows], rest, each[rows], s).depth > depth
+        rows, kind = rows[deep], _kinds(every[rows], at_end)[deep]
+        for of in range(3):
+            often = np.bincount(rows[kind == of], minlength=len(each))
+            counts[of, :, k] = often.reshape(len(given), -1) @ numbers
+        if progress:
+            progress(k + 1)
+    return CountMap(branches.cone, given, columns, *counts)

@@ -11,11 +11,13 @@ bracelets, and tabulates necklaces.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import gcd
 from typing import Any
 
-from origami_nlp.display import Report, Section, Table
+import numpy as np
+
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.paper.cone.flaps import Flaps, symmetry_of, write_flaps
 from origami_nlp.paper.cone.numbers import exact, number_words
 from origami_nlp.paper.cone.rules import check_degree
@@ -40,10 +42,10 @@ class Folding:
         Whether its mirror image is a different necklace.
     """
 
-    flaps: Flaps
-    symmetry: str
-    copies: int
-    chiral: bool
+    flaps: Flaps = field(metadata=shown("flaps", spec=lambda f: "V" if f > 0 else "M", between=""))
+    symmetry: str = field(metadata=shown("symmetry"))
+    copies: int = field(metadata=shown("copies"))
+    chiral: bool = field(metadata=shown("mirror image differs"))
 
 
 def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
@@ -76,52 +78,26 @@ def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
     (14, 13)
     """
     n = check_degree(degree, LARGEST_LISTED) // 2
+    # words as numbers, a bit a flap, valleys 1: the alphabetically last of its images is the largest
+    words = np.arange(1 << n)
+    back = np.sum([(words >> k & 1) << (n - 1 - k) for k in range(n)], axis=0)
+    images = [words] if mirrors_differ else [words, back]
+    turned = [(w << k | w >> (n - k)) & ((1 << n) - 1) for w in images for k in range(n)]
     found = []
-    for word in _necklace_words(n):
-        flaps = tuple(1 - 2 * letter for letter in word)
+    for word in np.flatnonzero(np.max(turned, axis=0) == words)[::-1].tolist():
+        flaps = tuple(1 if word >> k & 1 else -1 for k in reversed(range(n)))
         symmetry = symmetry_of(flaps)
-        copies, chiral = n // int(symmetry[1:]), symmetry[0] == "C"
-        if not mirrors_differ:
-            if flaps < _standard(flaps[::-1]):
-                continue
-            copies *= 2 if chiral else 1
+        chiral = symmetry[0] == "C"
+        copies = n // int(symmetry[1:]) * (2 if chiral and not mirrors_differ else 1)
         found.append(Folding(flaps, symmetry, copies, chiral))
     return found
-
-
-def _standard(flaps: Flaps) -> Flaps:
-    """Rotate an assignment to its alphabetically last form."""
-    return max(flaps[k:] + flaps[:k] for k in range(len(flaps)))
-
-
-def _necklace_words(n: int) -> Iterator[tuple[int, ...]]:
-    """Words of 0 and 1, smallest of their rotations, in alphabetical order.
-
-    Fredricksen, Kessler, Maiorana: the prenecklaces in order; a prenecklace of period p that divides n
-    is a necklace.
-    """
-    word = [0] * n
-    yield tuple(word)
-    while True:
-        last = n - 1
-        while last >= 0 and word[last] == 1:
-            last -= 1
-        if last < 0:
-            return
-        word[last] = 1
-        # the next prenecklace: the last 0 becomes 1, and what stands before it is repeated
-        period = last + 1
-        for k in range(period, n):
-            word[k] = word[k - period]
-        if n % period == 0:
-            yield tuple(word)
 
 
 def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     """Count the different foldings of a cone exactly, for any degree.
 
-    Up to rotation there are (1/n) sum over d | n of psi(d) 2^(n/d).  The n reflections keep 2^((n+1)/2) words each
-    for odd n; for even n half of them 2^(n/2) and half of them 2^(n/2 + 1) (Burnside; the paper's formula).
+    Up to rotation there are (1/n) sum over k of 2^gcd(k, n), k = 1, ..., n.  The n reflections keep 2^((n+1)/2) words
+    each for odd n; for even n half of them 2^(n/2) and half of them 2^(n/2 + 1) (Burnside; the paper's formula).
 
     Parameters
     ----------
@@ -148,7 +124,7 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     """
     n = check_degree(degree) // 2
     # necklaces, as the paper's table lists them; its eq. 4.6 counts bracelets (docs/validation/errata.md)
-    turned = sum(_totient(d) << (n // d) for d in range(1, n + 1) if n % d == 0) // n
+    turned = sum(1 << gcd(k, n) for k in range(n)) // n
     if mirrors_differ:
         return turned
     if n % 2:
@@ -157,10 +133,6 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
         kept = (n // 2) * ((1 << (n // 2)) + (1 << (n // 2 + 1)))
     # Burnside over the 2 n elements of D_n: bracelets, eq. 4.6
     return (n * turned + kept) // (2 * n)
-
-
-def _totient(d: int) -> int:
-    return sum(gcd(k, d) == 1 for k in range(1, d + 1))
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,15 +168,7 @@ class Foldings(Report):
             "leaves the same numbers"
         )
         if self.listed:
-            kept = {f.flaps for f in foldings(self.degree, mirrors_differ=False)}
-            rows = []
-            for number, f in enumerate(foldings(self.degree), start=1):
-                word = (
-                    "itself" if not f.chiral else "another" if f.flaps in kept else "listed above"
-                )
-                rows.append((str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word))
-            heads = ("#", "flaps", "symmetry", "copies", "mirror image")
-            yield Table(heads, rows, "", "rllrl", framed=False)
+            yield record_table(foldings(self.degree), "")
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; numbers beyond 2^53 are text."""

@@ -7,37 +7,33 @@ points solve r = -A'/B' and every boundary has an explicit r:
     end           t = T: the slope at the end of the branch changes sign,
     fold          A'' B' = A' B'': a minimum and a maximum annihilate.
 
-Folds are zero sets in the (nu_0, t) plane: traced on a grid (contourpy), then every point is bisected along its grid
-edge to the last bit.
+Folds are zero sets in the (nu_0, t) plane: traced on a grid (contourpy), then every point goes along the gradient to
+the zero set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.paper.cone.classes import EnergyClass, energy_classes
-from origami_nlp.paper.cone.energy import class_energy
-from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone
+from origami_nlp.numerics import NONZERO, SETTLED
+from origami_nlp.paper.cone.classes import Branches
+from origami_nlp.paper.cone.energy import BranchEnergy
+from origami_nlp.paper.cone.rules import Cone, Rest
 
 KINDS = ("start", "end", "fold")
 RATIO_LIMITS = (1e-9, 1e9)
 """Curves are cut where r leaves these: they go to zero or to infinity."""
-LINES = 300
-"""Grid lines of each coordinate on which zero sets are traced."""
+LINES, MOST_LINES = 300, 100_000
+"""Grid lines of each coordinate on which zero sets are traced, and how many memory bears."""
 NEAREST = 1e-6
 """Smallest |nu_0| on a curve [rad]; all curves have limits for nu_0 -> 0, where no rest state is left.  The limits
 are approached as nu_0^2 = 1e-12, while the fold condition / nu_0^2 keeps ten digits."""
-MOST_LINES = 100_000
-"""Grid lines that memory bears."""
-ON_LINE = 1e-9
-"""A vertex of a contour lies on a grid line to this share of its coordinate: contourpy returns node coordinates to
-some eps, and neighbouring lines are at least 1/MOST_LINES apart."""
-BISECTIONS = 80
-"""Most halvings of a grid edge: 53 to the last bit of its middle, and 27 more for roots nearer to zero."""
+POLISHING, DIFFERENCE = 12, 1e-5
+"""Steps of Newton for points of a fold, and their differences, both in the logarithms of nu_0 and t."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +54,7 @@ class PhaseBoundary:
         |v| of the state that appears or vanishes [m] [rad].
     """
 
-    branches: EnergyClass
+    branches: Branches
     kind: str
     rest_elevation: np.ndarray = field(repr=False)
     ratio: np.ndarray = field(repr=False)
@@ -89,103 +85,64 @@ def phase_boundaries(cone: Cone | int, *, lines: int = LINES) -> list[PhaseBound
     --------
     >>> from origami_nlp.paper import cone
     >>> curves = cone.phase_boundaries(6, lines=40)
-    >>> {(c.branches.name, c.kind) for c in curves if c.branches.valleys == 2 and c.kind == "start"}
+    >>> {(c.branches.name(0), c.kind) for c in curves if c.branches.valleys == 2 and c.kind == "start"}
     {('MV2 up', 'start')}
     """
-    cone = Cone.of(cone, LARGEST_DEGREE)
+    every = Branches.of(cone)
     check_whole("lines", lines, 2, MOST_LINES)
     found = []
-    for branches in energy_classes(cone):
-        for limit in cone.rest_range:
+    for row in range(len(every)):
+        branches = every[[row]]
+        for limit in every.cone.rest_range:
             nu = np.sign(limit) * _crowded(abs(limit), lines)
-            for kind, t in (("start", 0.0), ("end", branches.end)):  # r is a function of nu_0
-                ratio = class_energy(branches, t, nu).ratio
-                found += list(_pieces(branches, kind, nu, ratio, np.full_like(nu, t)))
-            found += list(_folds(branches, nu, lines))
+            for kind, t in (("start", 0 * nu), ("end", branches.end + 0 * nu)):
+                found += list(_pieces(branches, kind, nu, t))
+            found += list(_folds(branches, np.sort(nu), lines))
     return found
+
+
+def _energy(branches: Branches, nu: np.ndarray, t: np.ndarray) -> BranchEnergy:
+    """Energy of one class at rest elevations and elevations, which are broadcast."""
+    return BranchEnergy(branches, Rest(nu, *branches.cone.rest_angles(nu)), s=t)
 
 
 def _crowded(limit: float, lines: int) -> np.ndarray:
     """Values from `NEAREST` to `limit`: half of them even, half geometric towards zero."""
-    return np.unique(
-        np.concatenate(
-            [np.geomspace(NEAREST, limit, lines // 2), np.linspace(NEAREST, limit, lines)]
-        )
-    )
+    geometric = np.geomspace(NEAREST, limit, lines // 2)
+    return np.unique(np.concatenate([geometric, np.linspace(NEAREST, limit, lines)]))
 
 
-def _folds(branches: EnergyClass, nu: np.ndarray, lines: int) -> Iterator[PhaseBoundary]:
+def _folds(branches: Branches, nu: np.ndarray, lines: int) -> Iterator[PhaseBoundary]:
     """Zero sets of the fold condition over 0 < t < T."""
     from contourpy import contour_generator
 
-    t = branches.end * _crowded(1.0, lines)
-
-    def condition(at: np.ndarray, rest_at: np.ndarray) -> np.ndarray:
+    def condition(rest: np.ndarray, at: np.ndarray) -> np.ndarray:
         # near nu_0 = 0 it vanishes as a power of it: divided, its zero sets have limits
-        return np.asarray(class_energy(branches, at, rest_at).fold / rest_at**2)
+        return np.asarray(_energy(branches, rest, at).fold / rest**2)
 
-    nu = np.sort(nu)
-    grid = condition(t[:, None], nu[None, :])
-    for found in contour_generator(nu, t, np.arcsinh(grid)).lines(0.0):
-        line = np.asarray(found)
-        at_nu, at_t = _bisected(condition, line[:, 0], line[:, 1], nu, t)
-        yield from _pieces(branches, "fold", at_nu, class_energy(branches, at_t, at_nu).ratio, at_t)
-
-
-def _bisected(
-    condition: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    x: np.ndarray,
-    y: np.ndarray,
-    xs: np.ndarray,
-    ys: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Move each vertex of a contour line along its grid edge to the sign change of the condition.
-
-    A vertex lies on a grid line of one coordinate, and the other one is free.  Where it falls on a node to
-    rounding, its edge may be any of those around: the first one with a sign change is taken.  Vertices without
-    one are left out.
-    """
-    found = np.zeros(len(x), dtype=bool)
-    at_x, at_y, low, high = x.copy(), y.copy(), x.copy(), x.copy()
-    free_x = np.zeros(len(x), dtype=bool)
-    for along_x in (True, False):
-        free, grid, fixed, lines = (x, xs, y, ys) if along_x else (y, ys, x, xs)
-        near = np.clip(np.searchsorted(lines, fixed), 1, len(lines) - 1)
-        near -= np.abs(lines[near - 1] - fixed) <= np.abs(lines[near] - fixed)
-        on_line = np.abs(lines[near] - fixed) <= ON_LINE * np.abs(fixed)
-        edge = np.searchsorted(grid, free)
-        # the edge that holds the vertex, then the edges on either side
-        for step in (0, -1, 1):
-            k = np.clip(edge + step, 1, len(grid) - 1)
-            a, b, other = grid[k - 1], grid[k], lines[near]
-            ends = [condition(v, other) if not along_x else condition(other, v) for v in (a, b)]
-            take = ~found & on_line & (np.signbit(ends[0]) != np.signbit(ends[1]))
-            low, high = np.where(take, a, low), np.where(take, b, high)
-            at_x = np.where(take & ~np.bool_(along_x), other, at_x)
-            at_y = np.where(take & np.bool_(along_x), other, at_y)
-            free_x |= take & along_x
-            found |= take
-    at_x, at_y, low, high, free_x = (v[found] for v in (at_x, at_y, low, high, free_x))
-
-    def value(free: np.ndarray) -> np.ndarray:
-        return condition(np.where(free_x, at_y, free), np.where(free_x, free, at_x))
-
-    below = np.signbit(value(low))
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        if ((middle == low) | (middle == high)).all():
-            break
-        same = np.signbit(value(middle)) == below
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return np.where(free_x, low, at_x), np.where(free_x, at_y, low)
+    end = float(branches.end[0])
+    t = end * _crowded(1.0, lines)
+    grid = condition(*np.meshgrid(nu, t, sparse=True))
+    for line in contour_generator(nu, t, np.arcsinh(grid)).lines(0.0):
+        at = np.asarray(line).T
+        step = at
+        for _ in range(POLISHING):  # along the gradient, in logarithms
+            change = np.exp(DIFFERENCE * np.eye(2))[:, :, None]
+            gradient = [condition(*(at * c)) - condition(*(at / c)) for c in change]
+            slope = np.stack(gradient) / (2 * DIFFERENCE)
+            step = condition(*at) * slope / np.maximum((slope**2).sum(axis=0), NONZERO)
+            at = at * np.exp(-np.clip(step, -0.1, 0.1))
+        good = (np.abs(step).max(axis=0) < SETTLED) & (at[1] <= end)
+        good &= (at[0] >= nu[0]) & (at[0] <= nu[-1])
+        yield from _pieces(branches, "fold", *at[:, good])
 
 
 def _pieces(
-    branches: EnergyClass, kind: str, nu: np.ndarray, ratio: np.ndarray, t: np.ndarray
+    branches: Branches, kind: str, nu: np.ndarray, t: np.ndarray
 ) -> Iterator[PhaseBoundary]:
     """Cut a line where r is not within `RATIO_LIMITS`."""
-    with np.errstate(invalid="ignore"):
-        good = (ratio > RATIO_LIMITS[0]) & (ratio < RATIO_LIMITS[1])
+    ratio = _energy(branches, nu, t).stationary_ratio
+    good = (ratio > RATIO_LIMITS[0]) & (ratio < RATIO_LIMITS[1])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], good.astype(int), [0]])))
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         if last - first > 1:

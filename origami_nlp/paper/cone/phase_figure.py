@@ -37,7 +37,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Two or three panels.
+        Three panels.
 
     Raises
     ------
@@ -45,20 +45,18 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
         If `diagram` is not of its type.
     """
     check_type("diagram", diagram, PhaseDiagram)
-    counts, words = diagram.map, "minima inside their branch"
-    if diagram.contact:
-        words = "branch minima"
-    if counts.depth > 0:
-        words += f", deeper than {counts.depth:g}"
-    maps = [(words, diagram.minima, "all" if diagram.contact else "interior")]
-    if diagram.contact:
-        held = "pinned by contact" if counts.cone.end == "contact" else "at an end (contact or cut)"
-        maps.append((f"of these {held}", counts.at_end, "at end"))
-    panels = len(maps) + 1
-    figure = Figure(figsize=(4.1 * panels, 4.5), layout="constrained", dpi=110)
-    *grid, last = figure.subplots(1, panels)
-    for axes, (title, numbers, of) in zip(grid, maps, strict=True):
-        _draw_map(axes, diagram, numbers, diagram.bounding(of) if counts.depth == 0 else ())
+    counts = diagram.map
+    held = "pinned by contact" if counts.cone.end == "contact" else "at an end (contact or cut)"
+    # numbers, and the kinds of boundaries at which they change
+    maps = [
+        ("branch minima", counts.total, ("start", "fold")),
+        (f"of these {held}", counts.at_end, ("end",)),
+    ]
+    figure = Figure(figsize=(12.3, 4.5), layout="constrained", dpi=110)
+    *grid, last = figure.subplots(1, 3)
+    for axes, (title, numbers, kinds) in zip(grid, maps, strict=True):
+        own = [b for b in diagram.boundaries if b.kind in kinds]
+        _draw_map(axes, diagram, numbers, own)
         axes.set_title(title, fontsize=9)
     _draw_boundaries(last, diagram.boundaries)
     for axes in (*grid, last):
@@ -67,7 +65,8 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
         axes.set_xlabel(r"rest elevation $\upsilon_0$", fontsize=9)
         axes.set_ylabel(r"$r_k = k_\mathrm{even}/k_\mathrm{odd}$", fontsize=9)
         axes.tick_params(labelsize=8)
-    who = f"cone of degree {diagram.degree}, {counts.branches} branches, rest state {counts.cone.rest}"
+    of = counts.cone
+    who = f"cone of degree {of.degree}, {of.branches} branches, rest state {of.rest}"
     figure.suptitle(who, fontsize=11, weight="bold")
     return figure
 
@@ -93,7 +92,7 @@ def _draw_map(
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     ticks = range(len(numbers))[:: -(-len(numbers) // MOST_TICKS)]
     bar = axes.figure.colorbar(image, ax=axes, ticks=ticks, pad=0.02, fraction=0.06, aspect=30)
-    total = diagram.map.branches
+    total = diagram.map.cone.branches
     short = len(str(total)) <= 6
     names = [f"{numbers[k]}/{total}" if short else f"{numbers[k] / total:.4g}" for k in ticks]
     bar.ax.set_yticklabels(names, fontsize=8)
@@ -103,7 +102,7 @@ def _draw_boundaries(axes: Any, boundaries: Sequence[PhaseBoundary]) -> None:
     """Draw boundaries: the line says the kind, the colour how many flaps are mountains."""
     used: dict[int, str] = {}
     for curve in boundaries:
-        mountains = curve.branches.mountains
+        mountains = int(curve.branches.mountains[0])
         used[mountains] = INKS[mountains % len(INKS)]
         look = {"color": used[mountains], "linestyle": STYLES[curve.kind][0]}
         axes.plot(curve.rest_elevation, curve.ratio, **look, linewidth=1.4)

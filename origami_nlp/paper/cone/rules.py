@@ -25,12 +25,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.closed_forms import SHALLOW, STEEP, cone_roots
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import format_angle
@@ -67,16 +66,12 @@ def check_degree(degree: object, largest: int | None = None) -> int:
     OptionError
         Unless it is even and at least 6 (at degree 4 both partial fold angles are degenerate).
     """
-    whole = isinstance(degree, Integral) and not isinstance(degree, bool)
-    if not whole or degree < 6 or degree % 2:  # type: ignore[operator]
+    whole = check_whole("degree", degree, 6, largest)
+    if whole % 2:
         raise OptionError(
-            f"degree = {shown(degree)}: a cone has an even number of creases >= 6 (flaps of two facets)"
+            f"degree = {whole}: a cone has an even number of creases (two facets a flap)"
         )
-    if largest is not None and degree > largest:  # type: ignore[operator]
-        raise OptionError(
-            f"degree = {shown(degree)}: this is done for degrees up to {largest} only"
-        )
-    return int(degree)  # type: ignore[call-overload]
+    return whole
 
 
 def check_ratio(ratio: float, field: str = "ratio") -> float:
@@ -103,19 +98,8 @@ def check_ratio(ratio: float, field: str = "ratio") -> float:
 
 
 def check_depth(depth: float) -> float:
-    """Return a well depth (U_flat - U)/U_flat, or raise an error.
-
-    Raises
-    ------
-    OptionError
-        Unless it is a number of [0, 1): U >= 0, so no well is deeper than 1.
-    """
-    value = check_number("depth", depth)
-    if not 0 <= value < 1:
-        raise OptionError(
-            f"depth = {depth!r}: write a share of the flat state's energy, 0 <= depth < 1"
-        )
-    return value
+    """Return a well depth (U_flat - U)/U_flat of [0, 1], or raise an error; U >= 0, so no well is deeper than 1."""
+    return check_number("depth", depth, 0.0, 1.0)
 
 
 def _check_rule(name: str, value: object, rules: tuple[str, ...]) -> None:

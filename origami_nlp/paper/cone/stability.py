@@ -10,26 +10,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.arguments import check_callback
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
-from origami_nlp.paper.cone.branches import ConeBranch, cone_sheet
+from origami_nlp.paper.cone.branches import ConeBranch
 from origami_nlp.paper.cone.flaps import class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.pattern_problem import pose
 
 LARGEST_DEGREE = 16
 """The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""
 VERDICTS = ("stable", "unstable", "undecided")
-HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 Progress = Callable[[int, int], None]
 """Called as progress(states judged, all)."""
 
@@ -57,24 +56,22 @@ class JudgedMinimum:
     residual
         Norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an equilibrium; at regular
         interior states a positive value proves that the state is not a minimum.
+    verdict
+        ``stable``, ``unstable`` or ``undecided``.
     full_space
         The verdict, with certificate and descent.
     """
 
-    branch: ConeBranch
-    copies: int
-    kind: str
-    elevation: float
+    branch: ConeBranch = field(metadata=shown("flaps"))
+    copies: int = field(metadata=shown("copies"))
+    kind: str = field(metadata=shown("kind"))
+    elevation: float = field(metadata=shown("|v|", spec=".4f"))
     energy: float
-    depth: float
+    depth: float = field(metadata=shown("depth", spec=".4g"))
     fold_angles: tuple[float, ...] = field(repr=False)
-    residual: float
+    residual: float = field(metadata=shown("slope", spec=".2e"))
+    verdict: str = field(metadata=shown("verdict"))
     full_space: FullSpace = field(repr=False)
-
-    @property
-    def verdict(self) -> str:
-        """``stable``, ``unstable`` or ``undecided``."""
-        return self.full_space.verdict
 
 
 @dataclass(frozen=True, repr=False)
@@ -105,32 +102,15 @@ class ConeFullSpace(Report):
     unstable = property(lambda self: self.count("unstable"))
     undecided = property(lambda self: self.count("undecided"))
 
-    def count(self, verdict: str | None = None, kind: str | None = None) -> int:
-        """Count branch minima over all branches (copies included), of one verdict and kind."""
-        return sum(
-            s.copies for s in self.states if verdict in (None, s.verdict) and kind in (None, s.kind)
-        )
+    def count(self, verdict: str | None = None) -> int:
+        """Count branch minima over all branches (copies included), of one verdict."""
+        return sum(s.copies for s in self.states if verdict in (None, s.verdict))
 
     def report_sections(self) -> Iterator[Section]:
         """Return a row for each arrangement, direction and minimum, and the totals over all branches."""
-        why = [s.full_space.certificate for s in self.states]
-        reasons = list(dict.fromkeys(why))
-        rows = [
-            [
-                repr(s.branch),
-                str(s.copies),
-                s.kind,
-                f"{s.elevation:.4f}",
-                f"{s.depth:.4g}",
-                "singular" if np.isnan(s.residual) else f"{s.residual:.2e}",
-                s.verdict,
-                f"[{reasons.index(reason) + 1}]",
-            ]
-            for s, reason in zip(self.states, why, strict=True)
-        ]
         title = f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, nu_0 = {self.rest.elevation:g}"
-        yield Table(HEADS, rows, title, "Lrrrrrrr", framed=False)
-        yield from (f"[{k}] {reason}" for k, reason in enumerate(reasons, start=1))
+        yield record_table(self.states, title)
+        yield from dict.fromkeys(f"{s.verdict}: {s.full_space.certificate}" for s in self.states)
         words = [f"{self.count(v)} {v}" for v in VERDICTS]
         yield f"of {self.count()} branch minima: " + ", ".join(words)
 
@@ -138,12 +118,9 @@ class ConeFullSpace(Report):
 def cone_scene(degree: int, ratio: float, rest: Rest) -> Scene:
     """Make the cone as a scene: k_odd = 1, k_even = r, full contact, no imposed symmetry."""
     flaps = degree // 2
-    return replace(
-        cone_sheet(degree),
-        stiffness=(1.0, ratio) * flaps,
-        rest_angles=(rest.odd, rest.even) * flaps,
-        name=f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}",
-    )
+    name = f"cone of degree {degree}, r_k = {ratio:g}, nu_0 = {rest.elevation:.6g}"
+    sheet = Vertex((2 * math.pi / degree,) * degree)
+    return Scene(sheet, (1.0, ratio) * flaps, (rest.odd, rest.even) * flaps, "none", name=name)
 
 
 def full_space(
@@ -192,7 +169,7 @@ def full_space(
         own = ConeBranch(folding.flaps, direction, cone.end)
         x = own.fold_angles(direction * v)
         # k_odd = 1: energies per k_odd
-        energy = float(scene.energy(x))
+        energy, judged = float(scene.energy(x)), judge_in_full_space(scene, x)
         states.append(
             JudgedMinimum(
                 own,
@@ -203,7 +180,8 @@ def full_space(
                 float((flat - energy) / flat) if flat > 0 else math.nan,
                 tuple(x.tolist()),
                 tangent_slope(State(problem, x)),
-                judge_in_full_space(scene, x),
+                judged.verdict,
+                judged,
             )
         )
         if progress:
@@ -215,9 +193,9 @@ def _jobs(found: ConeCount) -> list[tuple[Folding, int, str, float]]:
     """List (arrangement, direction, kind, |v|) of every minimum, for each arrangement that differs."""
     m = found.minima
     jobs = []
-    for folding in foldings(found.degree, mirrors_differ=False):
+    for folding in foldings(found.cone.degree, mirrors_differ=False):
         for direction in (1, -1):
-            own = m.of_class(*class_of(folding.flaps), direction)
+            own = m.branches.of_class(*class_of(folding.flaps), direction)
             pairs = zip(m.kind[own].tolist(), np.abs(m.elevation[own]).tolist(), strict=True)
             jobs += [(folding, direction, kind, v) for kind, v in pairs]
     return jobs

@@ -48,14 +48,11 @@ def test_minima_agree_with_50_digits(degree, elevation):
     rng = np.random.default_rng(0)
     with mp.workdps(50):
         for k in rng.choice(len(m), min(len(m), 8), replace=False).tolist():
-            direction = int(m.direction[k])
-            side = cone.SideEnergy.of(degree, direction, elevation)
-            row = int(
-                np.nonzero((side.valleys == m.valleys[k]) & (side.changes == m.changes[k]))[0][0]
-            )
-            args = (degree, direction, side.weights[row].tolist(), int(m.valleys[k]), ratio)
+            own = m.branches[k]
+            weights = own.odd_creases.tolist()
+            args = (degree, int(own.direction), weights, int(own.valleys), ratio)
             s = abs(m.elevation[k])
-            if not m.interior[k]:
+            if m.kind[k] != "interior":
                 value = -slope_mp(*args, mp.mpf(elevation), mp.mpf(float(s)))
                 assert float(value) == pytest.approx(m.multiplier[k], rel=1e-12)
             else:
@@ -73,32 +70,30 @@ def test_slopes_are_the_sum_over_creases():
     for degree in (6, 8, 10):
         s = rng.uniform(0.01, cone.Cone(degree).steep_end - 0.01, 5)
         for rest in ("waterbomb", "paper"):
-            for direction in (1, -1):
-                side = cone.SideEnergy.of(cone.Cone(degree, rest), direction, -0.3)
-                odd, even = side.at(s).slopes
-                free = np.where(np.arange(degree) % 2 == 0, side.rest.odd, side.rest.even)
-                for flaps, d in brute.branches(degree):
-                    if d != direction:
-                        continue
-                    row = cone.assignment_classes(degree).index(flaps)
-                    angles = brute.cone_fold_angles(degree, d * s, flaps)
-                    terms = (angles.value - free) * d * angles.first
-                    np.testing.assert_allclose(odd[row], terms[:, ::2].sum(axis=1), rtol=1e-11)
-                    np.testing.assert_allclose(even[row], terms[:, 1::2].sum(axis=1), rtol=1e-11)
+            every = cone.Branches.of(cone.Cone(degree, rest))
+            at_rest = every.cone.at_rest(-0.3)
+            free = np.where(np.arange(degree) % 2 == 0, at_rest.odd, at_rest.even)
+            for row in range(len(every)):
+
+                def at(x, row=row, every=every, at_rest=at_rest):
+                    return cone.BranchEnergy(every[[row]], at_rest, s=x)
+
                 h = 1e-5
-                for value, derivative in (
-                    ("energies", "slopes"),
-                    ("slopes", "curvatures"),
-                ):
+                for value, derivative in (("energies", "slopes"), ("slopes", "curvatures")):
                     for kind in (0, 1):
-                        above, below, slope = (
-                            getattr(side.at(x), name)[kind]
-                            for x, name in ((s + h, value), (s - h, value), (s, derivative))
-                        )
+                        above, below = (getattr(at(x), value)[kind] for x in (s + h, s - h))
+                        slope = getattr(at(s), derivative)[kind]
                         step = (above - below) / (2 * h)
                         np.testing.assert_allclose(slope, step, rtol=1e-6, atol=1e-6)
-                wells, energies, flat = side.at(s).wells, side.at(s).energies, side.at(s).flat
+                wells, energies, flat = at(s).wells, at(s).energies, at(s).flat
                 for kind in (0, 1):
                     np.testing.assert_allclose(
                         wells[kind], flat[kind] - energies[kind], rtol=1e-9, atol=1e-11
                     )
+            for flaps, d in brute.branches(degree):
+                mask = every.of_class(*cone.class_of(flaps), d)
+                odd, even = cone.BranchEnergy(every[mask], at_rest, s=s).slopes
+                angles = brute.cone_fold_angles(degree, d * s, flaps)
+                terms = (angles.value - free) * d * angles.first
+                np.testing.assert_allclose(odd, terms[:, ::2].sum(axis=1), rtol=1e-11)
+                np.testing.assert_allclose(even, terms[:, 1::2].sum(axis=1), rtol=1e-11)

@@ -7,7 +7,7 @@ import pytest
 
 from origami_nlp.folding import check_admissible
 from origami_nlp.paper import cone
-from origami_nlp.paper.cone.branches import cone_sheet
+from origami_nlp.pattern import Vertex
 from tests.independent import cone_branches as brute
 
 
@@ -41,7 +41,7 @@ def maps(degree, end, size=200):
 def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, share):
     """The table of docs/validation/cones.md: 200 x 200 points, r from 0.01 to 100."""
     plane = maps(degree, end)
-    half = plane.branches // 2
+    half = plane.cone.branches // 2
     assert set(np.unique(plane.total).tolist()) == {half, more or half}
     assert (plane.total != half).mean() == pytest.approx(share, abs=5e-5)
 
@@ -80,7 +80,7 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
             continue
         for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):
             reported = check_admissible(
-                cone_sheet(degree).vertex, further.fold_angles(direction * v)
+                Vertex((2 * math.pi / degree,) * degree), further.fold_angles(direction * v)
             )
             assert reported.admissible, reported.reason
             assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3

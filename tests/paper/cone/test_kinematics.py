@@ -11,8 +11,12 @@ from hypothesis import given, settings, strategies as st
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import cone
-from origami_nlp.paper.cone.branches import cone_sheet
+from origami_nlp.pattern import Vertex
 from tests.command_line import run
+
+
+def sheet(degree):
+    return Vertex((2 * math.pi / degree,) * degree)
 
 
 def words(flaps):
@@ -30,10 +34,10 @@ def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
     branch = cone.ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
     share = data.draw(st.floats(0.01, 0.999))
     phi = branch.fold_angles(direction * share * branch.end)
-    state = check_admissible(cone_sheet(branch.degree).vertex, phi)
+    state = check_admissible(sheet(branch.degree), phi)
     assert state.admissible, state.reason
     assert state.closure_residual < 1e-13
-    creases, _ = fold_vertex(cone_sheet(branch.degree).vertex, phi)
+    creases, _ = fold_vertex(sheet(branch.degree), phi)
     odd = creases[::2]
     axis = np.cross(odd[1] - odd[0], odd[2] - odd[0])
     heights = odd @ (axis / np.linalg.norm(axis))  # all odd creases at the same elevation
@@ -50,8 +54,8 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
         branch = cone.ConeBranch(folding.flaps, direction, "contact")
         before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
         after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
-        assert check_admissible(cone_sheet(branch.degree).vertex, before).admissible
-        assert not check_admissible(cone_sheet(branch.degree).vertex, after).admissible
+        assert check_admissible(sheet(branch.degree), before).admissible
+        assert not check_admissible(sheet(branch.degree), after).admissible
 
 
 def test_past_the_end_it_says_so():
@@ -78,11 +82,9 @@ def test_classes_and_their_multiplicities_are_those_of_all_words(degree):
     found = {}
     for word in words(degree // 2):
         found[cone.class_of(word)] = found.get(cone.class_of(word), 0) + 1
-    classes = cone.assignment_classes(degree)
-    keys = zip(classes.valleys.tolist(), classes.changes.tolist(), strict=True)
-    assert dict(zip(keys, classes.multiplicity, strict=True)) == found
-    both = [(c.valleys, c.changes, c.multiplicity) for c in cone.energy_classes(degree)]
-    assert sorted(both) == sorted(2 * [(*key, many) for key, many in found.items()])
+    every = cone.Branches.of(degree)
+    pairs = zip(every.valleys.tolist(), every.changes.tolist(), every.multiplicity, strict=True)
+    assert sorted(pairs) == sorted(2 * [(*key, many) for key, many in found.items()])
 
 
 def orbits(degree, mirrored):
@@ -136,25 +138,9 @@ def test_assignments_are_read_and_written():
     for bad in ("VXM", "VM", "", "V0MM", "2VM", "V99999999M"):
         with pytest.raises(OptionError):
             cone.parse_flaps(bad)
-    with pytest.raises(OptionError, match="has 3 flaps, a cone of degree 8 has 4"):
-        cone.parse_flaps("VVM", 8)
 
 
 # ---------------------------------------------------------------- command line, drawings
-
-
-def test_branch_gives_fold_angles_in_degrees():
-    asked = ("paper", "cone", "branch", "--flaps", "VVM")
-    out = run(*asked, "--elevation", "-pi/9", "-o", "-")
-    assert out.code == 0
-    data = json.loads(out.out)
-    assert (data["direction"], data["symmetry"], data["end_rule"]) == ("down", "D1", "contract")
-    np.testing.assert_allclose(np.radians(data["edges_foldAngle"]), data["fold_angles"])
-    assert data["edges_assignment"][1::2] == ["M", "M", "V"]
-    assert data["edges_foldAngle"][1] == pytest.approx(-40, rel=1e-14)
-    assert run(*asked, "--elevation", 0.2).code == 0
-    with pytest.raises(AngleError, match="past the end"):
-        cone.FoldedCone(cone.ConeBranch((1, 1, -1), 1), 0.6)
 
 
 def test_foldings_are_listed(tmp_path):

@@ -16,8 +16,9 @@ SLOW = pytest.mark.slow
 def counts_of(branches, ratio, nu, depth):
     """Minima of one class: (inside, at its end)."""
     found = cone.count(branches.cone, ratio, nu, depth=depth).minima
-    own = found.of_class(branches.valleys, branches.changes, branches.direction)
-    return int((own & found.interior).sum()), int((own & ~found.interior).sum())
+    own = found.branches.of_class(branches.valleys, branches.changes, branches.direction)
+    inside = found.kind == "interior"
+    return int((own & inside).sum()), int((own & ~inside).sum())
 
 
 def sample(curve, many, rng):
@@ -65,9 +66,3 @@ def test_command_writes_map_and_boundaries(tmp_path):
         assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
     assert np.array(reported["interior"]).shape == (6, 6)
     assert files["png"].stat().st_size > 10_000
-
-
-def test_diagram_counts_only_inside_when_asked():
-    both, inside = (cone.phase_diagram(6, size=5, contact=c) for c in (True, False))
-    assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
-    assert (inside.minima == both.map.interior).all() and (inside.minima < both.minima).any()
