@@ -99,8 +99,6 @@ from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,
     dead_loads as dead_loads,
-    flat_points as flat_points,
-    followed as followed,
 )
 from .mesh import from_mesh as from_mesh
 from .pattern_file import (
