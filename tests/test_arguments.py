@@ -99,7 +99,6 @@ CASES = [
     case(o.Vertex, "sector_angles", LISTS),
     case(o.Vertex, "flat", FLAGS, sector_angles=("pi/2",) * 4),
     case(o.Vertex.from_degrees, "sector_angles", LISTS),
-    case(o.Vertex.from_directions, "directions", LISTS),
     case(o.Scene, "vertex", SCENES, **SPRINGS),
     case(o.Scene, "stiffness", (*LISTS, [10**400] * N), "vertex", rest_angles=(0,) * N),
     case(o.Scene, "rest_angles", LISTS, "vertex", stiffness=(1,) * N),

@@ -49,7 +49,6 @@ from .fold_scene import (
     scene_at as scene_at,
     vertex_scene as vertex_scene,
 )
-from .fold_source import is_drawing as is_drawing
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
 from .hinge_fit import (
     LawFit as LawFit,

@@ -1,4 +1,4 @@
-"""One crease pattern from format to format: FOLD, SVG, .cp, .opx, DXF."""
+"""One crease pattern from format to format: FOLD, SVG, .cp, DXF."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def convert(
     Parameters
     ----------
     source
-        FOLD, SVG, .cp, .opx or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
+        FOLD, SVG, .cp or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
     out
         The ending says which format is written.
     frame

@@ -15,7 +15,7 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
 from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.example_vertices import (
-    between,
+    acute,
     bird_base as bird_base,
     miura as miura,
     positive,
@@ -79,7 +79,7 @@ def degree6(
     >>> examples.degree6("pi/3", ratio=100).label
     'degree 6, alpha_1 = pi/3, r_k = 100'
     """
-    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
+    a, ratio = acute(alpha), positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
     rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSURE_TOL else (v, v, m, v, m, v)
@@ -128,7 +128,7 @@ def degree8(
     >>> examples.degree8("pi/6").group.name
     'D2'
     """
-    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
+    a, ratio = acute(alpha), positive(ratio)
     b = math.pi / 2 - a
     rest = (-math.pi / 2, math.pi / 2) * 4
     title = f"degree 8, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"

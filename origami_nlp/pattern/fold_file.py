@@ -18,18 +18,25 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.drawings import ERROR_KEY, DrawingOptions
+from origami_nlp.drawings import (
+    ERROR_KEY,
+    DrawingOptions,
+    drawing_kind,
+    drawing_to_fold,
+    read_drawing,
+)
 from origami_nlp.errors import FoldFileError
-from origami_nlp.io import printable, read_limited
+from origami_nlp.io import parse_json, printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
-from origami_nlp.pattern.fold_source import STDIN, check_total, decode_source
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled, read_lattice
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
+MOST_ELEMENTS = 2_000_000
+"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY, LIMITS_KEY = "edges_origaminlp:restAngle", "edges_origaminlp:limits"
 PRELOAD_KEY = "edges_origaminlp:preload"
@@ -147,7 +154,7 @@ def read_fold(
     frame: int | Literal["first"] | None = None,
     drawing: DrawingOptions | None = None,
 ) -> tuple[Frame, ...]:
-    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, .opx, DXF).
+    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, DXF).
 
     Parameters
     ----------
@@ -171,7 +178,7 @@ def read_fold(
         If `source` is no path.
     """
     text = read_limited(source, LARGEST, "FOLD", FoldFileError)
-    name = STDIN if str(source) == "-" else str(source)
+    name = "standard input" if str(source) == "-" else str(source)
     return parse_fold(text, frame, source=name, drawing=drawing)
 
 
@@ -187,7 +194,7 @@ def parse_fold(
     Parameters
     ----------
     text
-        JSON, or what an SVG, .cp, .opx or DXF file holds.
+        JSON, or what an SVG, .cp or DXF file holds.
     frame
         As for `read_fold`.
     source
@@ -218,13 +225,24 @@ def parse_fold(
     """
 
     name = f"FOLD file {source!r}" if source else "FOLD file"
-    found = decode_source(text, source, drawing)
-    data = found.data
-    raw = [data, *_list(data.get("file_frames", []), "file_frames")]
-    for number, one in enumerate(raw):
+    raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    kind, said, y_down = drawing_kind(source, raw), (), False
+    if kind is not None:
+        made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
+        data, said, y_down = drawing_to_fold(made), made.notes, made.y_down
+    elif drawing is not None:
+        raise FoldFileError(f"{source!r} is a FOLD file: the options of drawings are not for it")
+    elif raw.lstrip().startswith(b"<"):
+        raise FoldFileError(f"{name} is XML: save it as .fold, .svg, .cp or .dxf")
+    else:
+        data = parse_json(text, name, FoldFileError)
+    if not isinstance(data, Mapping):
+        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
+    each = [data, *_list(data.get("file_frames", []), "file_frames")]
+    for number, one in enumerate(each):
         if not isinstance(one, Mapping):
             raise FoldFileError(f"file_frames[{number - 1}] must be an object")
-    full = _inherited(raw)
+    full = _inherited(each)
     there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
     if not there:
         held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
@@ -239,11 +257,10 @@ def parse_fold(
             raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
     else:
         wanted = there
-        check_total([full[number] for number in there])
+        _check_total([full[number] for number in there])
     frames = [_frame(full[number], number) for number in wanted]
     frames = [
-        replace(one, source=source, notes=(*found.notes, *one.notes), y_down=found.y_down)
-        for one in frames
+        replace(one, source=source, notes=(*said, *one.notes), y_down=y_down) for one in frames
     ]
     if frame == "first" and len(there) > 1:
         others = (
@@ -251,6 +268,17 @@ def parse_fold(
         )
         frames = [replace(one, notes=(*one.notes, others)) for one in frames]
     return tuple(frames)
+
+
+def _check_total(frames: list[dict[str, Any]]) -> None:
+    """Refuse frames that inherit so much that a small file becomes a day of work."""
+    keys = ("vertices_coords", "edges_vertices")
+    total = sum(len(one[k]) for one in frames for k in keys if isinstance(one.get(k), list))
+    if len(frames) > 1 and total > MOST_ELEMENTS:
+        raise FoldFileError(
+            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
+            f"{MOST_ELEMENTS}: choose one with --frame"
+        )
 
 
 def frame_of(data: Mapping[str, Any]) -> Frame:
