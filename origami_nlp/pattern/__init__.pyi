@@ -20,6 +20,7 @@ from .crease_pattern import (
     make_vertex as make_vertex,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
+from .fold_faces import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_file import (
     FIXED_KEY as FIXED_KEY,
     LARGEST as LARGEST,
@@ -43,7 +44,6 @@ from .fold_limits import (
     thick_limits as thick_limits,
 )
 from .fold_notes import listed as listed
-from .fold_rings import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     scene_at as scene_at,

@@ -16,10 +16,11 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OrigamiError
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NONZERO, PLACES
+from origami_nlp.pattern.fold_faces import face_walks, oriented
 from origami_nlp.pattern.fold_file import FOLDS, Frame
-from origami_nlp.pattern.fold_notes import NOISE
-from origami_nlp.pattern.fold_rings import Rings
+from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_springs import stated_sign
+from origami_nlp.pattern.polygons import fold_between, rings, sides_of
 from origami_nlp.pattern.vertex import Vertex
 
 APART = math.radians(1.0)
@@ -118,14 +119,53 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
 
 
 def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
-    ring = Rings(frame, turned)
-    found = []
-    for v in range(len(frame.coords)):
-        if v in ring.interior:
-            vertex = _analyse(frame, v, *ring.around(v), ring.edge[v])
-            if vertex is not None:
-                found.append(vertex)
-    return tuple(found), ring.notes
+    """Measure the vertices with faces all around, by the faces of a folded form or by azimuth."""
+    faces, against = face_walks(frame), 0
+    if frame.folded:
+        faces, against = oriented([f[::-1] if turned else f for f in frame.faces])
+    notes = [f"{against} faces were turned over to orient all alike"] if against else []
+    sides, edges_at = sides_of(faces), dict[int, list[int]]()
+    for e, pair in enumerate(frame.edges.tolist()):
+        for v in pair:
+            edges_at.setdefault(v, []).append(e)
+    if missing := sides.keys() - frame.edge_of.keys():
+        notes.append(f"{len(missing)} sides of faces are no edges of the file")
+    directed = [(f[i - 1], v) for f in faces for i, v in enumerate(f)]
+    if len(set(directed)) < len(directed):
+        notes.append("some faces overlap at a vertex or cannot be oriented alike")
+    border = {e for s, e in frame.edge_of.items() if len(sides.get(s, ())) < 2}
+    cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
+    outside = {v for e in border | cut for v in frame.edges[e].tolist()}
+    open_ends = "" if frame.folded else _open_ends(frame, edges_at, border, cut)
+    if open_ends:
+        notes.append(open_ends)
+    elif drawn := sorted(frame.numbers[[*(border - cut)]].tolist()):
+        notes.append(
+            f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
+        )
+    closed = {ring[0][0]: [w for _, w in ring] for ring in rings(faces)}
+    touched = {v for face in faces for v in face}
+    found = [
+        _analyse(frame, v, edges_at[v], closed.get(v))
+        for v in sorted(edges_at.keys() - outside)
+        if v in touched
+    ]
+    return tuple(v for v in found if v is not None), tuple(notes)
+
+
+def _open_ends(frame: Frame, at: dict[int, list[int]], border: set[int], cut: set[int]) -> str:
+    """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
+    outer, known = ({v for e in edges for v in frame.edges[e].tolist()} for edges in (border, cut))
+    ends = sorted(v for v in outer if len(at[v]) == 1)
+    lost = sorted(
+        v for v in outer - known if sum(frame.assignment[e] in FOLDS + "?" for e in at[v]) >= 3
+    )
+    if not (ends and lost):
+        return ""
+    return (
+        f"creases end in the open (vertices {listed(ends)}), so vertices {listed(lost)} do not count as "
+        'interior: add the outline of the paper, edges with assignment "B" that join the ends'
+    )
 
 
 def make_vertex(sectors: tuple[float, ...]) -> Vertex:
@@ -155,10 +195,13 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
 # ---------------------------------------------------------------- one vertex
 
 
-def _analyse(
-    frame: Frame, v: int, ring: list[int], broken: str, edge: dict[int, int]
-) -> FoldVertex | None:
-    """Measure the vertex whose neighbours `ring`, by edges `edge`, follow each other counter-clockwise."""
+def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -> FoldVertex | None:
+    """Measure the vertex whose neighbours follow each other counter-clockwise; None: its faces do not close up."""
+    broken = "" if closed else "the faces around it do not close up"
+    edge = {int(frame.edges[e].sum()) - v: e for e in edges}
+    ring = closed or sorted(edge)
+    first = ring.index(min(ring))
+    ring = ring[first:] + ring[:first]
     letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
     creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
     if not creases:
@@ -297,8 +340,7 @@ def _measured(
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), NONZERO)
     phi, unsure = [], False
     for k, e in zip(keep, at, strict=True):
-        before, after = unit[k - 1], unit[k]
-        angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
+        angle = fold_between(d[k], unit[k - 1], unit[k])
         if math.pi - abs(angle) < PLACES:
             sign = stated_sign(frame, e)
             unsure |= sign == 0.0

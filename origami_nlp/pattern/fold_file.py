@@ -12,6 +12,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
@@ -142,6 +143,11 @@ class Frame:
     error: float = 0.0
     lattice: np.ndarray | None = None
     rolled: tuple[int, int] | None = None
+
+    @cached_property
+    def edge_of(self) -> dict[tuple[int, int], int]:
+        """Position in `edges` of the edge between two vertices, in increasing order."""
+        return {(min(pair), max(pair)): e for e, pair in enumerate(self.edges.tolist())}
 
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""

@@ -17,9 +17,7 @@ from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
 from origami_nlp.pattern.crease_pattern import APART
-from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
-from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_rings import (
+from origami_nlp.pattern.fold_faces import (
     Oddity,
     check_drawing,
     check_sides,
@@ -27,13 +25,15 @@ from origami_nlp.pattern.fold_rings import (
     face_walks,
     oriented,
 )
+from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
+from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_springs import (
     check_fold_springs,
     fold_springs,
     spring_notes,
     stated_sign,
 )
-from origami_nlp.pattern.polygons import Side, area, side, sides_of
+from origami_nlp.pattern.polygons import Side, area, fold_between, side, sides_of
 from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
@@ -201,7 +201,7 @@ class _Sheet:
                 f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
                 "fold angles: keep one"
             )
-        self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
+        self.number = frame.edge_of
         self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
         for one in face_oddities(frame, self.polygons):
@@ -388,8 +388,7 @@ class _Sheet:
             if ends in joined or ends not in left or ends[::-1] not in left:
                 continue
             a, b = normals[left[ends[::-1]]], normals[left[ends]]
-            d = x[ends[1]] - x[ends[0]]
-            angle = math.atan2(float(d @ np.cross(a, b)) / float(np.linalg.norm(d)), float(a @ b))
+            angle = fold_between(x[ends[1]] - x[ends[0]], a, b)
             sign = stated_sign(frame, e)
             if math.pi - abs(angle) < PLACES:
                 # facets of a valley lie on the sides of each other's normals

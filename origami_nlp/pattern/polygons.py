@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 
@@ -49,3 +50,9 @@ def area(xy: np.ndarray) -> float:
     x = xy - xy[0]
     y = np.roll(x, -1, axis=0)
     return 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())
+
+
+def fold_between(axis: np.ndarray, before: np.ndarray, after: np.ndarray) -> float:
+    """Return the fold angle [rad] between facets by their unit normals, about an axis, valley positive."""
+    along = float(axis @ np.cross(before, after)) / float(np.linalg.norm(axis))
+    return math.atan2(along, float(before @ after))
