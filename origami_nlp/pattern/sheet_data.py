@@ -7,7 +7,7 @@ are for exchange (`pattern_states.pattern_to_fold`).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -43,6 +43,7 @@ class _Stated:
     rolled: tuple[int, int] | None = None
     law: tuple[int | None, ...] = ()
     laws: tuple[dict[str, Any], ...] = ()
+    source: str = ""
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -83,13 +84,12 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
         limits=p.limits,
         lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
         rolled=p.cell.rolled if p.cell else None,
+        source=p.source,
         **dict(zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)),
     )
     data: dict[str, Any] = to_plain(stated)
-    for key in ("limits", "lattice", "rolled", "law", "laws"):
-        if not data[key]:
-            del data[key]
-    return data
+    seldom = ("limits", "lattice", "rolled", "law", "laws", "source")
+    return {key: value for key, value in data.items() if value or key not in seldom}
 
 
 def pattern_from_dict(data: Any) -> Pattern:
@@ -142,4 +142,4 @@ def pattern_from_dict(data: Any) -> Pattern:
         raise FoldFileError(f"pattern is not whole: {error}") from None
     if tuple(map(tuple, made.ends.tolist())) != said.creases:
         raise FoldFileError("pattern: its creases are not those of its polygons")
-    return made
+    return replace(made, source=said.source)
