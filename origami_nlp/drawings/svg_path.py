@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
-import re
 from collections.abc import Callable
+from contextlib import suppress
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_COMMAND = re.compile(r"([MLHVCSQTAZ])([^MLHVCSQTAZ]*)", re.I)
-_ARC = re.compile(r"[\s,]*".join([*[f"({NUMBER})"] * 3, "([01])", "([01])", *[f"({NUMBER})"] * 2]))
-TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 STRAIGHT = 1e-6
 """Share of its chord by which the handles of a straight curve may be off it: drawing programs write lines so."""
 
-Chain = list[tuple[float, float]]
+Point = tuple[float, float]
+Chain = list[Point]
 
 
 def path_chains(d: str, chords: int) -> tuple[list[Chain], int]:
@@ -41,69 +38,60 @@ def path_chains(d: str, chords: int) -> tuple[list[Chain], int]:
     >>> path_chains("M0 0 Q1 1 2 0", 2)
     ([[(0.0, 0.0), (1.0, 0.5), (2.0, 0.0)]], 1)
     """
-    chains: list[list[complex]] = []
-    here = start = handle = 0j
-    before, curves = "", 0
-    for command, text in _COMMAND.findall(d):
-        kind = command.upper()
-        base = command.islower()
-        if kind == "A":
-            rows = [[float(w) for w in m.groups()] for m in _ARC.finditer(text)]
+    from fontTools.svgLib.path.parser import parse_path
+
+    pen = _Pen(chords)
+    with suppress(ValueError, IndexError, TypeError):
+        parse_path(d, pen)
+    return [[(z.real, z.imag) for z in chain] for chain in pen.chains if len(chain) > 1], pen.curves
+
+
+class _Pen:
+    """What the parser of fontTools draws with."""
+
+    def __init__(self, chords: int) -> None:
+        self.chords, self.curves = chords, 0
+        self.chains: list[list[complex]] = []
+
+    def moveTo(self, to: Point) -> None:
+        self.chains.append([complex(*to)])
+
+    def closePath(self) -> None:
+        self.chains.append([self._here])  # what follows begins where the outline did
+
+    def endPath(self) -> None:
+        pass
+
+    def lineTo(self, to: Point) -> None:
+        self.chains[-1].append(complex(*to))
+
+    @property
+    def _here(self) -> complex:
+        return self.chains[-1][-1]
+
+    def curveTo(self, *points: Point) -> None:
+        *handles, to = (complex(*p) for p in points)
+        straight = _is_straight(self._here, handles, to)
+        self._draw(None if straight else _bezier([self._here, *handles, to]), to)
+
+    qCurveTo = curveTo
+
+    def arcTo(
+        self, rx: float, ry: float, turn: float, large: bool, sweep: bool, end: Point
+    ) -> None:
+        here, to = self._here, complex(*end)
+        curved = bool(rx and ry and to != here)
+        radii = abs(rx), abs(ry), math.radians(turn)
+        self._draw(_arc(here, *radii, bool(large), bool(sweep), to) if curved else None, to)
+
+    def _draw(self, curve: Callable[[float], complex] | None, to: complex) -> None:
+        self.curves += curve is not None
+        if curve is None:
+            self.chains[-1].append(to)
+        elif self.chords:
+            self.chains[-1] += [curve(i / self.chords) for i in range(1, self.chords)] + [to]
         else:
-            numbers = [float(w) for w in re.findall(NUMBER, text)]
-            many = TAKES[kind]
-            rows = (
-                [numbers[i : i + many] for i in range(0, len(numbers) - many + 1, many)]
-                if many
-                else [[]]
-            )
-        for k, row in enumerate(rows):
-            origin = here if base else 0j
-            if kind == "Z":
-                if chains and here != start:
-                    chains[-1].append(start)
-                here = handle = start
-                before = "Z"
-                continue
-            if kind == "H":
-                to = complex(row[0] + origin.real, here.imag)
-            elif kind == "V":
-                to = complex(here.real, row[0] + origin.imag)
-            else:
-                to = complex(row[-2], row[-1]) + origin
-            if kind == "M" and k == 0:
-                chains.append([to])
-                start = here = handle = to
-                before = "M"
-                continue
-            if not chains:
-                return [], curves
-            if before == "Z":
-                chains.append([start])
-            smooth = 2 * here - handle
-            curve: Callable[[float], complex] | None = None
-            handle = to
-            if kind in "CSQT":
-                given = [complex(*row[i : i + 2]) + origin for i in range(0, len(row) - 2, 2)]
-                if kind == "S":
-                    given = [smooth if before in "CS" else here, *given]
-                elif kind == "T":
-                    given = [smooth if before in "QT" else here]
-                handle = given[-1]
-                if not _is_straight(here, given, to):
-                    curve = _bezier([here, *given, to])
-            elif kind == "A" and row[0] and row[1] and to != here:
-                turn, large, sweep = math.radians(row[2]), bool(row[3]), bool(row[4])
-                curve = _arc(here, abs(row[0]), abs(row[1]), turn, large, sweep, to)
-            curves += curve is not None
-            if curve is None:
-                chains[-1].append(to)
-            elif chords:
-                chains[-1] += [curve(i / chords) for i in range(1, chords)] + [to]
-            else:
-                chains.append([to])
-            here, before = to, kind
-    return [[(z.real, z.imag) for z in chain] for chain in chains if len(chain) > 1], curves
+            self.chains.append([to])
 
 
 def _is_straight(here: complex, handles: list[complex], to: complex) -> bool:
