@@ -183,7 +183,7 @@ CHECKED_FRAME = _option("N", "Frame that is checked, from 0 (default: all).", "-
 TOLERANCE = _option("SHARE", "By how much places are off, of the sheet (default: their digits).")
 ORDERS = _flag("Count the layer orders of one ORIGAMI; -o FILE.fold lists them.", "--orders")
 COLOUR = _option("KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, or - for nothing.")
-CURVES = _option("refuse|leave|N", "Leave curves out, or take N chords for each.", usual="refuse")
+CURVES = _option("refuse|leave", "Leave curves out.", usual="refuse")
 PART = _option("K", "One of several sheets, from 1, the largest first.")
 SCALE = _option("MM", "Millimetres for one unit of the file.")
 LONGEST = _option("MM", "Millimetres of the longest side.", "--longest")

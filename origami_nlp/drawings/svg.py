@@ -145,8 +145,7 @@ def _chains(element: Element, found: LineList) -> tuple[list[list[tuple[float, f
     """Return the chains of points of a shape, and how many curves it has."""
     name = found.name
     if element.tag == "path":
-        chords = found.options.curves
-        return path_chains(element.get("d", ""), chords if isinstance(chords, int) else 0)
+        return path_chains(element.get("d", ""))
     if element.tag == "line":
         x1, y1, x2, y2 = (_length(element, key, name) for key in ("x1", "y1", "x2", "y2"))
         return [[(x1, y1), (x2, y2)]], 0
