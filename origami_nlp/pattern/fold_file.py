@@ -30,7 +30,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.io import parse_json, printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import edge_limits
-from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
+from origami_nlp.pattern.fold_notes import compare_signs, flattened, note_small, once
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled, read_lattice
 
@@ -327,14 +327,9 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
     notes: list[str] = []
-    legacy = []
     for old, new in _LEGACY.items():
-        if old in data and new in data:
-            notes.append(f"{old}: left out, since {new} is given too")
-        elif old in data:
-            data[new] = data[old]
-            legacy.append(old)
-            notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
+        if old in data:
+            raise FoldFileError(f"{old} is of FOLD 1.0: name it {new}, fold angles in degrees")
     coords, wide = _coords(data["vertices_coords"])
     error = check_number(ERROR_KEY, data.get(ERROR_KEY) or 0.0, error=FoldFileError)
     n = len(coords)
@@ -343,8 +338,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
     angles, rest, stiffness, preload = (_edge_numbers(data, key, m) for key in _EDGE_NUMBERS)
-    if not in_radians(angles, "edges_foldAngles" in legacy, notes):
-        angles = np.radians(angles)
+    note_small(angles, notes)
+    angles = np.radians(angles)
     keep, conflicts = once(pairs, letters, angles, notes)
     place = {int(e): k for k, e in enumerate(keep)}
     compare_signs(letters, angles, notes)
