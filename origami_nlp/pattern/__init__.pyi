@@ -49,6 +49,7 @@ from .fold_scene import (
     scene_at as scene_at,
     vertex_scene as vertex_scene,
 )
+from .fold_springs import FoldSprings as FoldSprings
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
 from .hinge_fit import (
     LawFit as LawFit,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
-from origami_nlp.pattern.fold_springs import check_fold_springs, fold_springs, spring_notes
+from origami_nlp.pattern.fold_springs import FoldSprings
 from origami_nlp.pattern.scene import Contact, Scene
 
 
@@ -77,9 +76,7 @@ def scene_at(
     *,
     symmetry: str = "auto",
     contact: Contact = "full",
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
+    **springs: Any,
 ) -> Scene:
     """Make a scene of one interior vertex of a frame.
 
@@ -91,15 +88,8 @@ def scene_at(
         Of the vertex, from 0, as in the file; or the vertex, one of `fold_vertices`.
     symmetry, contact
         As for `Scene`.
-    stiffness
-        Of creases for which the file gives none [N m/rad].
-    rest_angle
-        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
-        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
-    rest_from
-        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
-        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
-        file has none.
+    springs
+        Of creases for which the file states none: `FoldSprings`, stiffness, rest_angle, rest_from.
 
     Returns
     -------
@@ -115,12 +105,12 @@ def scene_at(
     """
     check_type("frame", frame, Frame)
     v = number if isinstance(number, FoldVertex) else _vertex_at(frame, number)
-    check_fold_springs(frame, stiffness, rest_angle, rest_from)
+    asked = FoldSprings(**springs)
+    asked.check(frame)
     if v.reason:
         raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
     at = np.searchsorted(frame.numbers, v.edges)
-    measured = np.array(v.fold_angles)
-    k, rest = fold_springs(frame, at, measured, stiffness, rest_angle, rest_from)
+    k, rest = asked.of(frame, at, np.array(v.fold_angles))
     if frame.loads and len(fold_vertices(frame)[0]) > 1:
         raise FoldFileError(
             f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
@@ -183,7 +173,7 @@ def vertex_scene(
     scene = scene_at(frame, here, **options)
     own = {k: o for k, o in options.items() if k in ("stiffness", "rest_angle", "rest_from")}
     at = np.searchsorted(frame.numbers, here.edges)
-    said = spring_notes(frame, at, np.array(here.fold_angles), **own)
+    said = FoldSprings(**own).notes(frame, at, np.array(here.fold_angles))
     of_vertex = (f"vertex {vertex}: {note}" for note in here.notes)
     for note in (*frame.notes, *notes, *of_vertex, *said):
         on_note(note)

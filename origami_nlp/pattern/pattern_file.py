@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -27,12 +27,7 @@ from origami_nlp.pattern.fold_faces import (
 )
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_springs import (
-    check_fold_springs,
-    fold_springs,
-    spring_notes,
-    stated_sign,
-)
+from origami_nlp.pattern.fold_springs import FoldSprings, stated_sign
 from origami_nlp.pattern.polygons import Side, area, fold_between, side, sides_of
 from origami_nlp.pattern.sheet import Pattern
 
@@ -42,13 +37,7 @@ FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 
 def read_pattern(
-    source: str | Path,
-    *,
-    frame: int | None = None,
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
-    snap: float | None = None,
+    source: str | Path, *, frame: int | None = None, snap: float | None = None, **springs: Any
 ) -> Pattern:
     """Read a FOLD file as a pattern of rigid facets.
 
@@ -58,9 +47,7 @@ def read_pattern(
         FOLD file, or ``"-"`` for standard input.
     frame
         Which, from 0; by default the first with geometry.
-    stiffness, rest_angle, rest_from
-        Of creases for which the file states none, as for `frame_pattern`.
-    snap
+    snap, springs
         As for `frame_pattern`.
 
     Returns
@@ -83,19 +70,10 @@ def read_pattern(
     Pattern('Miura, alpha = pi/3': 16 facets, 24 creases, 9 interior vertices)
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return frame_pattern(
-        chosen, stiffness=stiffness, rest_angle=rest_angle, rest_from=rest_from, snap=snap
-    )
+    return frame_pattern(chosen, snap=snap, **springs)
 
 
-def frame_pattern(
-    frame: Frame,
-    *,
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
-    snap: float | None = None,
-) -> Pattern:
+def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) -> Pattern:
     """Make a pattern of a frame.
 
     Facets are the faces that the frame states; those of a crease pattern that states none are walked round, and faces
@@ -106,17 +84,11 @@ def frame_pattern(
     ----------
     frame
         Of `read_fold`.
-    stiffness
-        Of creases for which the file gives none [N m/rad].
-    rest_angle
-        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
-        [rad]; others rest at 0.
-    rest_from
-        What a folded form rests at: ``"file"``, ``"measured"``, or of each crease the file's angle and the measured
-        one where the file has none.
     snap
         Share of the sheet by which corners of a drawing may be off: they are moved by at most that, and by as little
         as it takes, so that what holds within it holds exactly (equal sectors, creases in a line, Kawasaki).
+    springs
+        Of creases for which the file states none: `FoldSprings`, stiffness, rest_angle, rest_from.
 
     Returns
     -------
@@ -137,7 +109,8 @@ def frame_pattern(
     4
     """
     check_type("frame", frame, Frame)
-    check_fold_springs(frame, stiffness, rest_angle, rest_from)
+    asked = FoldSprings(**springs)
+    asked.check(frame)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
@@ -157,8 +130,8 @@ def frame_pattern(
     sheet.note_targets(measured)
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
-    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
-    sheet.notes += spring_notes(frame, at, found, stiffness, rest_angle, rest_from) if at else []
+    k, rest = asked.of(frame, at, found)
+    sheet.notes += asked.notes(frame, at, found) if at else []
 
     def of(values: Iterable[Any]) -> dict[Side, Any]:
         return dict(zip(creases, values, strict=True))
@@ -364,12 +337,10 @@ class _Sheet:
                 f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
             )
         used = {*self.edge.values(), *alone}
-        lost = [int(n) for e, n in enumerate(self.frame.numbers) if e not in used]
-        lost = [n for n in lost if self.frame.assignment[n_at(self.frame, n)] in "MV"]
-        if lost:
-            twins = coincident(self.frame, self.frame.edges[n_at(self.frame, lost[0])])
+        for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
+            twins = coincident(self.frame, self.frame.edges[e])
             raise FoldFileError(
-                f"edges_vertices[{lost[0]}] is a fold but the side of no face: "
+                f"edges_vertices[{self.frame.numbers[e]}] is a fold but the side of no face: "
                 + (twins or "give its faces in faces_vertices, or leave it out")
             )
 
@@ -454,8 +425,3 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
             yield Oddity(
                 f"{name} is not flat (by {off:.2g} of its size): split it along a crease", *at, off
             )
-
-
-def n_at(frame: Frame, number: int) -> int:
-    """Return where in the frame the edge is that has this number in the file."""
-    return int(np.searchsorted(frame.numbers, number))
