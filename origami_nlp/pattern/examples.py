@@ -6,7 +6,7 @@ import inspect
 import json
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from origami_nlp.arguments import check_whole, did_you_mean, shown
@@ -283,16 +283,10 @@ def by_name(name: str, **options: Any) -> Scene:
     >>> examples.by_name("birdbase") == examples.bird_base()
     True
     """
-    made = None if name in WITH_SPRINGS else _made(name, options)
-    if not isinstance(made, Scene):
+    if name in WITH_SPRINGS:
         raise OptionError(
             f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
         )
-    return made
-
-
-def _made(name: str, options: Mapping[str, Any]) -> Scene | Mapping[str, Any]:
-    """Make an example with options that it has."""
     make = maker(name)
     known = inspect.signature(make).parameters
     for option in options:
@@ -300,7 +294,7 @@ def _made(name: str, options: Mapping[str, Any]) -> Scene | Mapping[str, Any]:
             raise OptionError(
                 f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
             )
-    made: Scene | Mapping[str, Any] = make(**options)
+    made: Scene = make(**options)
     return made
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, OrigamiError, SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
 from origami_nlp.pattern.angles import parse_angles
+from origami_nlp.pattern.numbers_read import read_list
 
 Limits = tuple[tuple[float, float], ...]
 LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")
@@ -49,22 +50,15 @@ def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
     True
     """
     key, unit = ("limits_deg", "deg") if degrees else ("limits", "rad")
-    wrong = SceneError(
-        f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
-    )
-    if isinstance(given, str | bytes):
-        raise wrong
-    try:
-        items: list[Any] = list(given)  # type: ignore[call-overload]
-        rows: list[Any] = [r if isinstance(r, str | int | float) else list(r) for r in items]
-    except TypeError:
-        raise wrong from None
+    wrong = f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
+    items = read_list(given, wrong)
+    rows = [r if isinstance(r, str | int | float) else read_list(r, wrong) for r in items]
     if not rows:
         return ()
     if not any(isinstance(row, list) for row in rows):
         rows = [rows] * degree
     if len(rows) != degree or any(not isinstance(row, list) or len(row) != 2 for row in rows):
-        raise wrong
+        raise SceneError(wrong)
     out = []
     for i, row in enumerate(rows, start=1):
         low, high = parse_angles(row, f"{key}[{i}]", degrees=degrees)
@@ -227,10 +221,10 @@ def read_panels(given: object) -> tuple[float, float] | None:
     """
     if given is None:
         return None
-    if not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-        raise SceneError(f"panels = {shown(given)} must be thickness and taper [mm], both given")
-    thickness = check_number("panels, thickness [mm]", given[0], math.ulp(0.0), error=SceneError)
-    return thickness, check_number("panels, taper [mm]", given[1], 0.0, error=SceneError)
+    wrong = f"panels = {shown(given)} must be thickness and taper [mm], both given"
+    thick, taper = read_list(given, wrong, 2)
+    thickness = check_number("panels, thickness [mm]", thick, math.ulp(0.0), error=SceneError)
+    return thickness, check_number("panels, taper [mm]", taper, 0.0, error=SceneError)
 
 
 def thick_limits(limits: Limits, degree: int, panels: tuple[float, float] | None) -> Limits:

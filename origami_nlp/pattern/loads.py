@@ -16,6 +16,7 @@ import numpy as np
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import SceneError
 from origami_nlp.pattern.angles import format_angle, parse_angle
+from origami_nlp.pattern.numbers_read import read_list
 
 LARGEST_FORCE = 1e100
 """Force [N], torque [N m] and distance [m], in any unit: products of them must not overflow."""
@@ -147,13 +148,8 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
 
 
 def _entries(name: str, value: object, count: int) -> list[Any]:
-    if (
-        isinstance(value, str | bytes)
-        or not isinstance(value, Sequence | np.ndarray)
-        or len(value) != count
-    ):
-        raise SceneError(f"{name} = {shown(value)} of a load must be a list of {count} numbers")
-    return list(value)
+    wrong = f"{name} = {shown(value)} of a load must be a list of {count} numbers"
+    return read_list(value, wrong, count)
 
 
 def _number(name: str, value: object) -> float:

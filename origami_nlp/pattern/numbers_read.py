@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import SceneError
@@ -38,8 +39,7 @@ def check_range(stiffness: Sequence[float]) -> None:
 
 def read_rest_angles(values: object, degree: int) -> tuple[float, ...]:
     """Read rest angles [rad]; degrees and texts as `parse_angles`."""
-    rest = parse_angles(values, "rest_angles")
-    check_length(rest, "rest_angles", degree)
+    rest = check_length(parse_angles(values, "rest_angles"), "rest_angles", degree)
     for i, a in enumerate(rest, start=1):
         if abs(a) > math.pi * (1 + 4 * EPS):
             raise SceneError(
@@ -65,25 +65,30 @@ def read_preload(
     return preload if any(preload) else ()
 
 
-def check_length(values: Sequence[float], name: str, degree: int) -> None:
-    """Raise an error unless there is one value for each crease."""
+def check_length(values: tuple[float, ...], name: str, degree: int) -> tuple[float, ...]:
+    """Return values, of which there must be one for each crease."""
     if len(values) != degree:
         raise SceneError(
             f"{name} has {len(values)} entries, but the vertex has {degree} creases: give one each"
         )
+    return values
 
 
 def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
     """Read `degree` floats, or raise an error about field `name`."""
-    wrong = SceneError(f"{name} = {shown(values)} must be a list of numbers, one for each crease")
-    if isinstance(values, str | bytes):
-        raise wrong
-    try:
-        items = list(values)  # type: ignore[call-overload]
-    except TypeError:
-        raise wrong from None
-    numbers = tuple(
-        check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, start=1)
+    items = read_list(
+        values, f"{name} = {shown(values)} must be a list of numbers, one for each crease"
     )
-    check_length(numbers, name, degree)
-    return numbers
+    numbers = (check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, 1))
+    return check_length(tuple(numbers), name, degree)
+
+
+def read_list(values: object, wrong: str, count: int | None = None) -> list[Any]:
+    """Return the entries of a list, so many if a number is given, or raise an error."""
+    try:
+        items = None if isinstance(values, str | bytes) else list(values)  # type: ignore[call-overload]
+    except TypeError:
+        items = None
+    if items is None or len(items) != (len(items) if count is None else count):
+        raise SceneError(wrong)
+    return items
