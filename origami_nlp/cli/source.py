@@ -102,7 +102,7 @@ class Source:
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
-        from origami_nlp.pattern import decode_scene, vertex_scene
+        from origami_nlp.pattern import decode_scene, scene_at
 
         if not self.is_fold:
             states = "is for FOLD files (.fold); a scene file states it itself"
@@ -116,7 +116,7 @@ class Source:
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         kept = self._of("symmetry", "contact")
-        return vertex_scene(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
+        return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""

@@ -11,7 +11,6 @@ from .coercion import (
     as_origami as as_origami,
     as_pattern as as_pattern,
     as_scene as as_scene,
-    scene_pattern as scene_pattern,
 )
 from .converting import convert as convert, frame_drawing as frame_drawing
 from .crease_pattern import (
@@ -47,7 +46,6 @@ from .fold_notes import listed as listed
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     scene_at as scene_at,
-    vertex_scene as vertex_scene,
 )
 from .fold_springs import FoldSprings as FoldSprings
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data

@@ -1,4 +1,4 @@
-"""What is folded, however it is stated: itself, the name of an example, or a file; and a scene as a pattern."""
+"""What is folded, however it is stated: itself, the name of an example, or a file."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.errors import OptionError, SceneError
+from origami_nlp.errors import OptionError
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import frame_of
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.vertex import Vertex
 
 Stated = Scene | Pattern | Mapping[str, Any] | str | PathLike[str]
@@ -167,52 +167,3 @@ def as_pattern(
         return frame_pattern(frame_of(stated))
     check_type(name, stated, Pattern)
     return stated
-
-
-def scene_pattern(scene: Scene) -> Pattern:
-    """Make a pattern with one interior vertex of a scene.
-
-    Parameters
-    ----------
-    scene
-        A vertex that lies flat, with its springs; symmetry and contact are no part of a pattern.
-
-    Returns
-    -------
-    Pattern
-        Corner 0 is the vertex, corner i the end of crease i, at distance 1; creases in their order.
-
-    Raises
-    ------
-    SceneError
-        If the paper does not lie flat, or forces pull at it.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.pattern import scene_pattern
-    >>> scene_pattern(o.examples.waterbomb())
-    Pattern('waterbomb': 6 facets, 6 creases, 1 interior vertices)
-    """
-    check_type("scene", scene, Scene)
-    if not scene.vertex.flat:
-        raise SceneError(
-            "the vertex does not lie flat: write a folded state of it as FOLD, and read that"
-        )
-    if scene.loads or scene.preload:
-        raise SceneError("preload and loads of a scene are not part of a pattern: leave them out")
-    n, a = scene.degree, scene.vertex.azimuths
-    corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(a), np.sin(a)])])
-    triangles = [(0, i, i % n + 1) for i in range(1, n + 1)]
-    sides = [(0, i) for i in range(1, n + 1)]
-    rest = list(scene.rest_angles)
-    letters = ["M" if r < 0 else "V" if r > 0 else "U" for r in rest]
-    made = make_pattern(
-        corners,
-        triangles,
-        assignment=dict(zip(sides, letters, strict=True)),
-        numbers={s: i for i, s in enumerate(sides)},
-        name=scene.name or "",
-    ).with_springs(list(scene.stiffness), rest)
-    made = made.with_limits(scene.limits) if scene.limits else made
-    return made.with_laws(scene.laws) if scene.laws else made

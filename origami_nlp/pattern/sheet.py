@@ -8,7 +8,7 @@ open; a crease is directed, with one facet on its left and one on its right.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -31,7 +31,7 @@ from origami_nlp.pattern.hinges_stated import (
 )
 from origami_nlp.pattern.loops import Loop, Loops, check_topology
 from origami_nlp.pattern.numbers_read import check_range
-from origami_nlp.pattern.polygons import sides_of
+from origami_nlp.pattern.polygons import Side, sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""
@@ -391,17 +391,12 @@ def make_pattern(
     corners: np.ndarray,
     polygons: Sequence[Sequence[int]],
     *,
-    assignment: dict[tuple[int, int], str] | None = None,
-    joins: Sequence[tuple[int, int]] = (),
-    fold_angles: dict[tuple[int, int], float] | None = None,
-    numbers: dict[tuple[int, int], int] | None = None,
-    stiffness: dict[tuple[int, int], float] | float = 1.0,
-    rest: dict[tuple[int, int], float] | None = None,
-    file_angles: dict[tuple[int, int], float] | None = None,
-    limits: dict[tuple[int, int], tuple[float, float]] | None = None,
+    joins: Sequence[Side] = (),
+    limits: dict[Side, tuple[float, float]] | None = None,
     name: str = "",
     notes: Sequence[str] = (),
     orders: Sequence[tuple[int, int, int]] = (),
+    **of_sides: Any,
 ) -> Pattern:
     """Build a pattern from polygons that share sides.
 
@@ -411,14 +406,16 @@ def make_pattern(
         Points of the reference state, [V, 2] or [V, 3].
     polygons
         Corners of each, all counter-clockwise seen from one side.
-    assignment, fold_angles, numbers, stiffness, rest, file_angles, limits
-        Of sides, by their two corners in increasing order: letters, fold angles of the reference state [rad], numbers
-        in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad], fold limits [rad] (all or
-        none).
     joins
         Sides across which two polygons are one facet.
+    limits
+        Fold limits [rad] of all sides that are creases, or of none.
     name, notes, orders
         Of the pattern.
+    of_sides
+        By their two corners in increasing order: ``assignment`` (letters), ``fold_angles`` of the reference state
+        [rad], ``numbers`` in a file, ``stiffness`` [N m/rad] (or one for all), ``rest`` angles [rad], ``file_angles``
+        [rad].
 
     Returns
     -------
@@ -452,7 +449,7 @@ def make_pattern(
     facet_of = groups(len(polygons), whole)
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
     together = {tuple(sorted(s)) for s in joins}
-    order = numbers or {}
+    order = of_sides.get("numbers") or {}
     sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
     for a, b in sides:
         if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
@@ -462,36 +459,43 @@ def make_pattern(
             )
     index = {s: c for c, s in enumerate(sides)}
 
-    def of(values: dict[tuple[int, int], float] | None, default: float) -> np.ndarray:
-        return np.array([(values or {}).get(s, default) for s in sides], float)
-
-    ends = np.array(sides, int).reshape(-1, 2)
     loops = Loops(polygons, left_of, index)
     vertices, holes = loops.vertices(), loops.holes(corners)
     left = np.array([facet_of[left_of[s]] for s in sides], int)
     right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
     check_topology(facet_of, left, right, len(vertices) + len(holes))
-    k = stiffness if isinstance(stiffness, dict) else dict.fromkeys(sides, float(stiffness))
-    springs = of(k, 1.0)
+    arrays = of_creases(sides, of_sides)
     if sides:
-        check_range(springs.tolist())
+        check_range(arrays["stiffness"].tolist())
     return Pattern(
         corners,
         tuple(tuple(map(int, p)) for p in polygons),
         facet_of,
-        ends,
-        left,
-        right,
-        of(fold_angles, 0.0),
-        "".join((assignment or {}).get(s, "U") for s in sides),
-        springs,
-        of(rest, 0.0),
-        of(file_angles, math.nan),
-        np.array([(numbers or {}).get(s, c) for c, s in enumerate(sides)], int),
-        vertices,
-        holes,
-        name,
-        tuple(notes),
-        tuple((int(f), int(g), int(s)) for f, g, s in orders),
+        left=left,
+        right=right,
+        vertices=vertices,
+        holes=holes,
+        name=name,
+        notes=tuple(notes),
+        orders=tuple((int(f), int(g), int(s)) for f, g, s in orders),
         limits=read_limits([limits[s] for s in sides], len(sides)) if limits else (),
+        **arrays,
     )
+
+
+def of_creases(sides: Sequence[Side], stated: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a pattern has of each crease, of values by the sides that have one, or one value for all."""
+    usual = {"fold_angles": 0.0, "stiffness": 1.0, "rest": 0.0, "file_angles": math.nan}
+    names = dict(zip(usual, ("reference", "stiffness", "rest", "file_angles"), strict=True))
+    if unknown := stated.keys() - {*usual, "assignment", "numbers"}:
+        raise TypeError(f"{min(unknown)}: sides have {', '.join(usual)}, assignment, numbers")
+    letters, numbers = (stated.get(key) or {} for key in ("assignment", "numbers"))
+    found = {"ends": np.array(sides, int).reshape(-1, 2)}
+    for what, default in usual.items():
+        of = stated.get(what, default)
+        each = [of.get(s, default) for s in sides] if isinstance(of, dict) else [of] * len(sides)
+        found[names[what]] = np.array(each, float)
+    return found | {
+        "assignment": "".join(letters.get(s, "U") for s in sides),
+        "numbers": np.array([numbers.get(s, c) for c, s in enumerate(sides)], int),
+    }

@@ -14,7 +14,6 @@ from origami_nlp.pattern import (
     frame_pattern,
     parse_fold,
     scene_at,
-    vertex_scene,
 )
 from tests.fold_files import closed_state, disc, folded
 
@@ -131,6 +130,6 @@ def test_springs_that_were_asked_for_and_not_used_are_named():
     ask = {"stiffness": 0.01, "rest_angle": math.pi / 2}
     for data, many in ((disc(SECTORS, "MVVV"), 0), (stated, 2)):
         said = []
-        vertex_scene(frame(data), 0, on_note=said.append, **ask)
+        scene_at(frame(data), 0, on_note=said.append, **ask)
         for notes in (said, frame_pattern(frame(data), **ask).notes):
             assert sum("is not used" in note for note in notes) == many
