@@ -232,7 +232,8 @@ def parse_fold(
 
     name = f"FOLD file {source!r}" if source else "FOLD file"
     raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
-    kind, said, y_down = drawing_kind(source, raw), (), False
+    kind, y_down = drawing_kind(source, raw), False
+    said: tuple[str, ...] = ()
     if kind is not None:
         made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
         data, said, y_down = drawing_to_fold(made), made.notes, made.y_down

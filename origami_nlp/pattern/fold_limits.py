@@ -52,7 +52,9 @@ def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
     key, unit = ("limits_deg", "deg") if degrees else ("limits", "rad")
     wrong = f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
     items = read_list(given, wrong)
-    rows = [r if isinstance(r, str | int | float) else read_list(r, wrong) for r in items]
+    rows: list[Any] = [
+        r if isinstance(r, str | int | float) else read_list(r, wrong) for r in items
+    ]
     if not rows:
         return ()
     if not any(isinstance(row, list) for row in rows):

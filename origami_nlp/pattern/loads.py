@@ -24,7 +24,7 @@ LARGEST_FORCE = 1e100
 
 @dataclass(frozen=True)
 class Load:
-    """One load: a force at a point of a facet or on a crease, or a torque on a crease.
+    """One load: a force at a point of a facet or on a crease.
 
     Attributes
     ----------
@@ -36,11 +36,9 @@ class Load:
     point
         Distance from the vertex [m], and angle from the facet's first crease [rad].
     crease
-        Number (1-based) of the crease that carries the force, in place of facet and point, or the torque.
+        Number (1-based) of the crease that carries the force, in place of facet and point.
     distance
         Of the point on the crease from the vertex [m].
-    torque
-        On the crease, towards valley > 0 [N m]: the same as preload.
 
     Examples
     --------
@@ -54,22 +52,14 @@ class Load:
     point: tuple[float, float] | None = None
     crease: int | None = None
     distance: float | None = None
-    torque: float | None = None
 
     def __post_init__(self) -> None:
         given = {f.name for f in fields(self) if getattr(self, f.name) is not None}
-        if given not in (
-            {"crease", "torque"},
-            {"crease", "distance", "force"},
-            {"facet", "point", "force"},
-        ):
+        if given not in ({"crease", "distance", "force"}, {"facet", "point", "force"}):
             raise SceneError(
-                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease and torque; "
-                "crease, distance and force; facet, point = [distance, angle] and force"
+                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease, distance and force; "
+                "facet, point = [distance, angle] and force; a torque on a crease is preload"
             )
-        if self.torque is not None:
-            object.__setattr__(self, "torque", _number("torque", self.torque))
-            return
         force = _entries("force", self.force, 3)
         object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
         if self.point is not None:
@@ -94,8 +84,6 @@ class Load:
     @property
     def words(self) -> str:
         """What it is."""
-        if self.torque is not None:
-            return f"torque {self.torque:g} N m on crease {self.crease}"
         assert self.force is not None
         far, angle = self.place
         head = f"force ({', '.join(f'{v:g}' for v in self.force)}) N at "
@@ -122,17 +110,12 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
     out = []
     for i, value in enumerate(values, start=1):
         if isinstance(value, Mapping):
-            if "moment" in value:
-                raise SceneError(
-                    f"loads[{i}]: a moment vector that keeps its direction while the facet turns has no energy; give "
-                    "two opposite forces, or a torque on a crease"
-                )
             known = [f.name for f in fields(Load)]
-            for key in value:
-                if key not in known:
-                    raise SceneError(
-                        f"loads[{i}]: unknown key {key!r}; a load takes {', '.join(known)}"
-                    )
+            if unknown := value.keys() - set(known):
+                raise SceneError(
+                    f"loads[{i}]: unknown key {min(unknown)!r}; a load takes {', '.join(known)}; a torque on a crease "
+                    "is preload, and a moment that keeps its direction while the facet turns has no energy"
+                )
             value = Load(**value)
         if not isinstance(value, Load):
             raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
@@ -283,24 +266,24 @@ def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | No
     Parameters
     ----------
     loads
-        Forces and torques; torques are left out.
+        The forces.
     fixed_facet
         Facet in whose frame forces are given, counted from 1.
 
     Returns
     -------
     DeadLoads or None
-        Points [m] and forces [N] in the frame of the fixed facet; None without forces, or without that facet.
+        Points [m] and forces [N] in the frame of the fixed facet; None without loads, or without that facet.
     """
-    forces = [load for load in loads if load.force is not None]
-    if not forces or fixed_facet is None:
+    if not loads or fixed_facet is None:
         return None
     points = [
-        (far * math.cos(angle), far * math.sin(angle)) for far, angle in (f.place for f in forces)
+        (far * math.cos(angle), far * math.sin(angle))
+        for far, angle in (load.place for load in loads)
     ]
     return DeadLoads(
         fixed_facet - 1,
-        tuple(load.number - 1 for load in forces),
+        tuple(load.number - 1 for load in loads),
         np.array(points),
-        np.array([load.force for load in forces]),
+        np.array([load.force for load in loads]),
     )

@@ -84,8 +84,7 @@ class Scene(PrettyRepr):
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
         The spring is wound to `wound_angles`, at most 1,000 rad; a hinge law keeps its energy, less m_i phi_i.
     loads
-        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
-        for `fixed_facet`, and for states without symmetry.
+        Dead loads: each a `Load`, or a table that states one; with `fixed_facet`, for states without symmetry.
     fixed_facet
         Number (1-based) of the facet that is fixed where forces pull: what they do to the states depends on it.
     winding
@@ -190,7 +189,11 @@ class Scene(PrettyRepr):
             raise SceneError(
                 "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
             )
-        self._read_loads()
+        self._set(loads=read_loads(self.loads, self.vertex.sector_angles))
+        self._set(preload=read_preload(self.preload, stiffness, rest))
+        if self.fixed_facet is not None or self.loads:
+            what = "fixed_facet, which facet is held where forces pull,"
+            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
         # relations are looked for in the vertex as stated, unless they are known
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
             found = find_relations(self.vertex.sector_angles)
@@ -220,22 +223,6 @@ class Scene(PrettyRepr):
     def of_each_winding(self) -> tuple[Scene, ...]:
         """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
-
-    def _read_loads(self) -> None:
-        """Add torques on creases to the preload, and keep forces."""
-        loads = read_loads(self.loads, self.vertex.sector_angles)
-        forces = tuple(load for load in loads if load.force is not None)
-        springs = self.stiffness, self.rest_angles
-        preload = read_preload(self.preload, *springs)
-        if len(forces) < len(loads):
-            total = list(preload or (0.0,) * self.degree)
-            for load in loads:
-                total[load.number - 1] += load.torque or 0.0
-            preload = read_preload(tuple(total), *springs)
-        self._set(preload=preload, loads=forces)
-        if self.fixed_facet is not None or forces:
-            what = "fixed_facet, which facet is held where forces pull,"
-            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
 
     def _find_symmetry(self) -> Symmetry:
         """Find the symmetry that geometry and mechanics share; forces keep none."""
