@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.errors import DrawingError
 from origami_nlp.numerics import EPS, groups
 
-RANK = "BCMVUF"
+RANKS = ("B", "C", "MV", "U", "F")
 """Which letter stays where two lie on each other: the first; M and V contradict each other."""
 MOST_MEETINGS, A_TIME = 4_000_000, 1000
 """Ends on lines and crossings of a drawing, and shapes that are looked at together."""
@@ -285,14 +285,12 @@ def _merged(
     kept: list[tuple[int, int, str, float, frozenset[int]]] = []
     clashes = []
     for (a, b), several in on.items():
-        rank = min(min(RANK.index(letters[k]), 3) for k in several)
-        best = [k for k in several if letters[k] in (RANK[rank] if rank < 2 else RANK[2:])]
-        folds = [k for k in best if letters[k] in "MV"] or sorted(
-            best, key=lambda k: RANK.index(letters[k])
-        )[:1]
+        first = next(rank for rank in RANKS if any(letters[k] in rank for k in several))
         said: dict[tuple[str, float | None], int] = {}
-        for k in folds if rank >= 2 else folds[:1]:
-            said.setdefault((letters[k], None if np.isnan(angles[k]) else float(angles[k])), k)
+        for k in (k for k in several if letters[k] in first):
+            if first == "MV" or not said:
+                angle = None if np.isnan(angles[k]) else float(angles[k])
+                said.setdefault((letters[k], angle), k)
         if len(said) > 1:
             clashes += [len(kept) + i for i in range(len(said))]
         kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in said.values()]

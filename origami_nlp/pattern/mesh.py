@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, shown
+from origami_nlp.arguments import shown
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern.fold_file import frame_of
 from origami_nlp.pattern.pattern_file import frame_pattern
@@ -52,7 +51,7 @@ def from_mesh(
     ------
     FoldFileError
         If the faces are no sheet of rigid facets.
-    OptionError, AngleError
+    OptionError, SceneError
         If there are not as many numbers as creases, or a side of `assignment` is none of the mesh.
 
     Examples
@@ -97,16 +96,6 @@ def from_mesh(
         "file_title": "mesh",
         "frame_classes": ["creasePattern" if flat else "foldedForm"],
     }
-    made = frame_pattern(
-        frame_of(known),
-        stiffness=float(k) if k.ndim == 0 else 1.0,
-        rest_angle=math.pi if rest.ndim else float(rest),
-        rest_from="file",
-    )
-    if rest.ndim:
-        made = replace(made, rest=check_angles("rest_angles", rest, made.creases, one=True))
-    if k.ndim:
-        if k.shape != (made.creases,) or not (k > 0).all():
-            raise OptionError(f"stiffness = {shown(stiffness)} must be {made.creases} numbers > 0")
-        made = replace(made, stiffness=k)
-    return made
+    size = {} if rest.ndim else {"rest_angle": float(rest)}
+    made = frame_pattern(frame_of(known), rest_from="file", **size)
+    return made.with_springs(k.tolist(), rest.tolist() if rest.ndim else None)

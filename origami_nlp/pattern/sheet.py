@@ -211,12 +211,12 @@ class Pattern:
         SceneError
             If a value does not fit.
         """
-        k = self.stiffness if stiffness is None else np.broadcast_to(stiffness, self.creases)
-        k = k * self.lengths if per_length else np.array(k, float)
-        if not (np.isfinite(k) & (k > 0)).all():
+        k = np.array(self.stiffness if stiffness is None else stiffness, float)
+        if k.shape not in ((), (self.creases,)) or not (np.isfinite(k) & (k > 0)).all():
             raise SceneError(
-                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]"
+                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad], one or {self.creases} of them"
             )
+        k = np.broadcast_to(k, self.creases) * (self.lengths if per_length else 1.0)
         if len(k):
             check_range(k.tolist())
         if rest_angles is None:
