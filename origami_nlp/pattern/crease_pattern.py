@@ -19,12 +19,9 @@ from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NONZERO, PLACES
 from origami_nlp.pattern.fold_faces import face_walks, oriented
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_springs import stated_sign
+from origami_nlp.pattern.fold_springs import stated_sign, target_notes
 from origami_nlp.pattern.polygons import fold_between, rings, sides_of
 from origami_nlp.pattern.vertex import Vertex
-
-APART = math.radians(1.0)
-"""Measured and stated fold angles [rad] that differ by more are worth a word."""
 
 VAGUE = 0.1
 """Angles [rad] that decimal places leave open: where it is more, they are not those of rounding."""
@@ -223,7 +220,7 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
             sectors = np.array([2 * math.pi])
     # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
     folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
-    keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
+    keep = [k for k in folds if letters[ring[k]] != "F" or frame.is_sprung(edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
         if len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL:
@@ -245,7 +242,7 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
             notes.append(
                 "a fully folded crease without assignment or fold angle: taken for a valley"
             )
-        notes += _compare(frame, at, phi)
+        notes += target_notes(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
     if not reason:
         try:
@@ -286,11 +283,6 @@ def _kawasaki_error(frame: Frame, lengths: np.ndarray) -> float:
     return error if frame.error or error <= VAGUE else 0.0
 
 
-def _is_sprung(frame: Frame, edge: int) -> bool:
-    springs = frame.stiffness[edge], frame.rest_angles[edge], frame.preload[edge]
-    return not np.isnan(springs).all()
-
-
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
     """Sum sectors from one kept ray to the next."""
     rolled = np.roll(sectors, -keep[0])
@@ -310,27 +302,6 @@ def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
             f"{math.degrees(sectors.max()):.6g} degrees: split it with a crease (F) below 180"
         )
     return ""
-
-
-def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
-    """Return where the angles of a folded form are not those that its file states."""
-    stated = frame.fold_angles[at]
-    apart = np.nan_to_num(np.abs(phi - stated))
-    if apart.max() > APART:
-        k = int(apart.argmax())
-        return [
-            f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
-            f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
-            "file): rest angles are those of the file, or with --rest-from measured the others"
-        ]
-    letters = {frame.assignment[e] for e in at}
-    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
-    if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
-        return [
-            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
-            "and V"
-        ]
-    return []
 
 
 def _measured(

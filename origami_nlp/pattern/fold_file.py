@@ -149,6 +149,11 @@ class Frame:
         """Position in `edges` of the edge between two vertices, in increasing order."""
         return {(min(pair), max(pair)): e for e, pair in enumerate(self.edges.tolist())}
 
+    def is_sprung(self, edge: int) -> bool:
+        """Return whether the file states a spring of an edge."""
+        springs = self.stiffness[edge], self.rest_angles[edge], self.preload[edge]
+        return not np.isnan(springs).all()
+
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
         x, y = self.coords[vertex, :2] * [1.0, -1.0 if self.y_down else 1.0] + 0.0

@@ -11,11 +11,15 @@ import numpy as np
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError
 from origami_nlp.pattern.fold_file import Frame
+from origami_nlp.pattern.fold_notes import listed
 
 LETTERS_ONLY = (
     "M and V without angles: creases rest at -180 and +180 degrees, so that folded flat as drawn has U = 0; "
     "--rest-angle 90 lets them rest half way"
 )
+
+APART = math.radians(1.0)
+"""Measured and stated fold angles [rad] that differ by more are worth a word."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,27 @@ class FoldSprings:
         if silent and letters and self.rest_angle == math.pi:
             said.append(LETTERS_ONLY)
         return said
+
+
+def target_notes(frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
+    """Say where the angles at which a folded form is folded are not those that its file states; as for `of`."""
+    at = np.asarray(edges, dtype=np.intp)
+    stated = frame.fold_angles[at]
+    apart = np.nan_to_num(np.abs(measured - stated))
+    if other := sorted(frame.numbers[at][apart > APART].tolist()):
+        return [
+            f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to "
+            f"{math.degrees(apart.max()):.3g} degrees): rest angles are those of the file, or with --rest-from "
+            "measured the others"
+        ]
+    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
+    drawn = {frame.assignment[e] for e in at} & set("MV")
+    if drawn and silent.all() and np.abs(measured).max() < APART:
+        return [
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
+            "and V"
+        ]
+    return []
 
 
 def stated_sign(frame: Frame, edge: int) -> float:

@@ -16,7 +16,6 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
-from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.fold_faces import (
     Oddity,
     check_drawing,
@@ -27,7 +26,7 @@ from origami_nlp.pattern.fold_faces import (
 )
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_springs import FoldSprings, stated_sign
+from origami_nlp.pattern.fold_springs import FoldSprings, stated_sign, target_notes
 from origami_nlp.pattern.polygons import Side, area, fold_between, side, sides_of
 from origami_nlp.pattern.sheet import Pattern
 
@@ -127,11 +126,12 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
         sheet.orders = [(f, g, -s) for f, g, s in sheet.orders]
         sheet.notes.append("faces run the other way round than the assignments say: turned over")
         measured, _ = sheet.measured()
-    sheet.note_targets(measured)
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
     k, rest = asked.of(frame, at, found)
-    sheet.notes += asked.notes(frame, at, found) if at else []
+    if at:
+        sheet.notes += target_notes(frame, at, found) if frame.folded else []
+        sheet.notes += asked.notes(frame, at, found)
 
     def of(values: Iterable[Any]) -> dict[Side, Any]:
         return dict(zip(creases, values, strict=True))
@@ -188,18 +188,18 @@ class _Sheet:
         bare = [s for s in shared if s not in self.edge]
         if bare:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
-        self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
+        letters = frame.assignment
+        self.joins = bare + [
+            s
+            for s, e in self.edge.items()
+            if letters[e] == "J" or (letters[e] == "F" and not frame.is_sprung(e))
+        ]
         if frame.lattice is None:
             self._note_borders(sides)
             self._make_exact()
 
     def _edge(self, ends: Side) -> int | None:
         return self.number.get(side(*(self.origin[v] for v in ends)))
-
-    def _is_joined(self, e: int) -> bool:
-        f = self.frame
-        sprung = not (np.isnan(f.stiffness[e]) and np.isnan(f.rest_angles[e]))
-        return f.assignment[e] == "J" or (f.assignment[e] == "F" and not sprung)
 
     def _faces(self) -> list[tuple[int, ...]]:
         """Return the faces that the file states, all of one sense."""
@@ -376,18 +376,6 @@ class _Sheet:
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes
-
-    def note_targets(self, measured: dict[Side, float]) -> None:
-        """Note fold angles of a folded form that are not those of its coordinates."""
-        said = self.frame.fold_angles
-        off = {e: abs(said[e] - measured[s]) for s, e in self.edge.items() if s in measured}
-        other = sorted(int(self.frame.numbers[e]) for e, d in off.items() if d > APART)
-        if other:
-            most = math.degrees(max(d for d in off.values() if d > APART))
-            self.notes.append(
-                f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to {most:.3g} "
-                "degrees): read as rest angles, the state is measured"
-            )
 
 
 def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator[Oddity]:
