@@ -303,22 +303,22 @@ class Scene(PrettyRepr):
         """Number of creases N."""
         return self.vertex.degree
 
-    def check_plain_hinges(self, what: str, *, stops: bool = False, laws: bool = False) -> None:
+    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the scene, in words.
-        stops, laws
-            Whether it knows fold limits, or hinge laws.
+        stops
+            Whether it knows fold limits.
 
         Raises
         ------
         OptionError
             If the scene has them.
         """
-        check_plain_hinges(() if laws else self.laws, () if stops else self.limits, what)
+        check_plain_hinges(self.laws, () if stops else self.limits, what)
 
     def check_no_forces(self, what: str) -> None:
         """Raise an error where forces pull in space, which `what` does not know.

@@ -261,17 +261,13 @@ class Pattern:
         check_laws(made.laws, made.limit_angles, "full")
         return made
 
-    def with_laws(
-        self, laws: HingeLaw | Sequence[HingeLaw | None], *, per_length: bool = False
-    ) -> Pattern:
+    def with_laws(self, laws: HingeLaw | Sequence[HingeLaw | None]) -> Pattern:
         """Return the same pattern with hinge laws in place of linear springs.
 
         Parameters
         ----------
         laws
             One for all creases, or one, or None, for each.
-        per_length
-            Whether torques are per unit length of crease.
 
         Returns
         -------
@@ -284,9 +280,6 @@ class Pattern:
             If one is not known between the fold limits.
         """
         given = [laws] * self.creases if isinstance(laws, HingeLaw) else list(laws)
-        if per_length:
-            each = zip(given, self.lengths.tolist(), strict=True)
-            given = [law and law.times(length) for law, length in each]
         read = read_laws(tuple(given), self.creases)
         check_laws(read, self.limit_angles, "full")
         k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
