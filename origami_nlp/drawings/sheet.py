@@ -144,11 +144,14 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         notes.append(
             "all lines are borders: --colour says which are folds, such as --colour 'black=U'"
         )
-    for e in noded.clashes[::2] if keep.any() else ():
+    twice = noded.clashes[::2] if keep.any() else ()
+    for e in twice[:NAMED]:
         a, b = (lines.place(noded.points[v]) for v in noded.edges[e])
         notes.append(
             f"the line from {a} to {b} is drawn twice, with other letters or fold angles: keep one"
         )
+    if len(twice) > NAMED:
+        notes.append(f"{len(twice) - NAMED} more lines are drawn twice so")
     place = last_place(lines.ends)
     # whole numbers on a grid of a few are exact
     error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
@@ -162,17 +165,9 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         lines.title,
         lines.length_unit,
         lines.y_down,
-        tuple(_cut_short(notes)),
+        tuple(notes),
     )
     return _used(made)
-
-
-def _cut_short(notes: list[str]) -> list[str]:
-    """Return notes, of doubled lines no more than a few."""
-    twice = [note for note in notes if note.endswith("keep one")]
-    rest = [note for note in notes if not note.endswith("keep one")]
-    more = [f"{len(twice) - NAMED} more lines are drawn twice so"] if len(twice) > NAMED else []
-    return [*rest, *twice[:NAMED], *more]
 
 
 def _used(made: Drawing) -> Drawing:

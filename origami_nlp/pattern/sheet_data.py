@@ -67,29 +67,15 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     True
     """
     p = pattern
-    stated = _Stated(
-        name=p.name,
-        corners=p.corners,
-        polygons=p.polygons,
-        joins=tuple(sorted(side for side, many in p.other_sides.items() if many > 1)),
-        creases=tuple(map(tuple, p.ends.tolist())),
-        assignment=p.assignment,
-        numbers=tuple(p.numbers.tolist()),
-        reference=tuple(p.reference),
-        stiffness=tuple(p.stiffness),
-        rest_angles=tuple(p.rest),
-        file_angles=tuple(p.file_angles),
-        notes=p.notes,
-        orders=p.orders,
-        limits=p.limits,
-        lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
-        rolled=p.cell.rolled if p.cell else None,
-        source=p.source,
-        **dict(zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)),
-    )
-    data: dict[str, Any] = to_plain(stated)
-    seldom = ("limits", "lattice", "rolled", "law", "laws", "source")
-    return {key: value for key, value in data.items() if value or key not in seldom}
+    same = "name source corners polygons assignment numbers reference stiffness file_angles notes orders limits"
+    data = {key: getattr(p, key) for key in same.split()}
+    data |= {"creases": p.ends, "rest_angles": p.rest}
+    data["joins"] = sorted(side for side, many in p.other_sides.items() if many > 1)
+    if p.cell:
+        data |= {"lattice": p.cell.lattice, "rolled": p.cell.rolled}
+    data |= zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)
+    seldom = ("source", "limits", "rolled")
+    return {key: to_plain(v) for key, v in data.items() if key not in seldom or v}
 
 
 def pattern_from_dict(data: Any) -> Pattern:
