@@ -67,20 +67,17 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             f"selectors of its style sheet left out: {', '.join(sheet.left_out[:4])}"
         )
     hidden = 0
-    stack: list[tuple[tuple[Element, ...], np.ndarray, Mapping[str, str]]] = [
-        ((root,), np.eye(3), {})
-    ]
+    stack: list[tuple[Element, np.ndarray, Mapping[str, str]]] = [(root, np.eye(3), {})]
     while stack:
-        chain, above, inherited = stack.pop()
-        element = chain[-1]
+        element, above, inherited = stack.pop()
         if element.tag in _NOT_DRAWN:
             continue
-        look = sheet.look(chain, inherited)
+        look = sheet.look(element, inherited)
         if look.get("display") == "none":
             hidden += _count(element)
             continue
         matrix = above @ _matrix(element, name)
-        if element.tag == "svg" and len(chain) > 1:
+        if element.tag == "svg" and element is not root:
             matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
         if element.tag in _OTHERS:
             if (
@@ -93,7 +90,7 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
                 hidden += 1
             elif (colour := canonical_colour(look.get("stroke", "none"))) != "none":
                 _shape(found, element, matrix, colour, look)
-        stack += [((*chain, child), matrix, look) for child in reversed(element)]
+        stack += [(child, matrix, look) for child in reversed(element)]
     if hidden:
         found.left_out["hidden shapes"] = hidden
     found.length_unit = _unit(root)

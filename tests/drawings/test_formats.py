@@ -78,21 +78,21 @@ def test_opacity_is_the_fold_angle(inside, outside, angle):
     np.testing.assert_allclose(found.angles, [angle], rtol=1e-15)
 
 
-def test_style_sheets_reach_tags_classes_ids_and_what_is_within():
+def test_style_sheets_reach_tags_classes_and_ids():
     sheet = """<style>/* red {} */ @import url(x); line {stroke: black} .m, .x {stroke: red} #v {stroke: blue}
-      g.fold line {stroke-opacity: 0.5} line:hover {stroke: lime}</style>"""
+      .half {stroke-opacity: 0.5} g line, line:hover {stroke: lime}</style>"""
     found = svg(
         sheet
         + LINE.format("")
         + LINE.format('class="a m"')
         + LINE.format('class="m" id="v"')
-        + '<g class="fold">'
-        + LINE.format('class="m"')
+        + "<g>"
+        + LINE.format('class="m half"')
         + "</g>"
     )
     assert found.letters == ("B", "M", "V", "M")
     np.testing.assert_allclose(found.angles, [math.nan, math.nan, math.nan, -90.0])
-    assert found.notes[0] == "selectors of its style sheet left out: line:hover"
+    assert found.notes[0] == "selectors of its style sheet left out: g line, line:hover"
 
 
 def test_transforms_apply_from_the_right():
