@@ -80,10 +80,9 @@ def as_scene(stated: Stated, asked: str = "this", instead: str = "") -> Scene:
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.pattern import as_scene, scene_pattern
-    >>> as_scene(scene_pattern(o.examples.waterbomb())).degree
-    6
+    >>> from origami_nlp.pattern import as_scene
+    >>> as_scene("waterbombbase").degree
+    8
     """
     if not isinstance(stated, Pattern | str | PathLike):
         check_type("scene", stated, Scene)
