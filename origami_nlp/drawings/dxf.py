@@ -70,7 +70,7 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             continue
         drawn = path.make_path(entity)
         curves = sum(command.type.name != "LINE_TO" for command in drawn.commands())
-        found.curved += curves
+        found.left_out["curves"] += curves
         if not curves:
             points = [(p.x, p.y) for p in drawn.control_vertices()]
             found.add(points, letter, math.nan, f"in a {kind} of layer {entity.dxf.layer!r}")

@@ -123,7 +123,6 @@ class LineList:
         self.notes: list[str] = []
         self.unknown: Counter[str] = Counter()
         self.left_out: Counter[str] = Counter()
-        self.curved = 0
         self.broken: list[str] = []
         self.length_unit = ""
         self._used: set[str] = set()
@@ -163,9 +162,9 @@ class LineList:
             one = sorted(asked)[0]
             meant = did_you_mean(one, [*self.unknown, *self._used])
             raise DrawingError(f"{self.name} has no line of {one!r}{meant}")
-        if self.curved and self.options.curves == "refuse":
+        if self.left_out["curves"] and self.options.curves == "refuse":
             raise DrawingError(
-                f"{self.name} has {self.curved} curves: creases are straight. Leave them out with "
+                f"{self.name} has {self.left_out['curves']} curves: creases are straight. Leave them out with "
                 "--curves leave, or redraw them"
             )
         known, unknown = len(self.ends), self.unknown.most_common()
@@ -177,21 +176,19 @@ class LineList:
                     f"{self.name} has no line in {kinds} that say what it is, only {shown}: say it, such as "
                     f"--colour '{unknown[0][0]}=M'"
                 )
-            others = "".join(f"; {n} {what} left out" for what, n in self.left_out.items())
+            others = "".join(f"; {n} {what} left out" for what, n in (+self.left_out).items())
             raise DrawingError(f"{self.name} has no lines: nothing to fold{others}")
         if unknown:
             self.notes.append(
                 f"left out, for {kinds} that do not say what they are: {shown}; --colour '{unknown[0][0]}=M' takes "
                 "them for mountains"
             )
-        if self.curved:
-            self.notes.append(f"{self.curved} curves: left out")
         if self.broken:
             self.notes.append(
                 f"{len(self.broken)} lines left out, not readable or without finite coordinates: first "
                 f"{self.broken[0]}"
             )
-        for what, many in sorted(self.left_out.items()):
+        for what, many in sorted((+self.left_out).items()):
             self.notes.append(f"{many} {what} left out")
         if not {*self.letters} & {*"MV"}:
             self.notes.append("no mountain or valley is drawn")

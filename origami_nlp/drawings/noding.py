@@ -297,10 +297,8 @@ def _merged(
     kept = _straightened(kept, set(clashes))
     many = Counter((a, b) for a, b, *_ in kept)
     clashes = [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
-    used = np.unique(np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2))
-    number = np.full(len(points), -1)
-    number[used] = np.arange(len(used))
-    edges = number[np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2)]
+    used, edges = np.unique(np.array([(a, b) for a, b, *_ in kept], int), return_inverse=True)
+    edges = edges.reshape(-1, 2)
     _, _, names, phi, of = zip(*kept, strict=True) if kept else ((),) * 5
     return Noded(
         *(points[used], edges, tuple(names), np.array(phi, float), tuple(of)),

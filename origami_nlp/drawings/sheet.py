@@ -7,7 +7,7 @@ of the sheet, and at a larger tolerance than needed small facets vanish.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -107,9 +107,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         found = planar(noded.points, noded.edges)
         faults = _loose(noded, found).size + (_open(noded, found).size if stated else 0)
         if noded.moved > CHAINED * rung * size:
-            faults = len(noded.edges) + 2 * len(
-                lines.ends
-            )  # chains of short lines shrink to points
+            # chains of short lines shrink to points
+            faults = len(noded.edges) + 2 * len(lines.ends)
         if best is None or faults < best[0]:
             best = (faults, rung, noded, found)
         if not faults:
@@ -155,9 +154,10 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
     place = last_place(lines.ends)
     # whole numbers on a grid of a few are exact
     error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
-    made = Drawing(
-        noded.points,
-        noded.edges[keep],
+    used, edges = np.unique(noded.edges[keep], return_inverse=True)
+    return Drawing(
+        noded.points[used],
+        edges.reshape(-1, 2),
         tuple(letters[keep].tolist()),
         noded.angles[keep],
         error,
@@ -167,14 +167,6 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         lines.y_down,
         tuple(notes),
     )
-    return _used(made)
-
-
-def _used(made: Drawing) -> Drawing:
-    used = np.unique(made.edges)
-    number = np.full(len(made.points), -1)
-    number[used] = np.arange(len(used))
-    return replace(made, points=made.points[used], edges=number[made.edges])
 
 
 def _loose(noded: Noded, found: Planar) -> np.ndarray:

@@ -114,7 +114,7 @@ def _shape(
         return
     where = f"in <{element.tag}{' ' + repr(element.get('id')) if element.get('id') else ''}>"
     chains, curves = _chains(element, found)
-    found.curved += curves
+    found.left_out["curves"] += curves
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
     if found.is_asked(colour) and letter in "MV":
