@@ -31,7 +31,7 @@ SprungPattern = Callable[[int, int], tuple[list[Face], Letter, Spring]]
 def to_fold(
     faces: Iterable[Face],
     letter: Letter,
-    springs: Scene | Spring,
+    spring: Spring,
     title: str,
     lattice: Sequence[complex] = (),
 ) -> dict[str, Any]:
@@ -43,9 +43,8 @@ def to_fold(
         Corners of each facet, counter-clockwise.
     letter
         Rule for the creases.
-    springs
-        Of a scene: mountains and valleys rest, and are stiff, as its creases with negative and positive rest angles.
-        Or a rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
+    spring
+        Rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
     title
         Of the file.
     lattice
@@ -70,11 +69,9 @@ def to_fold(
     ends = [(coords[a], coords[b]) for a, b in many]
     inner = [count == 2 or bool(lattice) for count in many.values()]
     letters = [letter(*pq) if crease else "B" for pq, crease in zip(ends, inner, strict=True)]
-    sprung: list[tuple[float | None, float | None]] = [(None, None)] * len(ends)
-    of = _spring_of_letter(springs) if isinstance(springs, Scene) else {}
-    for k, crease in enumerate(inner):
-        if crease:
-            sprung[k] = springs(*ends[k]) if callable(springs) else of[letters[k]]
+    sprung = [
+        spring(*pq) if crease else (None, None) for pq, crease in zip(ends, inner, strict=True)
+    ]
     return {
         "file_spec": 1.1,
         "file_creator": "origami_nlp",
@@ -96,12 +93,6 @@ def to_fold(
 def _place(z: complex) -> tuple[int, int]:
     """Return a point on the grid on which points are the same."""
     return round(z.real / PLACES), round(z.imag / PLACES)
-
-
-def _spring_of_letter(scene: Scene) -> dict[str, tuple[float, float]]:
-    """Return rest angle and stiffness of mountains and valleys."""
-    springs = zip(scene.rest_angles, scene.stiffness, strict=True)
-    return {"V" if rest > 0 else "M": (rest, k) for rest, k in springs}
 
 
 # ---------------------------------------------------------------- patterns: faces, and the rule for letters
@@ -358,4 +349,9 @@ def sheet_to_fold(
         "yoshimura": lambda: yoshimura(sectors[0], *size),
         "resch": lambda: (resch_cell if cell else resch)(*size),
     }.get(name, lambda: disc(scene))()
-    return to_fold(faces, letter, scene, scene.label, lattice)
+    # mountains and valleys rest, and are stiff, as the scene's creases with negative and positive rest angles
+    of = {
+        "V" if rest > 0 else "M": (rest, k)
+        for rest, k in zip(scene.rest_angles, scene.stiffness, strict=True)
+    }
+    return to_fold(faces, letter, lambda p, q: of[letter(p, q)], scene.label, lattice)
