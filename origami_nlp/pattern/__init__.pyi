@@ -1,9 +1,4 @@
 from . import examples as examples
-from .angles import (
-    format_angle as format_angle,
-    parse_angle as parse_angle,
-    parse_angles as parse_angles,
-)
 from .bending import with_bending as with_bending
 from .cells import Cell as Cell, make_cell as make_cell
 from .coercion import (
@@ -81,11 +76,11 @@ from .hinges_stated import (
     seen_laws as seen_laws,
     torque_with_laws as torque_with_laws,
 )
-from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     Relabelling as Relabelling,
     canonical_labels as canonical_labels,
     symmetries as symmetries,
+    with_symmetry_of as with_symmetry_of,
 )
 from .lattice_stated import (
     LATTICE_KEY as LATTICE_KEY,
@@ -99,6 +94,11 @@ from .loads import (
     dead_loads as dead_loads,
 )
 from .mesh import from_mesh as from_mesh
+from .numbers_read import (
+    format_angle as format_angle,
+    parse_angle as parse_angle,
+    parse_angles as parse_angles,
+)
 from .pattern_file import (
     face_oddities as face_oddities,
     frame_pattern as frame_pattern,

@@ -23,8 +23,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY
-from origami_nlp.pattern.loops import Loop
-from origami_nlp.pattern.polygons import Side, area, side
+from origami_nlp.pattern.polygons import Loop, Side, area, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern, of_creases
 
 SMALL = 12

@@ -13,7 +13,6 @@ from origami_nlp.arguments import check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
-from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.example_vertices import (
     acute,
     bird_base as bird_base,
@@ -28,6 +27,7 @@ from origami_nlp.pattern.example_vertices import (
 )
 from origami_nlp.pattern.fold_file import parse_fold
 from origami_nlp.pattern.lattice_stated import ROLLED_KEY, check_rolled
+from origami_nlp.pattern.numbers_read import format_angle
 from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern

@@ -11,8 +11,7 @@ import numpy as np
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, OrigamiError, SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
-from origami_nlp.pattern.angles import parse_angles
-from origami_nlp.pattern.numbers_read import read_list
+from origami_nlp.pattern.numbers_read import parse_angles, read_list
 
 Limits = tuple[tuple[float, float], ...]
 LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")

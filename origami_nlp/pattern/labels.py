@@ -6,12 +6,14 @@ that all of these agree on, and one search serves all vertices that are one unde
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.errors import SymmetryError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern.hinges_stated import Laws, law_probes, same_laws, seen_laws
 from origami_nlp.pattern.scene import Scene
@@ -195,3 +197,47 @@ def _permutations(scene: Scene) -> list[np.ndarray]:
     return [
         ((s - i) if mirrored else (i + s)) % scene.degree for s, mirrored in scene.group.elements
     ]
+
+
+def with_symmetry_of(scene: Scene, other: Scene) -> Scene:
+    """Return a scene that keeps the symmetry of another, the same rotations and mirrors, and no larger one.
+
+    Parameters
+    ----------
+    scene
+        Which may have a larger symmetry.
+    other
+        Of the same degree.
+
+    Returns
+    -------
+    Scene
+        With the group of the other.
+
+    Raises
+    ------
+    SymmetryError
+        If it does not have them.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import with_symmetry_of
+    >>> vertex = o.Vertex(("pi/2",) * 4)
+    >>> equal, one = (o.Scene(vertex, (1, 1, 1, 1), (t, 0.2, 0.2, 0.2)) for t in (0.2, 0.3))
+    >>> equal.group.name, one.group.name, with_symmetry_of(equal, one).group.name
+    ('D4', 'D1', 'D1')
+    """
+    wanted, name = set(other.group.elements), other.group.name
+    if set(scene.group.elements) == wanted:
+        return scene
+    mirrors = [None, *range(1, scene.degree + 1)] if name.startswith("D") else [None]
+    for mirror in mirrors:
+        with contextlib.suppress(SymmetryError):
+            made = replace(scene, symmetry=name, mirror=mirror, winding=None)
+            if set(made.group.elements) == wanted:
+                return made
+    raise SymmetryError(
+        f"symmetry = {name!r} is kept by the other scenes, with other mirrors or not at all by this one, of group "
+        f'{scene.group.name}: state symmetry = "none"'
+    )

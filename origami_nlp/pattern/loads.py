@@ -15,8 +15,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.pattern.angles import format_angle, parse_angle
-from origami_nlp.pattern.numbers_read import read_list
+from origami_nlp.pattern.numbers_read import format_angle, parse_angle, read_list
 
 LARGEST_FORCE = 1e100
 """Force [N], torque [N m] and distance [m], in any unit: products of them must not overflow."""

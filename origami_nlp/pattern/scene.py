@@ -12,7 +12,6 @@ from origami_nlp.arguments import check_angles, check_number, check_whole, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
 from origami_nlp.numerics import INPUT_TOL, NARROW, SUMMED, energy_or_zero
-from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.fold_limits import (
     Limits,
     limit_angles,
@@ -34,6 +33,7 @@ from origami_nlp.pattern.hinges_stated import (
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
     check_range,
+    format_angle,
     read_numbers,
     read_preload,
     read_rest_angles,

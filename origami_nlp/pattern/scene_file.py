@@ -15,10 +15,10 @@ from origami_nlp.arguments import check_number, check_type, shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
-from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.fold_limits import LIMIT_KEYS, stated_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
+from origami_nlp.pattern.numbers_read import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 

@@ -29,9 +29,8 @@ from origami_nlp.pattern.hinges_stated import (
     read_laws,
     with_laws,
 )
-from origami_nlp.pattern.loops import Loop, Loops, check_topology
 from origami_nlp.pattern.numbers_read import check_range
-from origami_nlp.pattern.polygons import Side, sides_of
+from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""

@@ -20,7 +20,7 @@ from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
 from origami_nlp.io import PrettyRepr, cut
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RESOLVED, ROUNDED
-from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.numbers_read import format_angle, parse_angles
 
 MOST_SPREAD = 0.1
 """What `normalize` spreads at most over the sectors of a vertex [rad]: 5.7 degrees; more is a sector that is wrong."""

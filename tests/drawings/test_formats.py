@@ -12,8 +12,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.drawings import DrawingOptions, read_drawing
 from origami_nlp.drawings.cp import read_cp
-from origami_nlp.drawings.svg import read_svg
-from origami_nlp.drawings.svg_path import path_chains
+from origami_nlp.drawings.svg import path_chains, read_svg
 from origami_nlp.pattern import parse_fold
 
 PLAIN = DrawingOptions()
