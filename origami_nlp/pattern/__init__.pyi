@@ -6,6 +6,7 @@ from .coercion import (
     as_origami as as_origami,
     as_pattern as as_pattern,
     as_scene as as_scene,
+    from_mesh as from_mesh,
 )
 from .converting import convert as convert, frame_drawing as frame_drawing
 from .crease_pattern import (
@@ -93,7 +94,6 @@ from .loads import (
     Load as Load,
     dead_loads as dead_loads,
 )
-from .mesh import from_mesh as from_mesh
 from .numbers_read import (
     format_angle as format_angle,
     parse_angle as parse_angle,
@@ -105,7 +105,6 @@ from .pattern_file import (
     read_pattern as read_pattern,
 )
 from .places import is_place as is_place, with_places as with_places
-from .plane import in_plane as in_plane, laid_flat as laid_flat
 from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
@@ -118,7 +117,13 @@ from .scene_file import (
     scene_to_dict as scene_to_dict,
     vertex_from_dict as vertex_from_dict,
 )
-from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
+from .sheet import (
+    Loop as Loop,
+    Pattern as Pattern,
+    in_plane as in_plane,
+    laid_flat as laid_flat,
+    make_pattern as make_pattern,
+)
 from .sheet_data import pattern_from_dict as pattern_from_dict, pattern_to_dict as pattern_to_dict
 from .symmetry import winding_number as winding_number, windings_of as windings_of
 from .vertex import Vertex as Vertex
