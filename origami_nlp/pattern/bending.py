@@ -17,12 +17,6 @@ from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern
 
-DIAGONALS = ("short", "long", "both")
-"""Which diagonal of a facet with four corners bends."""
-HALVES = "halves of both diagonals"
-ABOUT_OTHERS = "about the other diagonals facets do not bend"
-ABOUT_BOTH = "a facet bends about one of its two, or is flat"
-
 
 def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") -> Pattern:
     """Return a pattern whose facets with more than three corners bend about diagonals.
@@ -61,7 +55,7 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     (8, 8)
     """
     k = check_number("stiffness", stiffness, 0.0)
-    if diagonal not in DIAGONALS:
+    if diagonal not in ("short", "long", "both"):
         raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
         raise SceneError(
@@ -96,9 +90,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
         return dict(zip(sides, values, strict=True)) | dict.fromkeys(cuts, new)
 
-    which, others = (
-        (f"{diagonal} diagonals", ABOUT_OTHERS) if diagonal != "both" else (HALVES, ABOUT_BOTH)
-    )
+    which, others = f"{diagonal} diagonals", "about the other diagonals facets do not bend"
+    if diagonal == "both":
+        which, others = "halves of both diagonals", "a facet bends about one of its two, or is flat"
     told = f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}"
     numbers = of(pattern.numbers.tolist(), None) | {s: least + i for i, s in enumerate(cuts)}
     stops = pattern.limit_angles.T.tolist()
