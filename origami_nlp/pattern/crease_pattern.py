@@ -200,8 +200,8 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
     first = ring.index(min(ring))
     ring = ring[first:] + ring[:first]
     letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
-    creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
-    if not creases:
+    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
+    if not folds:
         return None
     notes = []
     d = frame.coords[ring] - frame.coords[v]
@@ -219,10 +219,9 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         if len(ring) == 1:
             sectors = np.array([2 * math.pi])
     # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
-    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
     keep = [k for k in folds if letters[ring[k]] != "F" or frame.is_sprung(edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
-    if len(keep) < len(creases):
+    if len(keep) < len(folds):
         if len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL:
             keep = folds
             merged = _merge(sectors, keep)
@@ -233,8 +232,7 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
             notes.append("facets joined by F edges are one facet")
     if any(a == "J" for a in letters.values()):
         notes.append("facets joined by J edges are one facet")
-    names = [ring[k] for k in keep]
-    at = [edge[w] for w in names]
+    at = [edge[ring[k]] for k in keep]
     phi = stated = frame.fold_angles[at]
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
@@ -256,7 +254,7 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
     signs = "".join(frame.assignment[e] for e in at)
     n = len(at)
     # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
-    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else math.nan
+    kawasaki = abs(float(merged[::2].sum() - merged[1::2].sum()))
     both = signs.count("M") + signs.count("V") == n
     maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
     return FoldVertex(
@@ -266,7 +264,7 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        None if math.isnan(alternating) else alternating,
+        None if n % 2 or math.isnan(kawasaki) else kawasaki,
         maekawa,
         reason,
         tuple(notes),
