@@ -151,11 +151,12 @@ def every_label(degree: int) -> list[Relabelling]:
     return [Relabelling(*way, degree) for way in ways]
 
 
-def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
-    """Return whether the symmetries of `other`, under labels that name `creases`, are those of `first`."""
-    place = np.argsort(creases)
-    theirs = {tuple(place[p[creases]].tolist()) for p in _permutations(other)}
-    return theirs == {tuple(p.tolist()) for p in _permutations(first)}
+def _keeps(scene: Scene, creases: np.ndarray) -> bool:
+    """Return whether a scene keeps the same symmetries under labels that name `creases`."""
+    i, place = np.arange(scene.degree), np.argsort(creases)
+    images = [(s - i if mirrored else s + i) % scene.degree for s, mirrored in scene.group.elements]
+    theirs = {tuple(place[p[creases]].tolist()) for p in images}
+    return theirs == {tuple(p.tolist()) for p in images}
 
 
 def symmetries(scene: Scene) -> list[Relabelling]:
@@ -186,17 +187,9 @@ def symmetries(scene: Scene) -> list[Relabelling]:
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
         same = same and (not scene.laws or same_laws(labels.laws(scene), scene.laws))
-        return same and _keeps(scene, scene, i)
+        return same and _keeps(scene, i)
 
     return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]
-
-
-def _permutations(scene: Scene) -> list[np.ndarray]:
-    """Return where the creases of a scene go under its group."""
-    i = np.arange(scene.degree)
-    return [
-        ((s - i) if mirrored else (i + s)) % scene.degree for s, mirrored in scene.group.elements
-    ]
 
 
 def with_symmetry_of(scene: Scene, other: Scene) -> Scene:
