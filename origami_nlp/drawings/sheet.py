@@ -184,13 +184,8 @@ def _open(noded: Noded, found: Planar) -> np.ndarray:
 
 def _repairs(noded: Noded, rung: float, size: float, how: str) -> list[str]:
     """Say what joining and splitting did; where nothing was to be done, nothing."""
-    counts = {
-        "ends joined": noded.joined * (noded.moved > INPUT_TOL * size),
-        "lines split where others end on them": noded.split,
-        "crossings made vertices": noded.crossed,
-        "edges drawn more than once": noded.doubled,
-        "lines shorter than the tolerance left out": noded.vanished,
-    }
+    moved = noded.moved > INPUT_TOL * size
+    counts = noded.repairs | {"ends joined": noded.repairs["ends joined"] * moved}
     said = [f"{many} {what}" for what, many in counts.items() if many]
     if not said:
         return []
