@@ -6,7 +6,7 @@ of the sheet, and at a larger tolerance than needed small facets vanish.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -208,28 +208,26 @@ def _sheets(
     if stray.any():
         where = _places(lines, points[noded.edges[stray][:, 0]])
         notes.append(f"{int(stray.sum())} strays, joined to no sheet, left out: {where}")
-    wholes = np.flatnonzero(whole)
-    boxes = []
-    for one in wholes:
+    sheets = []
+    for one in np.flatnonzero(whole):
         own = points[noded.edges[component == one].ravel()]
-        boxes.append((own.min(axis=0), own.max(axis=0)))
-    extent = [float(np.prod(high - low)) for low, high in boxes]
-    order = sorted(range(len(wholes)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
-    if len(wholes) > 1:
-        where = _places(lines, [(boxes[i][0] + boxes[i][1]) / 2 for i in order])
+        low, high = own.min(axis=0), own.max(axis=0)
+        sheets.append(((-round(float(np.prod(high - low)), 9), *low), one, (low + high) / 2))
+    sheets.sort(key=lambda sheet: sheet[0])
+    if len(sheets) > 1:
+        where = _places(lines, [middle for *_, middle in sheets])
         chosen = "--part takes one" if part is None else f"part {part} is taken"
-        notes.append(f"{len(wholes)} separate sheets {where}: {chosen}")
+        notes.append(f"{len(sheets)} separate sheets {where}: {chosen}")
     if part is None:
         return ~stray, notes
-    if part > len(wholes):
-        raise DrawingError(f"{name} has no part {part}: it has {len(wholes)}")
-    return component == wholes[order[part - 1]], notes
+    if part > len(sheets):
+        raise DrawingError(f"{name} has no part {part}: it has {len(sheets)}")
+    return component == sheets[part - 1][1], notes
 
 
-def _places(lines: Lines, points: Iterable[np.ndarray]) -> str:
-    shown = list(points)
-    first = ", ".join(lines.place(p) for p in shown[:NAMED])
-    return f"at {first}" + (", ..." if len(shown) > NAMED else "")
+def _places(lines: Lines, points: Sequence[np.ndarray] | np.ndarray) -> str:
+    first = ", ".join(lines.place(p) for p in points[:NAMED])
+    return f"at {first}" + (", ..." if len(points) > NAMED else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,8 +304,7 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     m = len(once)
     tail, head, after = half_edges(points, once)
     walk = groups(2 * m, np.column_stack([np.arange(2 * m), after]))
-    vertex_group = groups(len(points), once)
-    names, component = np.unique(vertex_group[once[:, 0]], return_inverse=True)
+    names, component = np.unique(groups(len(points), once)[once[:, 0]], return_inverse=True)
     middle = points.mean(axis=0) if len(points) else np.zeros(2)
     p, q = points[tail] - middle, points[head] - middle
     area = np.bincount(walk, weights=p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
@@ -316,8 +313,7 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     of_walk[walk] = np.tile(component, 2)
     least = np.lexsort((area, of_walk))
     outside = least[np.diff(of_walk[least], prepend=-1) > 0]
-    is_outside = np.isin(walk, outside)
     faces = np.bincount(of_walk, minlength=len(names)) - 1
-    outer = is_outside[:m] | is_outside[m:]
+    outer = np.isin(walk, outside).reshape(2, m).any(axis=0)
     degree = np.bincount(edges.ravel(), minlength=len(points))
     return Planar(degree, component[back.ravel()], faces, outer[back.ravel()])
