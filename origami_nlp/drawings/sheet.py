@@ -314,6 +314,7 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     least = np.lexsort((area, of_walk))
     outside = least[np.diff(of_walk[least], prepend=-1) > 0]
     faces = np.bincount(of_walk, minlength=len(names)) - 1
-    outer = np.isin(walk, outside).reshape(2, m).any(axis=0)
+    left, right = np.isin(walk, outside).reshape(2, m)
+    outer = left | right
     degree = np.bincount(edges.ravel(), minlength=len(points))
     return Planar(degree, component[back.ravel()], faces, outer[back.ravel()])

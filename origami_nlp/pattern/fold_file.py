@@ -26,13 +26,14 @@ from origami_nlp.drawings import (
     drawing_to_fold,
     read_drawing,
 )
-from origami_nlp.errors import FoldFileError
+from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.io import parse_json, printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
-from origami_nlp.pattern.fold_limits import edge_limits
+from origami_nlp.pattern.fold_limits import limit_angles, read_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, note_small, once
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
-from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled, read_lattice
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled
+from origami_nlp.pattern.polygons import sides_of
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
@@ -375,8 +376,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         max(last_place(coords), error),
         length_unit=str(data.get("frame_unit", "")),
         error=error,
-        limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
-        lattice=read_lattice(data.get(LATTICE_KEY)),
+        limits=_limits(data.get(LIMITS_KEY), m, keep),
+        lattice=_lattice(data.get(LATTICE_KEY)),
         rolled=check_rolled(data.get(ROLLED_KEY)),
         laws=edge_laws(data, m, keep),
     )
@@ -406,19 +407,40 @@ def _rows(
     return rows
 
 
-def _coords(value: object) -> tuple[np.ndarray, bool]:
-    """Read coordinates, and whether there are three."""
-    rows = _rows(value, "vertices_coords", lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
+def _coords(value: object, name: str = "vertices_coords") -> tuple[np.ndarray, bool]:
+    """Read points or vectors, and whether they have three coordinates."""
+    rows = _rows(value, name, lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
     out = np.zeros((len(rows), 3))
     for i, row in enumerate(rows):
         out[i, : len(row)] = [
-            check_number(f"vertices_coords[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
+            check_number(f"{name}[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
         ]
     if not len(out):
-        raise FoldFileError("vertices_coords is empty: no geometry to analyse")
+        raise FoldFileError(f"{name} is empty: no geometry to analyse")
     if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
-        raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
+        raise FoldFileError(f"{name} span less than 1e-50: rescale the pattern")
     return out, any(len(row) == 3 for row in rows)
+
+
+def _lattice(value: object) -> np.ndarray | None:
+    if value is None:
+        return None
+    if not isinstance(value, list) or len(value) != 2:
+        raise FoldFileError(
+            f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
+        )
+    return _coords(value, LATTICE_KEY)[0]
+
+
+def _limits(value: object, count: int, keep: np.ndarray) -> np.ndarray | None:
+    """Read fold limits [deg] of some edges: a pair each, or null for +-180; None where there are none."""
+    if value is None:
+        return None
+    pairs = [[-180.0, 180.0] if p is None else p for p in _of_edges(value, LIMITS_KEY, count)]
+    try:
+        return limit_angles(read_limits(pairs, count, degrees=True), count).T[keep]
+    except OrigamiError as error:
+        raise FoldFileError(f"{LIMITS_KEY}: {error}") from None
 
 
 def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
@@ -449,11 +471,11 @@ def _edges(
 ) -> np.ndarray:
     """Read edges, or take the sides of the faces."""
     if value is None:
-        sides = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
+        sides = sorted(sides_of(faces))
         if not sides:
             raise FoldFileError("edges_vertices is missing: a vertex needs its creases")
         notes.append("edges_vertices is missing: edges are the sides of the faces, all unassigned")
-        return np.array(sorted(sides))
+        return np.array(sides)
     pairs = _rows(
         value,
         "edges_vertices",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.errors import FoldFileError, OrigamiError, SceneError
+from origami_nlp.errors import SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
 from origami_nlp.pattern.numbers_read import parse_angles, read_list
 
@@ -111,44 +111,6 @@ def stated_limits(table: Mapping[str, Any], degree: int) -> dict[str, Any]:
     if thick:
         out["panels"] = read_panels([table[key] for key in thick])
     return out
-
-
-def edge_limits(given: object, edges: int, key: str, keep: np.ndarray) -> np.ndarray | None:
-    """Read fold limits [deg] of some edges of a FOLD file: a pair each, or null for +-180; None where there is no key.
-
-    Parameters
-    ----------
-    given
-        What the file says.
-    edges
-        How many there are.
-    key
-        How messages call it.
-    keep
-        Edges wanted.
-
-    Returns
-    -------
-    numpy.ndarray or None
-        Low and high, shape [len(keep), 2] [rad].
-
-    Raises
-    ------
-    FoldFileError
-        If they do not fit.
-    """
-    if given is None:
-        return None
-    if not isinstance(given, list) or len(given) != edges:
-        raise FoldFileError(
-            f"{key} must be a list of {edges} pairs [low, high] in degrees, or null"
-        )
-    rows = [[-180.0, 180.0] if pair is None else pair for pair in given]
-    try:
-        read = read_limits(rows, edges, degrees=True)
-    except OrigamiError as error:
-        raise FoldFileError(f"{key}: {error}") from None
-    return limit_angles(read, edges).T[keep]
 
 
 def _at_flat(angle: float) -> float:
