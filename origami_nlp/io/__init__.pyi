@@ -23,11 +23,9 @@ from .reprs import (
     PrettyRepr as PrettyRepr,
     ShortRepr as ShortRepr,
     cut as cut,
-    is_number as is_number,
-    is_unicode as is_unicode,
-    printable as printable,
     short_repr as short_repr,
 )
+from .text import is_number as is_number, is_unicode as is_unicode, printable as printable
 from .writing import (
     check_outputs as check_outputs,
     check_writable as check_writable,
