@@ -284,8 +284,7 @@ class Scene(PrettyRepr):
         """Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]."""
         if not self.preload:
             return self.rest_angles
-        springs = zip(self.rest_angles, self.preload, self.stiffness, strict=True)
-        return tuple(rest + m / k for rest, m, k in springs)
+        return tuple(np.add(self.rest_angles, np.divide(self.preload, self.stiffness)).tolist())
 
     @property
     def label(self) -> str:
