@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import DrawingError
-from origami_nlp.numerics import EPS, groups
+from origami_nlp.numerics import groups
 
 RANKS = ("B", "C", "MV", "U", "F")
 """Which letter stays where two lie on each other: the first; M and V contradict each other."""
@@ -248,31 +248,22 @@ def _split_at_crossings(
     points: np.ndarray, pieces: np.ndarray, line: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the points at which pieces cross, numbered on from those there are, and the pieces split there."""
-    from shapely import STRtree, linestrings
+    import shapely
 
-    shapes = linestrings(points[pieces])
-    one, other = _pairs(STRtree(shapes), shapes, predicate="intersects")
+    shapes = shapely.linestrings(points[pieces])
+    one, other = _pairs(shapely.STRtree(shapes), shapes, predicate="intersects")
     # those that share an end meet nowhere else: where one lies on the other, points on lines have split it
     apart = (one < other) & (pieces[one][:, :, None] != pieces[other][:, None, :]).all(axis=(1, 2))
     one, other = one[apart], other[apart]
-    p, q = points[pieces[one, 0]], points[pieces[other, 0]]
-    d, e = points[pieces[one, 1]] - p, points[pieces[other, 1]] - q
-    turn = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
-    # lines that cross at less than rounding are along each other: their ends lie on them
-    sure = np.abs(turn) > 16 * EPS * np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
-    one, other, p, q, d, e, turn = (x[sure] for x in (one, other, p, q, d, e, turn))
-    gap = q - p
-    s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / turn
-    t = (gap[:, 0] * d[:, 1] - gap[:, 1] * d[:, 0]) / turn
-    new = p + s[:, None] * d
+    meet = shapely.intersection(shapes[one], shapes[other])
+    # no points: lines along each other, whose ends lie on them
+    sure = shapely.get_type_id(meet) == 0
+    one, other, meet = one[sure], other[sure], meet[sure]
+    new = shapely.get_coordinates(meet)
     number = len(points) + np.arange(len(new))
-    pieces, line, _ = _cut(
-        pieces,
-        line,
-        np.concatenate([one, other]),
-        np.concatenate([number, number]),
-        np.clip(np.concatenate([s, t]), 0.0, 1.0),
-    )
+    both, met = np.concatenate([one, other]), np.concatenate([meet, meet])
+    along = shapely.line_locate_point(shapes[both], met, normalized=True)
+    pieces, line, _ = _cut(pieces, line, both, np.concatenate([number, number]), along)
     return new, pieces, line
 
 
