@@ -83,7 +83,7 @@ class FoldFileError(OrigamiError):
 
 
 class DrawingError(FoldFileError):
-    """A drawing (SVG, .cp, .opx, DXF) cannot be read or written, or has no crease pattern in it."""
+    """A drawing (SVG, .cp, DXF) cannot be read or written, or has no crease pattern in it."""
 
 
 class OptionError(OrigamiError):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.pattern import Pattern, make_pattern
+from origami_nlp.pattern import Pattern, Scene, make_pattern
 from origami_nlp.search import TRUST, descent_path
 
 
@@ -110,3 +110,19 @@ def _copy(q: np.ndarray, i: int, j: int) -> np.ndarray:
         side = 2 if (i + k) % 2 == 0 else 0  # a turned copy has its side 0 above
         x = x[side] + x[(side + 1) % 4] - x
     return x
+
+
+def scene_pattern(scene: Scene) -> Pattern:
+    """Return the sheet with one interior vertex of a scene that lies flat: corner i is the end of crease i."""
+    n, a = scene.degree, scene.vertex.azimuths
+    corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(a), np.sin(a)])])
+    letters = ["M" if r < 0 else "V" if r > 0 else "U" for r in scene.rest_angles]
+    made = make_pattern(
+        corners,
+        [(0, i, i % n + 1) for i in range(1, n + 1)],
+        assignment={(0, i + 1): letter for i, letter in enumerate(letters)},
+        numbers={(0, i + 1): i for i in range(n)},
+        name=scene.name or "",
+    ).with_springs(list(scene.stiffness), list(scene.rest_angles))
+    made = made.with_limits(scene.limits) if scene.limits else made
+    return made.with_laws(scene.laws) if scene.laws else made

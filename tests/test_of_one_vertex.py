@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import as_scene, scene_pattern
+from origami_nlp.pattern import as_scene
 from origami_nlp.proof import prove
 from tests.command_line import run
 from tests.computed_once import thinned
+from tests.patterns import scene_pattern
 
 WAYS = {
     "boundaries": (

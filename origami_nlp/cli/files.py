@@ -213,7 +213,7 @@ def convert(
         if not all(parts):
             raise OptionError(f"--colour = {pair!r} must be KEY=LETTER, such as '#EE1032=M'")
     letters = {key: letter.upper() for key, _, letter in pairs}
-    asked = DrawingOptions(tolerance, letters, int(curves) if curves.isdigit() else curves, part)
+    asked = DrawingOptions(tolerance, letters, curves, part)
     drawing = asked if asked != DrawingOptions() else None
     made = written(source, to, frame=frame, drawing=drawing, write=WriteOptions(scale, size))
     for note in made.notes:

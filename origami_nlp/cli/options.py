@@ -85,7 +85,7 @@ def _claims() -> list[str]:
 
 ORIGAMI = _argument(
     "ORIGAMI",
-    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, .opx, DXF); "
+    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, DXF); "
     "- for either on stdin; or an example by name, such as miura:8x8.",
 )
 FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
@@ -99,7 +99,7 @@ EXAMPLE = _argument(
     "-o FILE.fold; targets of a design: waitukaitis-five, six-states, three-equal, switch, flat-and-one.",
 )
 TARGETS = _argument("TARGETS", "What is asked for (TOML), - for stdin, or an example by name.")
-DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
+DRAWING = _argument("SOURCE", "FOLD, SVG, .cp or DXF file, - for stdin, or an example.")
 CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")
 HINGE_DATA = _argument(
     "DATA",
@@ -183,7 +183,7 @@ CHECKED_FRAME = _option("N", "Frame that is checked, from 0 (default: all).", "-
 TOLERANCE = _option("SHARE", "By how much places are off, of the sheet (default: their digits).")
 ORDERS = _flag("Count the layer orders of one ORIGAMI; -o FILE.fold lists them.", "--orders")
 COLOUR = _option("KEY=LETTER", "What a colour or layer is: M, V, B, C, U, F, or - for nothing.")
-CURVES = _option("refuse|leave|N", "Leave curves out, or take N chords for each.", usual="refuse")
+CURVES = _option("refuse|leave", "Leave curves out.", usual="refuse")
 PART = _option("K", "One of several sheets, from 1, the largest first.")
 SCALE = _option("MM", "Millimetres for one unit of the file.")
 LONGEST = _option("MM", "Millimetres of the longest side.", "--longest")

@@ -74,13 +74,14 @@ class Source:
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file, a drawing or an example, by its name or, without one, by its first letters."""
-        from origami_nlp.pattern import is_drawing, is_json
+        from origami_nlp.drawings import drawing_kind
+        from origami_nlp.pattern import is_json
 
         if self._ending == ".toml":  # readers of drawings are not loaded then
             return is_json(self._content)
-        if self._ending in (".fold", ".json") or is_drawing(self.name):
+        if self._ending in (".fold", ".json") or drawing_kind(self.name, b""):
             return True
-        return is_json(self._content) or is_drawing(self.name, self._content)
+        return is_json(self._content) or drawing_kind(self.name, self._content) is not None
 
     @cached_property
     def is_example(self) -> bool:
@@ -101,7 +102,7 @@ class Source:
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
-        from origami_nlp.pattern import decode_scene, vertex_scene
+        from origami_nlp.pattern import decode_scene, scene_at
 
         if not self.is_fold:
             states = "is for FOLD files (.fold); a scene file states it itself"
@@ -115,7 +116,7 @@ class Source:
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         kept = self._of("symmetry", "contact")
-        return vertex_scene(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
+        return scene_at(self._frame(), self.vertex, on_note=note, **kept, **self._springs())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
@@ -181,7 +182,8 @@ class Source:
 
     @cached_property
     def _content(self) -> bytes:
-        from origami_nlp.pattern import LARGEST, examples, is_drawing
+        from origami_nlp.drawings import drawing_kind
+        from origami_nlp.pattern import LARGEST, examples
 
         if self.is_example:
             cells = cell_options(self.cell, self.rolled)
@@ -192,7 +194,7 @@ class Source:
             raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
         if self._ending in (".fold", ".json"):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
-        if self._ending != ".toml" and is_drawing(self.name):
+        if self._ending != ".toml" and drawing_kind(self.name, b""):
             return read_limited(self.name, LARGEST, "drawing", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 

@@ -1,4 +1,4 @@
-"""What others draw and cut: SVG, .cp, .opx and DXF, read as lines, made one planar drawing, and written."""
+"""What others draw and cut: SVG, .cp and DXF, read as lines, made one planar drawing, and written."""
 
 import lazy_loader
 

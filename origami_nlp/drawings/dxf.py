@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from origami_nlp.arguments import require
-from origami_nlp.drawings.lines import MOST_LINES, DrawingOptions, LineList, Lines
+from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
 from origami_nlp.errors import DrawingError
 
 LAYERS = (
@@ -25,13 +25,11 @@ LAYERS = (
     (r"unassigned|^u$", "U"),
 )
 """What a layer is, by a part of its name; the first that fits."""
-DEEPEST = 50
-"""Blocks within each other."""
 INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}
 
 
 def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
-    """Read the lines and polylines of a DXF drawing, those of its blocks included.
+    """Read the lines and polylines of a DXF drawing; those of blocks are left out and counted.
 
     Parameters
     ----------
@@ -53,7 +51,7 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
         If it is no DXF, has no line whose letter is known, curves that nothing was said of, or `ezdxf` is not there.
     """
     ezdxf = require("ezdxf", "DXF", "dxf", DrawingError)
-    from ezdxf import disassemble, path, recover
+    from ezdxf import path, recover
 
     try:
         document, _ = recover.read(io.BytesIO(raw))
@@ -62,8 +60,7 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
         ) from None
     found = LineList(name, options)
-    _check_blocks(document, name)
-    for entity in disassemble.recursive_decompose(document.modelspace()):
+    for entity in document.modelspace():
         kind = entity.dxftype()
         if kind not in ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
             found.left_out[kind] += 1
@@ -73,38 +70,12 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             continue
         drawn = path.make_path(entity)
         curves = sum(command.type.name != "LINE_TO" for command in drawn.commands())
-        found.curved += curves
-        chords = options.curves if isinstance(options.curves, int) else 0
-        if not curves or chords:
-            points = [(p.x, p.y) for p in drawn.approximate(segments=max(chords, 1))]
+        found.left_out["curves"] += curves
+        if not curves:
+            points = [(p.x, p.y) for p in drawn.control_vertices()]
             found.add(points, letter, math.nan, f"in a {kind} of layer {entity.dxf.layer!r}")
     found.length_unit = INSUNITS.get(document.header.get("$INSUNITS", 0), "")
     return found.lines("layers and colours", y_down=False)
-
-
-def _check_blocks(document: Any, name: str) -> None:
-    """Refuse a drawing whose blocks hold themselves, or each other so often that few lines become millions."""
-    sizes: dict[str, int] = {}
-
-    def size(block: str, around: tuple[str, ...] = ()) -> int:
-        if block in around or len(around) > DEEPEST:
-            raise DrawingError(
-                f"{name}: its block {block!r} holds itself, or blocks within blocks without end"
-            )
-        if block not in sizes:
-            inside = document.modelspace() if not block else document.blocks.get(block) or ()
-            sizes[block] = sum(
-                max(one.mcount, 1) * (1 + size(one.dxf.name.lower(), (*around, block)))
-                if one.dxftype() == "INSERT"
-                else 1
-                for one in inside
-            )
-        return sizes[block]
-
-    if (many := size("")) > MOST_LINES:
-        raise DrawingError(
-            f"{name} has {many:,} entities, more than {MOST_LINES:,}: no crease pattern"
-        )
 
 
 def _letter(found: LineList, entity: Any, document: Any) -> str | None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_whole, did_you_mean
+from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import DrawingError, OptionError
 
 LETTERS = "BCMVUF"
@@ -33,7 +33,7 @@ class DrawingOptions:
     letters
         By colour (``"#EE1032"``, ``"orange"``) or DXF layer, one of B, C, M, V, U, F; or ``"-"``, to leave it out.
     curves
-        ``"refuse"``, ``"leave"`` (out), or the number of chords for each.
+        ``"refuse"``, or ``"leave"`` (out).
     part
         Which of several sheets, from 1, the largest first; None: all of them.
 
@@ -45,20 +45,20 @@ class DrawingOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> o.DrawingOptions(letters={"#EE1032": "M", "orange": "-"}, curves=8).letters["#EE1032"]
+    >>> o.DrawingOptions(letters={"#EE1032": "M", "orange": "-"}, curves="leave").letters["#EE1032"]
     'M'
     """
 
     tolerance: float | None = None
     letters: Mapping[str, str] = field(default_factory=dict)
-    curves: int | str = "refuse"
+    curves: str = "refuse"
     part: int | None = None
 
     def __post_init__(self) -> None:
         if self.tolerance is not None:
             check_number("tolerance", self.tolerance, math.ulp(0.0), 0.1)
         if self.curves not in ("refuse", "leave"):
-            check_whole("curves, refuse, leave or chords of each,", self.curves, 1, 1000)
+            raise OptionError(f"curves = {shown(self.curves)} must be refuse or leave")
         if self.part is not None:
             check_whole("part", self.part, 1)
         for key, letter in self.letters.items():
@@ -123,7 +123,6 @@ class LineList:
         self.notes: list[str] = []
         self.unknown: Counter[str] = Counter()
         self.left_out: Counter[str] = Counter()
-        self.curved = 0
         self.broken: list[str] = []
         self.length_unit = ""
         self._used: set[str] = set()
@@ -163,10 +162,10 @@ class LineList:
             one = sorted(asked)[0]
             meant = did_you_mean(one, [*self.unknown, *self._used])
             raise DrawingError(f"{self.name} has no line of {one!r}{meant}")
-        if self.curved and self.options.curves == "refuse":
+        if self.left_out["curves"] and self.options.curves == "refuse":
             raise DrawingError(
-                f"{self.name} has {self.curved} curves: creases are straight. Take chords for each, such as "
-                "--curves 8, leave them out with --curves leave, or redraw them"
+                f"{self.name} has {self.left_out['curves']} curves: creases are straight. Leave them out with "
+                "--curves leave, or redraw them"
             )
         known, unknown = len(self.ends), self.unknown.most_common()
         shown = ", ".join(f"{n} of {key}" for key, n in unknown[:6])
@@ -177,22 +176,19 @@ class LineList:
                     f"{self.name} has no line in {kinds} that say what it is, only {shown}: say it, such as "
                     f"--colour '{unknown[0][0]}=M'"
                 )
-            raise DrawingError(f"{self.name} has no lines: nothing to fold")
+            others = "".join(f"; {n} {what} left out" for what, n in (+self.left_out).items())
+            raise DrawingError(f"{self.name} has no lines: nothing to fold{others}")
         if unknown:
             self.notes.append(
                 f"left out, for {kinds} that do not say what they are: {shown}; --colour '{unknown[0][0]}=M' takes "
                 "them for mountains"
             )
-        if self.curved:
-            many = self.options.curves
-            how = "left out" if many == "leave" else f"taken as {many} chords each"
-            self.notes.append(f"{self.curved} curves: {how}")
         if self.broken:
             self.notes.append(
                 f"{len(self.broken)} lines left out, not readable or without finite coordinates: first "
                 f"{self.broken[0]}"
             )
-        for what, many in sorted(self.left_out.items()):
+        for what, many in sorted((+self.left_out).items()):
             self.notes.append(f"{many} {what} left out")
         if not {*self.letters} & {*"MV"}:
             self.notes.append("no mountain or valley is drawn")

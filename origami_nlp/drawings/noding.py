@@ -14,12 +14,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import DrawingError
-from origami_nlp.numerics import EPS, groups
+from origami_nlp.numerics import groups
 
-RANK = "BCMVUF"
+RANKS = ("B", "C", "MV", "U", "F")
 """Which letter stays where two lie on each other: the first; M and V contradict each other."""
 MOST_MEETINGS, A_TIME = 4_000_000, 1000
 """Ends on lines and crossings of a drawing, and shapes that are looked at together."""
+Edge = tuple[int, int, str, float, frozenset[int]]
+"""Both vertices, the letter, the fold angle, and the lines that lie on it."""
 ROUNDS = 30
 """Of joining and splitting; drawings take two to four."""
 
@@ -38,29 +40,21 @@ class Noded:
         One an edge.
     angles
         Fold angles [deg], [E].
-    lines
-        Of each edge, the lines that lie on it.
     moved
         How far an end is from the vertex that it was joined to, at most.
-    joined, split, crossed, doubled, vanished
-        How many ends were joined to others, lines split where an end lies on them, crossings found, edges drawn more
-        than once, and lines shorter than the tolerance.
     clashes
         Edges (positions) that are drawn as mountain and as valley, or with two fold angles.
+    repairs
+        How many of what were mended.
     """
 
     points: np.ndarray
     edges: np.ndarray
     letters: tuple[str, ...]
     angles: np.ndarray
-    lines: tuple[frozenset[int], ...]
     moved: float
-    joined: int
-    split: int
-    crossed: int
-    doubled: int
-    vanished: int
     clashes: tuple[int, ...]
+    repairs: dict[str, int]
 
 
 def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance: float) -> Noded:
@@ -116,8 +110,21 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
         raise DrawingError(
             "the drawing: its lines go on splitting each other: take a larger tolerance"
         )
-    counts = {"moved": moved, "joined": joined, "split": split, "crossed": crossed}
-    return _merged(points, pieces, line, letters, angles, vanished=vanished, **counts)
+    on: dict[tuple[int, int], list[int]] = {}
+    for (a, b), k in zip(np.sort(pieces, axis=1).tolist(), line.tolist(), strict=True):
+        on.setdefault((a, b), []).append(k)
+    kept = _straightened(_merged(on, letters, angles))
+    used, edges = np.unique(np.array([(a, b) for a, b, *_ in kept], int), return_inverse=True)
+    _, _, names, phi, _ = zip(*kept, strict=True) if kept else ((),) * 5
+    repairs = {
+        "ends joined": joined,
+        "lines split where others end on them": split,
+        "crossings made vertices": crossed,
+        "edges drawn more than once": sum(len(several) > 1 for several in on.values()),
+        "lines shorter than the tolerance left out": vanished,
+    }
+    edges, clashes = edges.reshape(-1, 2), tuple(_doubled(kept))
+    return Noded(points[used], edges, names, np.array(phi, float), moved, clashes, repairs)
 
 
 def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -241,81 +248,50 @@ def _split_at_crossings(
     points: np.ndarray, pieces: np.ndarray, line: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the points at which pieces cross, numbered on from those there are, and the pieces split there."""
-    from shapely import STRtree, linestrings
+    import shapely
 
-    shapes = linestrings(points[pieces])
-    one, other = _pairs(STRtree(shapes), shapes, predicate="intersects")
+    shapes = shapely.linestrings(points[pieces])
+    one, other = _pairs(shapely.STRtree(shapes), shapes, predicate="intersects")
     # those that share an end meet nowhere else: where one lies on the other, points on lines have split it
     apart = (one < other) & (pieces[one][:, :, None] != pieces[other][:, None, :]).all(axis=(1, 2))
     one, other = one[apart], other[apart]
-    p, q = points[pieces[one, 0]], points[pieces[other, 0]]
-    d, e = points[pieces[one, 1]] - p, points[pieces[other, 1]] - q
-    turn = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
-    # lines that cross at less than rounding are along each other: their ends lie on them
-    sure = np.abs(turn) > 16 * EPS * np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
-    one, other, p, q, d, e, turn = (x[sure] for x in (one, other, p, q, d, e, turn))
-    gap = q - p
-    s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / turn
-    t = (gap[:, 0] * d[:, 1] - gap[:, 1] * d[:, 0]) / turn
-    new = p + s[:, None] * d
+    meet = shapely.intersection(shapes[one], shapes[other])
+    # no points: lines along each other, whose ends lie on them
+    sure = shapely.get_type_id(meet) == 0
+    one, other, meet = one[sure], other[sure], meet[sure]
+    new = shapely.get_coordinates(meet)
     number = len(points) + np.arange(len(new))
-    pieces, line, _ = _cut(
-        pieces,
-        line,
-        np.concatenate([one, other]),
-        np.concatenate([number, number]),
-        np.clip(np.concatenate([s, t]), 0.0, 1.0),
-    )
+    both, met = np.concatenate([one, other]), np.concatenate([meet, meet])
+    along = shapely.line_locate_point(shapes[both], met, normalized=True)
+    pieces, line, _ = _cut(pieces, line, both, np.concatenate([number, number]), along)
     return new, pieces, line
 
 
 def _merged(
-    points: np.ndarray,
-    pieces: np.ndarray,
-    line: np.ndarray,
-    letters: Sequence[str],
-    angles: np.ndarray,
-    **counts: Any,
-) -> Noded:
-    """Merge pieces that lie on each other, and let go points at which only one line goes on."""
-    on: dict[tuple[int, int], list[int]] = {}
-    for (a, b), k in zip(np.sort(pieces, axis=1).tolist(), line.tolist(), strict=True):
-        on.setdefault((a, b), []).append(k)
-    doubled = sum(len(several) > 1 for several in on.values())
-    kept: list[tuple[int, int, str, float, frozenset[int]]] = []
-    clashes = []
+    on: dict[tuple[int, int], list[int]], letters: Sequence[str], angles: np.ndarray
+) -> list[Edge]:
+    """Merge the lines on each edge: what the first rank among them says of it."""
+    kept: list[Edge] = []
     for (a, b), several in on.items():
-        rank = min(min(RANK.index(letters[k]), 3) for k in several)
-        best = [k for k in several if letters[k] in (RANK[rank] if rank < 2 else RANK[2:])]
-        folds = [k for k in best if letters[k] in "MV"] or sorted(
-            best, key=lambda k: RANK.index(letters[k])
-        )[:1]
+        first = next(rank for rank in RANKS if any(letters[k] in rank for k in several))
         said: dict[tuple[str, float | None], int] = {}
-        for k in folds if rank >= 2 else folds[:1]:
-            said.setdefault((letters[k], None if np.isnan(angles[k]) else float(angles[k])), k)
-        if len(said) > 1:
-            clashes += [len(kept) + i for i in range(len(said))]
+        for k in (k for k in several if letters[k] in first):
+            if first == "MV" or not said:
+                angle = None if np.isnan(angles[k]) else float(angles[k])
+                said.setdefault((letters[k], angle), k)
         kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in said.values()]
-    kept = _straightened(kept, set(clashes))
+    return kept
+
+
+def _doubled(kept: list[Edge]) -> list[int]:
+    """Return the edges that are there in several ways."""
     many = Counter((a, b) for a, b, *_ in kept)
-    clashes = [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
-    used = np.unique(np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2))
-    number = np.full(len(points), -1)
-    number[used] = np.arange(len(used))
-    edges = number[np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2)]
-    _, _, names, phi, of = zip(*kept, strict=True) if kept else ((),) * 5
-    return Noded(
-        *(points[used], edges, tuple(names), np.array(phi, float), tuple(of)),
-        doubled=doubled,
-        clashes=tuple(clashes),
-        **counts,
-    )
+    return [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
 
 
-def _straightened(
-    kept: list[tuple[int, int, str, float, frozenset[int]]], fixed: set[int]
-) -> list[tuple[int, int, str, float, frozenset[int]]]:
+def _straightened(kept: list[Edge]) -> list[Edge]:
     """Join the two edges at a point where nothing but one line goes on: its split was that of a line on it."""
+    fixed = set(_doubled(kept))
     at: dict[int, list[int]] = {}
     for e, (a, b, *_) in enumerate(kept):
         at.setdefault(a, []).append(e)

@@ -6,8 +6,8 @@ of the sheet, and at a larger tolerance than needed small facets vanish.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -111,9 +111,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         # ends that all but meet are one point at the next tolerance: stubs beyond a crossing, lines drawn twice so
         faults += len(noded.clashes) + _short(noded, RESOLVES * rung * size)
         if noded.moved > CHAINED * rung * size:
-            faults = len(noded.edges) + 2 * len(
-                lines.ends
-            )  # chains of short lines shrink to points
+            # chains of short lines shrink to points
+            faults = len(noded.edges) + 2 * len(lines.ends)
         if best is None or faults < best[0]:
             best = (faults, rung, noded, found)
         if not faults:
@@ -148,17 +147,21 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         notes.append(
             "all lines are borders: --colour says which are folds, such as --colour 'black=U'"
         )
-    for e in noded.clashes[::2] if keep.any() else ():
+    twice = noded.clashes[::2] if keep.any() else ()
+    for e in twice[:NAMED]:
         a, b = (lines.place(noded.points[v]) for v in noded.edges[e])
         notes.append(
             f"the line from {a} to {b} is drawn twice, with other letters or fold angles: keep one"
         )
+    if len(twice) > NAMED:
+        notes.append(f"{len(twice) - NAMED} more lines are drawn twice so")
     place = last_place(lines.ends)
     # whole numbers on a grid of a few are exact
     error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
-    made = Drawing(
-        noded.points,
-        noded.edges[keep],
+    used, edges = np.unique(noded.edges[keep], return_inverse=True)
+    return Drawing(
+        noded.points[used],
+        edges.reshape(-1, 2),
         tuple(letters[keep].tolist()),
         noded.angles[keep],
         error,
@@ -166,24 +169,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         lines.title,
         lines.length_unit,
         lines.y_down,
-        tuple(_cut_short(notes)),
+        tuple(notes),
     )
-    return _used(made)
-
-
-def _cut_short(notes: list[str]) -> list[str]:
-    """Return notes, of doubled lines no more than a few."""
-    twice = [note for note in notes if note.endswith("keep one")]
-    rest = [note for note in notes if not note.endswith("keep one")]
-    more = [f"{len(twice) - NAMED} more lines are drawn twice so"] if len(twice) > NAMED else []
-    return [*rest, *twice[:NAMED], *more]
-
-
-def _used(made: Drawing) -> Drawing:
-    used = np.unique(made.edges)
-    number = np.full(len(made.points), -1)
-    number[used] = np.arange(len(used))
-    return replace(made, points=made.points[used], edges=number[made.edges])
 
 
 def _loose(noded: Noded, found: Planar) -> np.ndarray:
@@ -207,13 +194,8 @@ def _open(noded: Noded, found: Planar) -> np.ndarray:
 
 def _repairs(noded: Noded, rung: float, size: float, how: str) -> list[str]:
     """Say what joining and splitting did; where nothing was to be done, nothing."""
-    counts = {
-        "ends joined": noded.joined * (noded.moved > INPUT_TOL * size),
-        "lines split where others end on them": noded.split,
-        "crossings made vertices": noded.crossed,
-        "edges drawn more than once": noded.doubled,
-        "lines shorter than the tolerance left out": noded.vanished,
-    }
+    moved = noded.moved > INPUT_TOL * size
+    counts = noded.repairs | {"ends joined": noded.repairs["ends joined"] * moved}
     said = [f"{many} {what}" for what, many in counts.items() if many]
     if not said:
         return []
@@ -236,28 +218,26 @@ def _sheets(
     if stray.any():
         where = _places(lines, points[noded.edges[stray][:, 0]])
         notes.append(f"{int(stray.sum())} strays, joined to no sheet, left out: {where}")
-    wholes = np.flatnonzero(whole)
-    boxes = []
-    for one in wholes:
+    sheets = []
+    for one in np.flatnonzero(whole):
         own = points[noded.edges[component == one].ravel()]
-        boxes.append((own.min(axis=0), own.max(axis=0)))
-    extent = [float(np.prod(high - low)) for low, high in boxes]
-    order = sorted(range(len(wholes)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
-    if len(wholes) > 1:
-        where = _places(lines, [(boxes[i][0] + boxes[i][1]) / 2 for i in order])
+        low, high = own.min(axis=0), own.max(axis=0)
+        sheets.append(((-round(float(np.prod(high - low)), 9), *low), one, (low + high) / 2))
+    sheets.sort(key=lambda sheet: sheet[0])
+    if len(sheets) > 1:
+        where = _places(lines, [middle for *_, middle in sheets])
         chosen = "--part takes one" if part is None else f"part {part} is taken"
-        notes.append(f"{len(wholes)} separate sheets {where}: {chosen}")
+        notes.append(f"{len(sheets)} separate sheets {where}: {chosen}")
     if part is None:
         return ~stray, notes
-    if part > len(wholes):
-        raise DrawingError(f"{name} has no part {part}: it has {len(wholes)}")
-    return component == wholes[order[part - 1]], notes
+    if part > len(sheets):
+        raise DrawingError(f"{name} has no part {part}: it has {len(sheets)}")
+    return component == sheets[part - 1][1], notes
 
 
-def _places(lines: Lines, points: Iterable[np.ndarray]) -> str:
-    shown = list(points)
-    first = ", ".join(lines.place(p) for p in shown[:NAMED])
-    return f"at {first}" + (", ..." if len(shown) > NAMED else "")
+def _places(lines: Lines, points: Sequence[np.ndarray] | np.ndarray) -> str:
+    first = ", ".join(lines.place(p) for p in points[:NAMED])
+    return f"at {first}" + (", ..." if len(points) > NAMED else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,8 +314,7 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     m = len(once)
     tail, head, after = half_edges(points, once)
     walk = groups(2 * m, np.column_stack([np.arange(2 * m), after]))
-    vertex_group = groups(len(points), once)
-    names, component = np.unique(vertex_group[once[:, 0]], return_inverse=True)
+    names, component = np.unique(groups(len(points), once)[once[:, 0]], return_inverse=True)
     middle = points.mean(axis=0) if len(points) else np.zeros(2)
     p, q = points[tail] - middle, points[head] - middle
     area = np.bincount(walk, weights=p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
@@ -344,8 +323,8 @@ def planar(points: np.ndarray, edges: np.ndarray) -> Planar:
     of_walk[walk] = np.tile(component, 2)
     least = np.lexsort((area, of_walk))
     outside = least[np.diff(of_walk[least], prepend=-1) > 0]
-    is_outside = np.isin(walk, outside)
     faces = np.bincount(of_walk, minlength=len(names)) - 1
-    outer = is_outside[:m] | is_outside[m:]
+    left, right = np.isin(walk, outside).reshape(2, m)
+    outer = left | right
     degree = np.bincount(edges.ravel(), minlength=len(points))
     return Planar(degree, component[back.ravel()], faces, outer[back.ravel()])

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from xml.etree.ElementTree import Element
 
 SIMULATOR_COLOURS = {
@@ -21,8 +20,7 @@ SIMULATOR_COLOURS = {
 LOOKS = ("stroke", "stroke-opacity", "opacity", "display", "visibility")
 INHERITED = ("stroke", "stroke-opacity", "visibility")
 """Properties that are read, and those of them that groups hand down; opacity is the element's own."""
-_COMPOUND = re.compile(r"^(?:[\w-]+|\*)?(?:[.#][\w-]+)*$")
-_PART = re.compile(r"([.#]?)([\w-]+|\*)")
+_SELECTOR = re.compile(r"([.#]?)([\w-]+|\*)")
 
 Declarations = dict[str, str]
 
@@ -69,17 +67,8 @@ def _bare(text: str) -> str:
     return first + "".join(part.partition("*/")[2] for part in rest)
 
 
-@dataclass(frozen=True)
-class _Rule:
-    """Compounds, each within the one before it, and what they are said."""
-
-    compounds: tuple[tuple[tuple[str, str], ...], ...]
-    said: Declarations
-    weight: tuple[int, int, int, int]
-
-
 class Sheet:
-    """Rules of the style sheets of a file: selectors of tags, classes and ids, also within each other.
+    """Rules of the style sheets of a file: selectors of one tag, class or id.
 
     Parameters
     ----------
@@ -93,7 +82,7 @@ class Sheet:
     """
 
     def __init__(self, root: Element) -> None:
-        self.rules: list[_Rule] = []
+        self.rules: list[tuple[str, str, Declarations]] = []
         self.left_out: list[str] = []
         for style in root.iter("style"):
             text = _bare(style.text or "").replace("<!--", "").replace("-->", "")
@@ -103,55 +92,20 @@ class Sheet:
                 # after what imports, or stands around it
                 selectors = head.rpartition("{")[2].rpartition(";")[2]
                 for selector in selectors.split(",") if said else ():
-                    self._add(" ".join(selector.split()), said)
-        self.rules.sort(key=lambda rule: rule.weight)
+                    if match := _SELECTOR.fullmatch(selector.strip()):
+                        self.rules.append((match[1], match[2], said))
+                    else:
+                        self.left_out.append(" ".join(selector.split()))
+        self.rules.sort(key=lambda rule: (" .#".index(rule[0] or " "), rule[1] != "*"))
 
-    def _add(self, selector: str, said: Declarations) -> None:
-        words = selector.split()
-        if not words or not all(_COMPOUND.match(word) for word in words):
-            self.left_out.append(selector)
-            return
-        parts = [tuple((a, b) for a, b in _PART.findall(word)) for word in words]
-        flat = [part for compound in parts for part in compound]
-        weight = (
-            sum(a == "#" for a, _ in flat),
-            sum(a == "." for a, _ in flat),
-            sum(a == "" and b != "*" for a, b in flat),
-            len(self.rules),
-        )
-        self.rules.append(_Rule(tuple(parts), said, weight))
-
-    def look(self, chain: Sequence[Element], inherited: Mapping[str, str]) -> Declarations:
-        """Return the look of the last element of a chain from the root, and what it inherits."""
-        element = chain[-1]
+    def look(self, element: Element, inherited: Mapping[str, str]) -> Declarations:
+        """Return the look of an element, and what it inherits."""
         own = {key: element.attrib[key].strip() for key in LOOKS if key in element.attrib}
-        for rule in self.rules:
-            if _selects(rule.compounds, chain):
-                own |= rule.said
+        names = {"": ("*", element.tag), "#": (element.get("id"),)}
+        names["."] = tuple(element.get("class", "").split())
+        for kind, name, said in self.rules:
+            if name in names[kind]:
+                own |= said
         own |= declarations(element.get("style", ""))
         own = {key: value for key, value in own.items() if value != "inherit"}
         return {key: inherited[key] for key in INHERITED if key in inherited} | own
-
-
-def _selects(compounds: Sequence[Sequence[tuple[str, str]]], chain: Sequence[Element]) -> bool:
-    if not _matches(compounds[-1], chain[-1]):
-        return False
-    rest = list(compounds[:-1])
-    for above in reversed(chain[:-1]):
-        if not rest:
-            break
-        if _matches(rest[-1], above):
-            rest.pop()
-    return not rest
-
-
-def _matches(compound: Sequence[tuple[str, str]], element: Element) -> bool:
-    classes = element.get("class", "").split()
-    return all(
-        name in classes
-        if sign == "."
-        else name == element.get("id")
-        if sign == "#"
-        else name in ("*", element.tag)
-        for sign, name in compound
-    )

@@ -9,15 +9,94 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
-from xml.etree.ElementTree import Element
+from contextlib import suppress
+from typing import NoReturn
+from xml.etree.ElementTree import Element, TreeBuilder
+from xml.parsers import expat
 
 import numpy as np
 
 from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
 from origami_nlp.drawings.style import SIMULATOR_COLOURS, Sheet, canonical_colour
-from origami_nlp.drawings.svg_path import path_chains
-from origami_nlp.drawings.xml_tree import parse_xml
 from origami_nlp.errors import DrawingError
+
+STRAIGHT = 1e-6
+"""Share of its chord by which the handles of a straight curve may be off it: drawing programs write lines so."""
+
+Point = tuple[float, float]
+
+
+def path_chains(d: str) -> tuple[list[list[Point]], int]:
+    """Return the chains of points of a path, and how many of its pieces are curves, which are left out.
+
+    Parameters
+    ----------
+    d
+        The path, as SVG writes it; what comes after an error is not drawn, as browsers do.
+
+    Returns
+    -------
+    list of list of tuple
+        Points (x, y).
+    int
+        Curves, those not counted whose handles lie on their chord.
+
+    Examples
+    --------
+    >>> path_chains("M1 1h2v3z")
+    ([[(1.0, 1.0), (3.0, 1.0), (3.0, 4.0), (1.0, 1.0)]], 0)
+    >>> path_chains("M0 0 Q1 1 2 0 L3 0")
+    ([[(2.0, 0.0), (3.0, 0.0)]], 1)
+    """
+    from fontTools.svgLib.path.parser import parse_path
+
+    pen = _Pen()
+    with suppress(ValueError, IndexError, TypeError):
+        parse_path(d, pen)
+    return [chain for chain in pen.chains if len(chain) > 1], pen.curves
+
+
+class _Pen:
+    """What the parser of fontTools draws with."""
+
+    def __init__(self) -> None:
+        self.chains: list[list[Point]] = []
+        self.curves = 0
+
+    def moveTo(self, to: Point) -> None:
+        self.chains.append([to])
+
+    def closePath(self) -> None:
+        self.chains.append([self.chains[-1][-1]])  # what follows begins where the outline did
+
+    def endPath(self) -> None:
+        pass
+
+    def lineTo(self, to: Point) -> None:
+        self.chains[-1].append(to)
+
+    def curveTo(self, *points: Point) -> None:
+        if _is_straight(*(complex(*p) for p in (self.chains[-1][-1], *points))):
+            self.lineTo(points[-1])
+        else:
+            self.curves += 1
+            self.moveTo(points[-1])
+
+    qCurveTo = curveTo
+
+    def arcTo(self, rx: float, ry: float, turn: float, large: bool, far: bool, to: Point) -> None:
+        self.curves += 1
+        self.moveTo(to)
+
+
+def _is_straight(here: complex, *points: complex) -> bool:
+    *handles, to = points
+    chord = to - here
+    if not chord:
+        return all(h == here for h in handles)
+    along = [(h - here) / chord for h in handles]
+    return all(abs(z.imag) <= STRAIGHT and -STRAIGHT <= z.real <= 1 + STRAIGHT for z in along)
+
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 PIXELS = {"": 1.0, "px": 1.0, "in": 96.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "pt": 4 / 3, "pc": 16.0}
@@ -67,20 +146,17 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
             f"selectors of its style sheet left out: {', '.join(sheet.left_out[:4])}"
         )
     hidden = 0
-    stack: list[tuple[tuple[Element, ...], np.ndarray, Mapping[str, str]]] = [
-        ((root,), np.eye(3), {})
-    ]
+    stack: list[tuple[Element, np.ndarray, Mapping[str, str]]] = [(root, np.eye(3), {})]
     while stack:
-        chain, above, inherited = stack.pop()
-        element = chain[-1]
+        element, above, inherited = stack.pop()
         if element.tag in _NOT_DRAWN:
             continue
-        look = sheet.look(chain, inherited)
+        look = sheet.look(element, inherited)
         if look.get("display") == "none":
             hidden += _count(element)
             continue
         matrix = above @ _matrix(element, name)
-        if element.tag == "svg" and len(chain) > 1:
+        if element.tag == "svg" and element is not root:
             matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
         if element.tag in _OTHERS:
             if (
@@ -93,7 +169,7 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
                 hidden += 1
             elif (colour := canonical_colour(look.get("stroke", "none"))) != "none":
                 _shape(found, element, matrix, colour, look)
-        stack += [((*chain, child), matrix, look) for child in reversed(element)]
+        stack += [(child, matrix, look) for child in reversed(element)]
     if hidden:
         found.left_out["hidden shapes"] = hidden
     found.length_unit = _unit(root)
@@ -117,7 +193,7 @@ def _shape(
         return
     where = f"in <{element.tag}{' ' + repr(element.get('id')) if element.get('id') else ''}>"
     chains, curves = _chains(element, found)
-    found.curved += curves
+    found.left_out["curves"] += curves
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
     if found.is_asked(colour) and letter in "MV":
@@ -145,8 +221,7 @@ def _chains(element: Element, found: LineList) -> tuple[list[list[tuple[float, f
     """Return the chains of points of a shape, and how many curves it has."""
     name = found.name
     if element.tag == "path":
-        chords = found.options.curves
-        return path_chains(element.get("d", ""), chords if isinstance(chords, int) else 0)
+        return path_chains(element.get("d", ""))
     if element.tag == "line":
         x1, y1, x2, y2 = (_length(element, key, name) for key in ("x1", "y1", "x2", "y2"))
         return [[(x1, y1), (x2, y2)]], 0
@@ -221,3 +296,68 @@ def _unit(root: Element) -> str:
 
 def _count(element: Element) -> int:
     return sum(one.tag in _SHAPES for one in element.iter())
+
+
+DEEPEST = 500
+"""Elements within each other."""
+
+
+def parse_xml(raw: bytes, name: str) -> Element:
+    """Return the root of an XML document; tags come without their namespaces.
+
+    Parameters
+    ----------
+    raw
+        The file.
+    name
+        How messages call it.
+
+    Returns
+    -------
+    Element
+        The root.
+
+    Raises
+    ------
+    DrawingError
+        If it is no XML, defines an entity, or is nested too deeply.
+
+    Examples
+    --------
+    >>> parse_xml(b'<svg xmlns="http://www.w3.org/2000/svg"><g/></svg>', "it")[0].tag
+    'g'
+    """
+    builder, depth = TreeBuilder(), 0
+    parser = expat.ParserCreate(namespace_separator="}")
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise DrawingError(f"{name} has more than {DEEPEST} elements within each other")
+        builder.start(_local(tag), {_local(k): v for k, v in attributes.items()})
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(_local(tag))
+
+    def refuse(*_: object) -> NoReturn:
+        raise DrawingError(f"{name} defines XML entities, which can hide anything: save it anew")
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler = builder.data
+    parser.EntityDeclHandler = refuse
+    try:
+        parser.Parse(raw, True)
+    except expat.ExpatError as error:
+        raise DrawingError(f"{name} is not valid XML: {error}") from None
+    except (LookupError, ValueError) as error:  # an unknown encoding
+        if isinstance(error, DrawingError):
+            raise
+        raise DrawingError(f"{name} is not valid XML: {error}") from None
+    return builder.close()
+
+
+def _local(tag: str) -> str:
+    return tag.rpartition("}")[2]

@@ -11,8 +11,8 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from origami_nlp.arguments import check_number
+from origami_nlp.drawings.cp import CP_CODES
 from origami_nlp.drawings.dxf import dxf_text
-from origami_nlp.drawings.oripa_files import CP_CODES
 from origami_nlp.drawings.sheet import Drawing
 from origami_nlp.drawings.style import SIMULATOR_COLOURS
 from origami_nlp.errors import DrawingError, OptionError

@@ -3,73 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
-TAPE_SPRING = """\
-# A tape spring across a fold: stiff while it is straight, at its peak it buckles, then bends at a torque that hardly
-# changes; bent to the other side (equal sense) it is softer.  The crease opposite it pulls the sheet closed.
-# Two stable states: locked straight, and folded.  Torques are made up, in the shape of Seffen and Pellegrino (1999).
 
-[vertex]
-sector_angles_deg = [60, 120, 60, 120]
-
-[creases]
-stiffness = [0.05, 0.05, 0.05, 0.05]     # N m/rad; that of crease 1 is its law's
-rest_angles_deg = [0, 0, 150, 0]
-limits_deg = [-150, 150]
-law = ["tape", "", "", ""]
-
-[laws.tape]
-type = "table"
-angle_deg = [-150, -120, -90, -60, -30, -12, -4, 0, 4, 8, 12, 18, 30, 60, 90, 120, 150]
-torque = [-0.055, -0.055, -0.055, -0.055, -0.055, -0.06, -0.05, 0, 0.14, 0.24, 0.17, 0.08, 0.06, 0.055, 0.055, 0.055,
-    0.055]
-
-[model]
-symmetry = "none"
-"""
-MAGNETS = """\
-# Magnets on the facets beside crease 2 of a Miura vertex: they attract where the crease is nearly closed.
-# Stable as the springs rest, latched by the magnets, and latched where it is folded in half along creases 1 and 3.
-
-[vertex]
-sector_angles_deg = [60, 120, 120, 60]
-
-[creases]
-stiffness = [0.02, 0.02, 0.02, 0.02]    # N m/rad; that of crease 2 is its law's
-rest_angles_deg = [-30, 60, 30, 60]
-law = ["", "magnets", "", ""]
-
-[laws.magnets]
-sum = [
-    { type = "linear", stiffness = 0.02, rest_deg = 60 },
-    { type = "well", energy = 0.12, at_deg = 165, width_deg = 12 },
-]
-
-[model]
-symmetry = "none"
-"""
-THICK_PANEL = """\
-# A Miura vertex of tapered panels, 6 mm thick, cut back 4 mm from the creases: no crease folds beyond
-# 180 - 2 atan(6 / (2 * 4)) = 106.26 degrees.  Springs pull beyond that: the folded state is held by its stops.
-
-[vertex]
-sector_angles_deg = [60, 120, 120, 60]
-
-[creases]
-stiffness = [0.02, 0.02, 0.02, 0.02]    # N m/rad
-rest_angles_deg = [-120, 170, 120, 170]
-thickness_mm = 6
-taper_mm = 4
-
-[model]
-symmetry = "none"
-"""
-STRIP = 4
-"""Creases of the bistable strip."""
-
-
-def bistable_strip(creases: int = STRIP) -> dict[str, Any]:
+def bistable_strip(creases: int = 4) -> dict[str, Any]:
     """Return a strip of parallel creases, each with two wells, as data of a FOLD file.
 
     Parameters
@@ -105,10 +44,9 @@ def bistable_strip(creases: int = STRIP) -> dict[str, Any]:
     }
 
 
-HINGE_EXAMPLES = {
-    "tape-spring": lambda: TAPE_SPRING,
-    "magnets": lambda: MAGNETS,
-    "thick-panel": lambda: THICK_PANEL,
+FILES = Path(__file__).parent / "example_files"
+HINGE_EXAMPLES: dict[str, Callable[[], str]] = {
+    **{path.stem: path.read_text for path in sorted(FILES.glob("*.toml"), reverse=True)},
     "bistable-strip": lambda: json.dumps(bistable_strip(), indent=1) + "\n",
 }
 """What makes the text of each: scenes as TOML, the strip as FOLD."""

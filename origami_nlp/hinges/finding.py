@@ -54,9 +54,9 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     law, x = found.law, found.angle
     low, high = law.breaks[0], law.breaks[-1]
     level = LEVEL * float(law.extremes(low, high).max())
-    inside = law.balanced[(law.balanced > low) & (law.balanced < high)]
-    rests = law.rests(low, high)
-    wells = [(a, "well" if low < a < high else "end of the data") for a in rests]
+    wells = [(a, "well" if low < a < high else "end of the data") for a in law.rests(low, high)]
+    held = list(runs(np.abs(found.torque) <= np.abs(found.gap), x))
+    step = x[1] - x[0]
     out = []
     for number, (angle, kind) in enumerate(wells):
         here = float(law.energy(np.array(angle)))
@@ -65,19 +65,11 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
         for side in (-1, 1):  # the hill to the next well, or all the way to the end
             other = number + side
             stop = wells[other][0] if 0 <= other < len(wells) else (low if side < 0 else high)
-            between = np.array(
-                [angle, stop, *(r for r in inside if min(angle, stop) < r < max(angle, stop))]
-            )
             if stop != angle:
-                tops.append(float(law.energy(between).max()) - here)
+                tops.append(float(law.extremes(*sorted((angle, stop))).max()) - here)
         stiffness = float(law.slope(np.array(angle)))
         band = float(np.interp(angle, x, found.band))
-        held = np.abs(found.torque) <= np.abs(found.gap)
-        span = [
-            run
-            for run in runs(held, x)
-            if run[0] <= angle + np.diff(x)[0] and run[1] >= angle - np.diff(x)[0]
-        ]
+        span = [run for run in held if run[0] <= angle + step and run[1] >= angle - step]
         out.append(
             HingeRest(
                 float(angle) if abs(angle) > INPUT_TOL else 0.0,

@@ -26,7 +26,7 @@ from origami_nlp.pattern import (
 )
 
 _KEYS = {
-    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
+    "vertex": ("sector_angles", "sector_angles_deg", "flat", "normalize"),
     "pattern": ("example", "file", "equal"),
     "creases": LIMIT_KEYS,
     "model": ("symmetry", "contact", "mirror", "name"),

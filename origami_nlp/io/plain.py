@@ -108,7 +108,7 @@ def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
 
 
 def from_plain(
-    kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError, at: str = ""
+    kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError
 ) -> T:
     """Read a dataclass or named tuple back from what `to_plain` wrote.
 
@@ -122,8 +122,6 @@ def from_plain(
         How messages call the whole, such as a file.
     error
         Class of the complaint.
-    at
-        Path to the data within the whole, such as ``"search"``.
 
     Returns
     -------
@@ -139,7 +137,7 @@ def from_plain(
     try:
         return _converter().structure(data, kind)
     except (ValueError, TypeError, LookupError, AttributeError, ExceptionGroup) as problem:
-        raise error(": ".join(filter(None, (what, _told(problem, at))))) from None
+        raise error(": ".join(filter(None, (what, _told(problem))))) from None
 
 
 def check_schema(

@@ -1,9 +1,4 @@
 from . import examples as examples
-from .angles import (
-    format_angle as format_angle,
-    parse_angle as parse_angle,
-    parse_angles as parse_angles,
-)
 from .bending import with_bending as with_bending
 from .cells import Cell as Cell, make_cell as make_cell
 from .coercion import (
@@ -11,7 +6,7 @@ from .coercion import (
     as_origami as as_origami,
     as_pattern as as_pattern,
     as_scene as as_scene,
-    scene_pattern as scene_pattern,
+    from_mesh as from_mesh,
 )
 from .converting import convert as convert, frame_drawing as frame_drawing
 from .crease_pattern import (
@@ -20,6 +15,7 @@ from .crease_pattern import (
     make_vertex as make_vertex,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
+from .fold_faces import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_file import (
     FIXED_KEY as FIXED_KEY,
     LARGEST as LARGEST,
@@ -43,13 +39,11 @@ from .fold_limits import (
     thick_limits as thick_limits,
 )
 from .fold_notes import listed as listed
-from .fold_rings import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     scene_at as scene_at,
-    vertex_scene as vertex_scene,
 )
-from .fold_source import is_drawing as is_drawing
+from .fold_springs import FoldSprings as FoldSprings
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
 from .hinge_fit import (
     LawFit as LawFit,
@@ -83,11 +77,11 @@ from .hinges_stated import (
     seen_laws as seen_laws,
     torque_with_laws as torque_with_laws,
 )
-from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     Relabelling as Relabelling,
     canonical_labels as canonical_labels,
     symmetries as symmetries,
+    with_symmetry_of as with_symmetry_of,
 )
 from .lattice_stated import (
     LATTICE_KEY as LATTICE_KEY,
@@ -99,17 +93,18 @@ from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,
     dead_loads as dead_loads,
-    flat_points as flat_points,
-    followed as followed,
 )
-from .mesh import from_mesh as from_mesh
+from .numbers_read import (
+    format_angle as format_angle,
+    parse_angle as parse_angle,
+    parse_angles as parse_angles,
+)
 from .pattern_file import (
     face_oddities as face_oddities,
     frame_pattern as frame_pattern,
     read_pattern as read_pattern,
 )
 from .places import is_place as is_place, with_places as with_places
-from .plane import in_plane as in_plane, laid_flat as laid_flat
 from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
@@ -122,7 +117,13 @@ from .scene_file import (
     scene_to_dict as scene_to_dict,
     vertex_from_dict as vertex_from_dict,
 )
-from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
+from .sheet import (
+    Loop as Loop,
+    Pattern as Pattern,
+    in_plane as in_plane,
+    laid_flat as laid_flat,
+    make_pattern as make_pattern,
+)
 from .sheet_data import pattern_from_dict as pattern_from_dict, pattern_to_dict as pattern_to_dict
 from .symmetry import winding_number as winding_number, windings_of as windings_of
 from .vertex import Vertex as Vertex

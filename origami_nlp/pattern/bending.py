@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -16,12 +16,6 @@ from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern
-
-DIAGONALS = ("short", "long", "both")
-"""Which diagonal of a facet with four corners bends."""
-HALVES = "halves of both diagonals"
-ABOUT_OTHERS = "about the other diagonals facets do not bend"
-ABOUT_BOTH = "a facet bends about one of its two, or is flat"
 
 
 def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") -> Pattern:
@@ -61,7 +55,7 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     (8, 8)
     """
     k = check_number("stiffness", stiffness, 0.0)
-    if diagonal not in DIAGONALS:
+    if diagonal not in ("short", "long", "both"):
         raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
         raise SceneError(
@@ -96,9 +90,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
         return dict(zip(sides, values, strict=True)) | dict.fromkeys(cuts, new)
 
-    which, others = (
-        (f"{diagonal} diagonals", ABOUT_OTHERS) if diagonal != "both" else (HALVES, ABOUT_BOTH)
-    )
+    which, others = f"{diagonal} diagonals", "about the other diagonals facets do not bend"
+    if diagonal == "both":
+        which, others = "halves of both diagonals", "a facet bends about one of its two, or is flat"
     told = f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}"
     numbers = of(pattern.numbers.tolist(), None) | {s: least + i for i, s in enumerate(cuts)}
     stops = pattern.limit_angles.T.tolist()
@@ -162,34 +156,17 @@ class _Cutting:
             side(a, b): tuple(k)
             for (a, b), k in zip(pattern.ends.tolist(), kinds.tolist(), strict=True)
         }
-        while self._some():
-            pass
-
-    def _some(self) -> bool:
-        """Cut every facet whose next diagonal is decided, else one of those that look alike; False where none is."""
-        open_now = [f for f, p in enumerate(self.left) if len(p) > self.corners_left]
-        ties = {f: self._shortest(f) for f in open_now}
-        alone = [f for f in open_now if len({self._ends(f, i) for i in ties[f]}) == 1]
-        if alone or not open_now:
-            for f in alone:
+        while some := [f for f, p in enumerate(self.left) if len(p) > self.corners_left]:
+            ties = {f: self._shortest(f) for f in some}
+            sure = [f for f in some if len({self._ends(f, i) for i in ties[f]}) == 1]
+            if not sure:
+                colour = self._colours()
+                seen = {f: sorted((self._seen(f, i, colour), i) for i in ties[f]) for f in some}
+                ties = {f: [i for key, i in seen[f] if key == seen[f][0][0]] for f in some}
+                sure = [f for f in some if len({self._ends(f, i) for i in ties[f]}) == 1]
+                sure = sure or [min(some, key=lambda f: seen[f][0][0])]
+            for f in sure:
                 self._cut(f, ties[f][0])
-            return bool(open_now)
-        colour = self._colours()
-        seen = {}
-        for f in open_now:
-            keys = [self._seen(f, i, colour) for i in ties[f]]
-            best = min(keys)
-            seen[f] = best, ties[f][keys.index(best)]
-            if (
-                len({self._ends(f, i) for i, k in zip(ties[f], keys, strict=True) if k == best})
-                == 1
-            ):
-                self._cut(f, seen[f][1])
-                alone.append(f)
-        if not alone:
-            f = min(open_now, key=lambda f: seen[f][0])
-            self._cut(f, seen[f][1])
-        return True
 
     def _ends(self, f: int, i: int) -> Side:
         p = self.left[f]
@@ -210,47 +187,27 @@ class _Cutting:
         self.pieces[f].append((a, p[i], b))
         del p[i]
 
-    def _rings(self) -> Iterator[list[int]]:
-        for left, pieces in zip(self.left, self.pieces, strict=True):
-            yield left
-            yield from map(list, pieces)
-
     def _colours(self) -> np.ndarray:
         """Return a number of each corner, equal where the sheet looks alike from them."""
-        rings = [r for r in self._rings() if r]
-        flat = [
-            [float(np.linalg.norm(self.corners[a] - self.corners[b])) for b in r]
-            for r in rings
-            for a in r
-        ]
-        length = iter(_classes(np.concatenate([np.array(v) for v in flat])).tolist())
-        seen_from: list[list[tuple[tuple[int, ...], list[int], list[int]]]] = [
-            [] for _ in self.corners
-        ]
-        for r in rings:
-            for k, a in enumerate(r):
-                far = [next(length) for _ in r]
-                order = [*range(k, len(r)), *range(k)]
-                kinds = [self.kind.get(side(r[j], r[(j + 1) % len(r)]), ()) for j in order]
-                still = tuple(
-                    itertools.chain(
-                        *((far[j], *kind, -2) for j, kind in zip(order, kinds, strict=True))
-                    )
-                )
-                seen_from[a].append((still, [r[j] for j in order], order))
-        colour = np.zeros(len(self.corners), int)
+        rings = [r for r in [*self.left, *itertools.chain(*self.pieces)] if r]
+        pairs = [(len(r), *pair) for r in rings for pair in itertools.combinations(r, 2)]
+        many, a, b = np.array(pairs).T
+        length = _classes(np.linalg.norm(self.corners[a] - self.corners[b], axis=1)).tolist()
+        near: list[list[tuple[Any, int]]] = [[] for _ in self.corners]
+        for n, far, p, q in zip(many.tolist(), length, a.tolist(), b.tolist(), strict=True):
+            label = n, far, self.kind.get(side(p, q), ())
+            near[p].append((label, q))
+            near[q].append((label, p))
+        colour = [0] * len(self.corners)
         while True:
             keys = [
-                (
-                    int(colour[a]),
-                    sorted((still, tuple(colour[ring].tolist())) for still, ring, _ in seen),
-                )
-                for a, seen in enumerate(seen_from)
+                (colour[v], *sorted((label, colour[w]) for label, w in own))
+                for v, own in enumerate(near)
             ]
-            ranks = {repr(k): n for n, k in enumerate(sorted(keys))}
-            new = np.unique([ranks[repr(k)] for k in keys], return_inverse=True)[1]
-            if new.max() == colour.max():
-                return new
+            rank = {key: n for n, key in enumerate(sorted(set(keys)))}
+            new = [rank[key] for key in keys]
+            if max(new) == max(colour):
+                return np.array(new)
             colour = new
 
     def _seen(self, f: int, i: int, colour: np.ndarray) -> tuple[Any, ...]:

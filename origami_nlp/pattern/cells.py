@@ -23,9 +23,8 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY
-from origami_nlp.pattern.loops import Loop
-from origami_nlp.pattern.polygons import Side, area, side
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.polygons import Loop, Side, area, side
+from origami_nlp.pattern.sheet import Pattern, make_pattern, of_creases
 
 SMALL = 12
 """Polygons of a cell up to which two rings of copies are looked at; one of larger cells."""
@@ -277,35 +276,23 @@ def make_cell(
     for k, key in enumerate(order):
         crease[key] = crease[_back(key)] = k
     sides = [first[key] for key in order]
-    letters = "".join(values.get("assignment", {}).get(s, "U") for s in sides)
-    cell = replace(cell, crease=crease, letters=letters.replace("B", "U"), rolled=rolled)
-    # springs of a pattern with these creases, checked and completed as any other's
-    both = np.array(sides, int).reshape(-1, 2)
+    stops = values.pop("limits", None)
+    scalars = {what: of_sides[what] for what in of_sides.keys() - values.keys() - {"limits"}}
+    arrays = of_creases(sides, scalars | values | {"numbers": given})
+    arrays["assignment"] = arrays["assignment"].replace("B", "U")
+    cell = replace(cell, crease=crease, letters=arrays["assignment"], rolled=rolled)
     facet = alone.facet_of
-    left = np.array([facet[facing[cell.key(a, b)]] for a, b in sides], int)
-    right = np.array([facet[facing[cell.key(b, a)]] for a, b in sides], int)
-
-    def of(what: str, default: float) -> np.ndarray:
-        scalar = of_sides.get(what)
-        usual = default if scalar is None or isinstance(scalar, dict) else float(scalar)
-        return np.array([values.get(what, {}).get(s, usual) for s in sides], float)
-
+    # springs of a pattern with these creases, checked and completed as any other's
     whole = replace(
         alone,
         corners=cell.corners,
-        ends=both,
-        left=left,
-        right=right,
-        reference=np.zeros(len(both)),
-        assignment=cell.letters,
-        stiffness=of("stiffness", 1.0),
-        rest=of("rest", 0.0),
-        file_angles=of("file_angles", math.nan),
-        numbers=np.array([given.get(s, k) for k, s in enumerate(sides)], int),
+        left=np.array([facet[facing[cell.key(a, b)]] for a, b in sides], int),
+        right=np.array([facet[facing[cell.key(b, a)]] for a, b in sides], int),
         name=name,
         notes=tuple(notes),
         limits=(),
         cell=cell,
+        **arrays,
     )
     vertices, walks = _walks(whole, cell)
     cell = replace(cell, walks=walks)
@@ -313,7 +300,6 @@ def make_cell(
     generators = walks if rolled is None else ()
     whole = replace(whole, cell=cell, vertices=vertices, generators=generators, holes=holes)
     whole = whole.with_springs(whole.stiffness.tolist())
-    stops = values.get("limits")
     return whole.with_limits([stops[s] for s in sides]) if stops else whole
 
 

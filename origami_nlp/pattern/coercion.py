@@ -1,23 +1,25 @@
-"""What is folded, however it is stated: itself, the name of an example, or a file; and a scene as a pattern."""
+"""What is folded, however it is stated: itself, the name of an example, a file, FOLD data, or a mesh."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
-from origami_nlp.errors import OptionError, SceneError
+from origami_nlp.arguments import check_type, shown
+from origami_nlp.errors import OptionError
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import frame_of
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
+from origami_nlp.pattern.polygons import sides_of
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
-from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.vertex import Vertex
 
 Stated = Scene | Pattern | Mapping[str, Any] | str | PathLike[str]
@@ -80,10 +82,9 @@ def as_scene(stated: Stated, asked: str = "this", instead: str = "") -> Scene:
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.pattern import as_scene, scene_pattern
-    >>> as_scene(scene_pattern(o.examples.waterbomb())).degree
-    6
+    >>> from origami_nlp.pattern import as_scene
+    >>> as_scene("waterbombbase").degree
+    8
     """
     if not isinstance(stated, Pattern | str | PathLike):
         check_type("scene", stated, Scene)
@@ -169,50 +170,87 @@ def as_pattern(
     return stated
 
 
-def scene_pattern(scene: Scene) -> Pattern:
-    """Make a pattern with one interior vertex of a scene.
+Side = tuple[int, int]
+
+
+def from_mesh(
+    vertices: Sequence[Sequence[float]] | np.ndarray,
+    faces: Sequence[Sequence[int]],
+    assignment: Mapping[Side, str] | str = "U",
+    *,
+    stiffness: float | Sequence[float] | np.ndarray = 1.0,
+    rest_angles: float | Sequence[float] | np.ndarray = math.pi,
+) -> Pattern:
+    """Make a pattern of a mesh: every side that two faces share is a crease.
 
     Parameters
     ----------
-    scene
-        A vertex that lies flat, with its springs; symmetry and contact are no part of a pattern.
+    vertices
+        [V, 2] of a flat sheet, or [V, 3]; points out of one plane are those of a folded form, which is measured.
+    faces
+        Vertices of each, from 0, all of one sense; counter-clockwise where the sheet is flat.
+    assignment
+        Of a side, by its two vertices, the letter of FOLD: ``"M"``, ``"V"``, ``"U"``, ``"F"`` (no crease),
+        ``"C"`` (a cut).  Sides that are not named are ``"U"``; or one letter for all.
+    stiffness
+        Of each crease [N m/rad], in the order of the creases of the pattern (by their vertices), or one for all.
+    rest_angles
+        Likewise [rad].  One for all is a size: valleys rest at it, mountains at less it, others flat.
 
     Returns
     -------
     Pattern
-        Corner 0 is the vertex, corner i the end of crease i, at distance 1; creases in their order.
+        `Pattern.ends` has the vertices of each crease.
 
     Raises
     ------
-    SceneError
-        If the paper does not lie flat, or forces pull at it.
+    FoldFileError
+        If the faces are no sheet of rigid facets.
+    OptionError, SceneError
+        If there are not as many numbers as creases, or a side of `assignment` is none of the mesh.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.pattern import scene_pattern
-    >>> scene_pattern(o.examples.waterbomb())
-    Pattern('waterbomb': 6 facets, 6 creases, 1 interior vertices)
+    >>> square = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5)]
+    >>> faces = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    >>> letters = {(0, 4): "M", (1, 4): "V", (2, 4): "M", (3, 4): "M"}
+    >>> pattern = o.from_mesh(square, faces, letters, stiffness=2.0, rest_angles=1.5)
+    >>> pattern.stiffness.tolist(), pattern.rest.tolist()
+    ([2.0, 2.0, 2.0, 2.0], [-1.5, 1.5, -1.5, -1.5])
     """
-    check_type("scene", scene, Scene)
-    if not scene.vertex.flat:
-        raise SceneError(
-            "the vertex does not lie flat: write a folded state of it as FOLD, and read that"
+    try:
+        points = np.asarray(vertices, float)
+        rings = [tuple(int(v) for v in face) for face in faces]
+        stated = (
+            {} if isinstance(assignment, str) else {(a, b): x for (a, b), x in assignment.items()}
         )
-    if scene.loads or scene.preload:
-        raise SceneError("preload and loads of a scene are not part of a pattern: leave them out")
-    n, a = scene.degree, scene.vertex.azimuths
-    corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(a), np.sin(a)])])
-    triangles = [(0, i, i % n + 1) for i in range(1, n + 1)]
-    sides = [(0, i) for i in range(1, n + 1)]
-    rest = list(scene.rest_angles)
-    letters = ["M" if r < 0 else "V" if r > 0 else "U" for r in rest]
-    made = make_pattern(
-        corners,
-        triangles,
-        assignment=dict(zip(sides, letters, strict=True)),
-        numbers={s: i for i, s in enumerate(sides)},
-        name=scene.name or "",
-    ).with_springs(list(scene.stiffness), rest)
-    made = made.with_limits(scene.limits) if scene.limits else made
-    return made.with_laws(scene.laws) if scene.laws else made
+        k, rest = np.asarray(stiffness, float), np.asarray(rest_angles, float)
+        if points.ndim != 2 or points.shape[1] not in (2, 3):
+            raise ValueError(f"vertices has shape {points.shape}")
+    except (TypeError, ValueError, AttributeError) as error:
+        raise OptionError(
+            f"a mesh is vertices [V, 2] or [V, 3], the vertices of each face, letters by pairs of vertices, and "
+            f"numbers: {error}"
+        ) from None
+    rest_of_all = assignment if isinstance(assignment, str) else "U"
+    letter = {s: rest_of_all if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
+    for (a, b), x in stated.items():
+        if (min(a, b), max(a, b)) not in letter:
+            raise OptionError(
+                f"assignment[{shown((a, b))}]: vertices {a} and {b} are no side of a face"
+            )
+        letter[min(a, b), max(a, b)] = x
+    flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
+    edges = sorted(letter)
+    known: dict[str, Any] = {
+        "vertices_coords": points.tolist(),
+        "faces_vertices": [list(f) for f in rings],
+        "edges_vertices": [list(e) for e in edges],
+        "edges_assignment": [letter[e] for e in edges],
+        "file_title": "mesh",
+        "frame_classes": ["creasePattern" if flat else "foldedForm"],
+    }
+    size = {} if rest.ndim else {"rest_angle": float(rest)}
+    made = frame_pattern(frame_of(known), rest_from="file", **size)
+    return made.with_springs(k.tolist(), rest.tolist() if rest.ndim else None)

@@ -1,4 +1,4 @@
-"""One crease pattern from format to format: FOLD, SVG, .cp, .opx, DXF."""
+"""One crease pattern from format to format: FOLD, SVG, .cp, DXF."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from origami_nlp.errors import DrawingError, FoldFileError
 from origami_nlp.io import write_whole
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import Frame, parse_fold, read_fold
+from origami_nlp.pattern.fold_notes import listed
 
 FOLD = ".fold"
 
@@ -38,7 +39,7 @@ def convert(
     Parameters
     ----------
     source
-        FOLD, SVG, .cp, .opx or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
+        FOLD, SVG, .cp or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
     out
         The ending says which format is written.
     frame
@@ -74,9 +75,12 @@ def convert(
         known = ", ".join((FOLD, *WRITTEN))
         raise DrawingError(f"OUT = {str(out)!r} must end in one of {known}")
     frames = _frames(str(source), drawing)
-    chosen = _chosen(frames, frame)
-    flat = _flat(frames, chosen)
-    made = frame_drawing(flat, chosen)
+    found = [one for one in frames if frame in (None, one.number)]
+    if not found:
+        some = listed([one.number for one in frames], 12)
+        raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
+    chosen = found[0]
+    made = frame_drawing(_flat(frames, chosen), chosen)
     options = write or WriteOptions()
     if kind == FOLD:
         if options != WriteOptions():
@@ -107,14 +111,6 @@ def _lost(frame: Frame) -> tuple[str, ...]:
     if not given:
         return ()
     return (f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them",)
-
-
-def _chosen(frames: tuple[Frame, ...], number: int | None) -> Frame:
-    found = frames[:1] if number is None else [one for one in frames if one.number == number]
-    if not found:
-        some = ", ".join(str(one.number) for one in frames[:12])
-        raise FoldFileError(f"--frame {number} is no frame with geometry: there is {some}")
-    return found[0]
 
 
 def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy as sp
@@ -30,16 +31,12 @@ SNAPPED = 0.1
 """As much where a person says how far corners may be off."""
 SOFT = 1e-10
 """Rows that depend on others are weighed with this, so that they need not be known beforehand."""
-LIGHT = 1e-6
-"""Weight of the angles and lengths that groups share, beside corners over the size of the sheet."""
 SHORTENS = 0.1
 """Share of the shortest side by which corners may move: one that moves more is drawn anew, not made exact."""
 MOST_ROUND = 12
 """Sectors of a vertex up to which creases in a line are looked for."""
 MOST_POLYGONS = 2_000
 """Up to which relations are looked for: some seconds."""
-
-Term = tuple[int, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +210,7 @@ class _Sectors:
         if not by_digits:
             blur[:] = RESOLVED
         blur = np.concatenate([blur, np.full(sides, 2 * unit if by_digits else RESOLVED)])
-        found = _RelationList(self.measures(x), blur)
+        found = _Relations(self.measures(x), blur, by_digits)
         for ring in self.rings:
             d = len(ring)
             # paper that lies flat; Kawasaki's theorem; two creases in one line
@@ -228,27 +225,26 @@ class _Sectors:
         rim = [[int(c)] for c in np.flatnonzero(~self.inside)]
         found.group([*sectors, *rim], math.pi / 2)
         found.group([[angles + k] for k in range(sides)], 0.0)
-        return found.relations(by_digits)
+        return found
 
 
-class _RelationList:
-    """Relations on their way.
+class _Relations:
+    """Sums of measures and what they come to, of those that hold within the digits `blur` of each measure."""
 
-    values, blur: measures, and how far digits leave them open, [C + S].
-    """
-
-    def __init__(self, values: np.ndarray, blur: np.ndarray) -> None:
-        self.values, self.blur = values, blur
-        self.terms: list[list[Term]] = []
+    def __init__(self, values: np.ndarray, blur: np.ndarray, by_digits: bool) -> None:
+        self.values, self.blur, self.by_digits = values, blur, by_digits
+        self.terms: list[tuple[int, int, float]] = []
         self.totals: list[float] = []
-        self.groups = 0
+
+    def _ask(self, sectors: Sequence[tuple[float, Sequence[int]]], total: float) -> None:
+        self.terms += [(len(self.totals), c, sign) for sign, sector in sectors for c in sector]
+        self.totals.append(total)
 
     def hold(self, sectors: Sequence[Sequence[int]], total: float) -> None:
         """Ask for a sum of sectors, each a sum of measures, if that is so within the digits."""
         row = [c for sector in sectors for c in sector]
         if abs(self.values[row].sum() - total) <= self.blur[row].sum():
-            self.terms.append([(c, 1.0) for c in row])
-            self.totals.append(total)
+            self._ask([(1.0, row)], total)
 
     def group(self, sectors: Sequence[Sequence[int]], middle: float) -> None:
         """Ask that sectors be equal that are as far from `middle`, on either side, within the digits."""
@@ -259,44 +255,25 @@ class _RelationList:
         order = np.argsort(np.abs(off), kind="stable")
         # cut where neighbours are farther apart than the digits of both
         step = np.diff(np.abs(off)[order]) > noise[order][1:] + noise[order][:-1]
-        for members in np.split(order, np.flatnonzero(step) + 1):
-            if (np.abs(off[members]) <= noise[members]).any():
-                for s in members:
+        for one, *others in np.split(order, np.flatnonzero(step) + 1):
+            if (np.abs(off[[one, *others]]) <= noise[[one, *others]]).any():
+                for s in (one, *others):
                     self.hold([sectors[s]], middle)
-            elif len(members) > 1:
-                shared = len(self.values) + self.groups
-                self.groups += 1
-                for s in members:
-                    sign = math.copysign(1.0, off[s])
-                    self.terms.append([*((c, sign) for c in sectors[s]), (shared, -1.0)])
-                    self.totals.append(sign * middle)
+                continue
+            for s in others:
+                sign = math.copysign(1.0, off[s] * off[one])
+                self._ask([(1.0, sectors[s]), (-sign, sectors[one])], (1.0 - sign) * middle)
 
-    def relations(self, by_digits: bool) -> _Relations:
-        """Return them."""
-        row = np.repeat(np.arange(len(self.terms)), [len(t) for t in self.terms])
-        column = np.array([c for t in self.terms for c, _ in t], int)
-        value = np.array([v for t in self.terms for _, v in t], float)
-        shape = (len(self.terms), len(self.values) + self.groups)
-        rows = sp.sparse.csr_array((value, (row, column)), shape=shape)
-        return _Relations(rows, np.array(self.totals), len(self.values), by_digits)
-
-
-@dataclass(frozen=True, eq=False)
-class _Relations:
-    """Rows of measures and of what groups of them share, [R, C + S + G], and what they come to, [R]."""
-
-    rows: sp.sparse.csr_array
-    totals: np.ndarray
-    count: int
-    by_digits: bool
+    @cached_property
+    def rows(self) -> sp.sparse.csr_array:
+        """Rows of measures, [R, C + S]."""
+        row, column, value = zip(*self.terms, strict=True) if self.terms else ((),) * 3
+        shape = len(self.totals), len(self.values)
+        return sp.sparse.csr_array((np.array(value), (row, column)), shape=shape)
 
     def missing(self, measures: np.ndarray) -> np.ndarray:
-        """Return by how much rows miss, what groups share being the mean of their members, [R]."""
-        own = self.rows[:, : self.count] @ measures - self.totals
-        member = self.rows[:, self.count :]
-        # what a group shares is its least-squares value: the mean of what its members say
-        many = np.maximum(-member.sum(axis=0), 1.0)
-        return np.asarray(own + member @ (-(member.T @ own) / many))
+        """Return by how much rows miss, [R]."""
+        return np.asarray(self.rows @ measures - self.totals)
 
 
 def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sp.sparse.csr_array]:
@@ -329,26 +306,17 @@ def _unplane(x: np.ndarray, at: _Sectors) -> float:
 def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.ndarray | None:
     """Return the nearest points at which planes and relations hold; None where Newton finds none."""
     flat = not x[:, 2].any()
-    groups = relations.rows.shape[1] - relations.count if relations is not None else 0
-    weights = np.concatenate([np.ones(x.size), np.full(groups, LIGHT)])
     for _ in range(ROUNDS):
-        values, blocks = [], []
-        if not flat:
-            heights, slopes = _heights(x, at)
-            values.append(heights)
-            blocks.append(sp.sparse.hstack([slopes, sp.sparse.csr_array((len(heights), groups))]))
+        parts = [] if flat else [_heights(x, at)]
         if relations is not None:
-            values.append(relations.missing(at.measures(x)))
-            own = relations.rows[:, : relations.count] @ at.slopes(x)
-            blocks.append(sp.sparse.hstack([own, relations.rows[:, relations.count :]]))
-        value, rows = np.concatenate(values), sp.sparse.vstack(blocks)
+            parts.append((relations.missing(at.measures(x)), relations.rows @ at.slopes(x)))
+        value = np.concatenate([v for v, _ in parts])
+        rows = sp.sparse.vstack([slopes for _, slopes in parts])
         if np.abs(value).max(initial=0.0) <= at.rounding(x):
             return x
         soft = sp.sparse.eye_array(len(value)) * SOFT
         # KKT system of the shortest step (Nocedal and Wright, section 16.1); -soft where rows depend on each other
-        system = sp.sparse.block_array([[sp.sparse.diags_array(weights), rows.T], [rows, -soft]])
-        step = sp.sparse.linalg.splu(system.tocsc()).solve(
-            np.concatenate([np.zeros(len(weights)), -value])
-        )
+        system = sp.sparse.block_array([[sp.sparse.eye_array(x.size), rows.T], [rows, -soft]])
+        step = sp.sparse.linalg.splu(system.tocsc()).solve(np.append(np.zeros(x.size), -value))
         x = x + step[: x.size].reshape(-1, 3)
     return None

@@ -16,14 +16,12 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OrigamiError
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NONZERO, PLACES
+from origami_nlp.pattern.fold_faces import face_walks, oriented
 from origami_nlp.pattern.fold_file import FOLDS, Frame
-from origami_nlp.pattern.fold_notes import NOISE
-from origami_nlp.pattern.fold_rings import Rings
-from origami_nlp.pattern.fold_springs import stated_sign
+from origami_nlp.pattern.fold_notes import NOISE, listed
+from origami_nlp.pattern.fold_springs import stated_sign, target_notes
+from origami_nlp.pattern.polygons import fold_between, rings, sides_of
 from origami_nlp.pattern.vertex import Vertex
-
-APART = math.radians(1.0)
-"""Measured and stated fold angles [rad] that differ by more are worth a word."""
 
 VAGUE = 0.1
 """Angles [rad] that decimal places leave open: where it is more, they are not those of rounding."""
@@ -118,14 +116,53 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
 
 
 def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
-    ring = Rings(frame, turned)
-    found = []
-    for v in range(len(frame.coords)):
-        if v in ring.interior:
-            vertex = _analyse(frame, v, *ring.around(v), ring.edge[v])
-            if vertex is not None:
-                found.append(vertex)
-    return tuple(found), ring.notes
+    """Measure the vertices with faces all around, by the faces of a folded form or by azimuth."""
+    faces, against = face_walks(frame), 0
+    if frame.folded:
+        faces, against = oriented([f[::-1] if turned else f for f in frame.faces])
+    notes = [f"{against} faces were turned over to orient all alike"] if against else []
+    sides, edges_at = sides_of(faces), dict[int, list[int]]()
+    for e, pair in enumerate(frame.edges.tolist()):
+        for v in pair:
+            edges_at.setdefault(v, []).append(e)
+    if missing := sides.keys() - frame.edge_of.keys():
+        notes.append(f"{len(missing)} sides of faces are no edges of the file")
+    directed = [(f[i - 1], v) for f in faces for i, v in enumerate(f)]
+    if len(set(directed)) < len(directed):
+        notes.append("some faces overlap at a vertex or cannot be oriented alike")
+    border = {e for s, e in frame.edge_of.items() if len(sides.get(s, ())) < 2}
+    cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
+    outside = {v for e in border | cut for v in frame.edges[e].tolist()}
+    open_ends = "" if frame.folded else _open_ends(frame, edges_at, border, cut)
+    if open_ends:
+        notes.append(open_ends)
+    elif drawn := sorted(frame.numbers[[*(border - cut)]].tolist()):
+        notes.append(
+            f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
+        )
+    closed = {ring[0][0]: [w for _, w in ring] for ring in rings(faces)}
+    touched = {v for face in faces for v in face}
+    found = [
+        _analyse(frame, v, edges_at[v], closed.get(v))
+        for v in sorted(edges_at.keys() - outside)
+        if v in touched
+    ]
+    return tuple(v for v in found if v is not None), tuple(notes)
+
+
+def _open_ends(frame: Frame, at: dict[int, list[int]], border: set[int], cut: set[int]) -> str:
+    """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
+    outer, known = ({v for e in edges for v in frame.edges[e].tolist()} for edges in (border, cut))
+    ends = sorted(v for v in outer if len(at[v]) == 1)
+    lost = sorted(
+        v for v in outer - known if sum(frame.assignment[e] in FOLDS + "?" for e in at[v]) >= 3
+    )
+    if not (ends and lost):
+        return ""
+    return (
+        f"creases end in the open (vertices {listed(ends)}), so vertices {listed(lost)} do not count as "
+        'interior: add the outline of the paper, edges with assignment "B" that join the ends'
+    )
 
 
 def make_vertex(sectors: tuple[float, ...]) -> Vertex:
@@ -155,13 +192,16 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
 # ---------------------------------------------------------------- one vertex
 
 
-def _analyse(
-    frame: Frame, v: int, ring: list[int], broken: str, edge: dict[int, int]
-) -> FoldVertex | None:
-    """Measure the vertex whose neighbours `ring`, by edges `edge`, follow each other counter-clockwise."""
+def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -> FoldVertex | None:
+    """Measure the vertex whose neighbours follow each other counter-clockwise; None: its faces do not close up."""
+    broken = "" if closed else "the faces around it do not close up"
+    edge = {int(frame.edges[e].sum()) - v: e for e in edges}
+    ring = closed or sorted(edge)
+    first = ring.index(min(ring))
+    ring = ring[first:] + ring[:first]
     letters = {w: frame.assignment[edge[w]] for w in ring if w in edge}
-    creases = [w for w in ring if letters.get(w, "J") in FOLDS + "?"]
-    if not creases:
+    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
+    if not folds:
         return None
     notes = []
     d = frame.coords[ring] - frame.coords[v]
@@ -179,10 +219,9 @@ def _analyse(
         if len(ring) == 1:
             sectors = np.array([2 * math.pi])
     # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
-    folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
-    keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
+    keep = [k for k in folds if letters[ring[k]] != "F" or frame.is_sprung(edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
-    if len(keep) < len(creases):
+    if len(keep) < len(folds):
         if len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL:
             keep = folds
             merged = _merge(sectors, keep)
@@ -193,8 +232,7 @@ def _analyse(
             notes.append("facets joined by F edges are one facet")
     if any(a == "J" for a in letters.values()):
         notes.append("facets joined by J edges are one facet")
-    names = [ring[k] for k in keep]
-    at = [edge[w] for w in names]
+    at = [edge[ring[k]] for k in keep]
     phi = stated = frame.fold_angles[at]
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
@@ -202,7 +240,7 @@ def _analyse(
             notes.append(
                 "a fully folded crease without assignment or fold angle: taken for a valley"
             )
-        notes += _compare(frame, at, phi)
+        notes += target_notes(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
     if not reason:
         try:
@@ -216,7 +254,7 @@ def _analyse(
     signs = "".join(frame.assignment[e] for e in at)
     n = len(at)
     # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
-    alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else math.nan
+    kawasaki = abs(float(merged[::2].sum() - merged[1::2].sum()))
     both = signs.count("M") + signs.count("V") == n
     maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
     return FoldVertex(
@@ -226,7 +264,7 @@ def _analyse(
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        None if math.isnan(alternating) else alternating,
+        None if n % 2 or math.isnan(kawasaki) else kawasaki,
         maekawa,
         reason,
         tuple(notes),
@@ -241,11 +279,6 @@ def _kawasaki_error(frame: Frame, lengths: np.ndarray) -> float:
     error = float(2.0 * (2.0 * (frame.error or frame.unit) / lengths).sum())
     # whole numbers on a small grid are exact, not rounded
     return error if frame.error or error <= VAGUE else 0.0
-
-
-def _is_sprung(frame: Frame, edge: int) -> bool:
-    springs = frame.stiffness[edge], frame.rest_angles[edge], frame.preload[edge]
-    return not np.isnan(springs).all()
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
@@ -269,27 +302,6 @@ def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
     return ""
 
 
-def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
-    """Return where the angles of a folded form are not those that its file states."""
-    stated = frame.fold_angles[at]
-    apart = np.nan_to_num(np.abs(phi - stated))
-    if apart.max() > APART:
-        k = int(apart.argmax())
-        return [
-            f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
-            f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
-            "file): rest angles are those of the file, or with --rest-from measured the others"
-        ]
-    letters = {frame.assignment[e] for e in at}
-    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
-    if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
-        return [
-            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
-            "and V"
-        ]
-    return []
-
-
 def _measured(
     d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
 ) -> tuple[np.ndarray, bool]:
@@ -297,8 +309,7 @@ def _measured(
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), NONZERO)
     phi, unsure = [], False
     for k, e in zip(keep, at, strict=True):
-        before, after = unit[k - 1], unit[k]
-        angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
+        angle = fold_between(d[k], unit[k - 1], unit[k])
         if math.pi - abs(angle) < PLACES:
             sign = stated_sign(frame, e)
             unsure |= sign == 0.0

@@ -15,10 +15,11 @@ import numpy as np
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY
+from origami_nlp.pattern.polygons import sides_of
 from origami_nlp.pattern.scene import Scene
 
-Point = tuple[float, float]
-Face = tuple[Point, ...]
+Face = tuple[complex, ...]
+"""Corners x + iy."""
 Letter = Callable[[complex, complex], str]
 """Letter of the crease between two points x + iy."""
 Spring = Callable[[complex, complex], tuple[float, float]]
@@ -30,7 +31,7 @@ SprungPattern = Callable[[int, int], tuple[list[Face], Letter, Spring]]
 def to_fold(
     faces: Iterable[Face],
     letter: Letter,
-    springs: Scene | Spring,
+    spring: Spring,
     title: str,
     lattice: Sequence[complex] = (),
 ) -> dict[str, Any]:
@@ -42,9 +43,8 @@ def to_fold(
         Corners of each facet, counter-clockwise.
     letter
         Rule for the creases.
-    springs
-        Of a scene: mountains and valleys rest, and are stiff, as its creases with negative and positive rest angles.
-        Or a rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
+    spring
+        Rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
     title
         Of the file.
     lattice
@@ -56,29 +56,22 @@ def to_fold(
         FOLD 1.1, rest angles as fold angles; rest angles and stiffness in our namespace too.
     """
     vertices: dict[tuple[int, int], int] = {}
-    coords: list[Point] = []
+    coords: list[complex] = []
 
-    def number(p: Point) -> int:
-        key = (round(p[0] / PLACES), round(p[1] / PLACES))
-        if key not in vertices:
-            vertices[key] = len(coords)
-            coords.append((float(p[0]) + 0.0, float(p[1]) + 0.0))
-        return vertices[key]
+    def number(z: complex) -> int:
+        if _place(z) not in vertices:
+            vertices[_place(z)] = len(coords)
+            coords.append(z + 0.0)
+        return vertices[_place(z)]
 
-    rings = [[number(p) for p in face] for face in faces]
-    sides: dict[tuple[int, int], int] = {}
-    for ring in rings:
-        for a, b in zip(ring, ring[1:] + ring[:1], strict=True):
-            edge = (min(a, b), max(a, b))
-            sides[edge] = sides.get(edge, 0) + 1
-    ends = [(complex(*coords[a]), complex(*coords[b])) for a, b in sides]
-    inner = [count == 2 or bool(lattice) for count in sides.values()]
+    rings = [[number(z) for z in face] for face in faces]
+    many = {s: len(of) for s, of in sides_of([r[1:] + r[:1] for r in rings]).items()}
+    ends = [(coords[a], coords[b]) for a, b in many]
+    inner = [count == 2 or bool(lattice) for count in many.values()]
     letters = [letter(*pq) if crease else "B" for pq, crease in zip(ends, inner, strict=True)]
-    sprung: list[tuple[float | None, float | None]] = [(None, None)] * len(ends)
-    of = _spring_of_letter(springs) if isinstance(springs, Scene) else {}
-    for k, crease in enumerate(inner):
-        if crease:
-            sprung[k] = springs(*ends[k]) if callable(springs) else of[letters[k]]
+    sprung = [
+        spring(*pq) if crease else (None, None) for pq, crease in zip(ends, inner, strict=True)
+    ]
     return {
         "file_spec": 1.1,
         "file_creator": "origami_nlp",
@@ -86,8 +79,8 @@ def to_fold(
         "file_title": title,
         "frame_classes": ["creasePattern"],
         "frame_attributes": ["2D"],
-        "vertices_coords": [list(p) for p in coords],
-        "edges_vertices": [list(edge) for edge in sides],
+        "vertices_coords": [[z.real, z.imag] for z in coords],
+        "edges_vertices": [list(edge) for edge in many],
         "edges_assignment": letters,
         "edges_foldAngle": [math.degrees(rest) if rest is not None else 0.0 for rest, _ in sprung],
         "faces_vertices": rings,
@@ -97,10 +90,9 @@ def to_fold(
     }
 
 
-def _spring_of_letter(scene: Scene) -> dict[str, tuple[float, float]]:
-    """Return rest angle and stiffness of mountains and valleys."""
-    springs = zip(scene.rest_angles, scene.stiffness, strict=True)
-    return {"V" if rest > 0 else "M": (rest, k) for rest, k in springs}
+def _place(z: complex) -> tuple[int, int]:
+    """Return a point on the grid on which points are the same."""
+    return round(z.real / PLACES), round(z.imag / PLACES)
 
 
 # ---------------------------------------------------------------- patterns: faces, and the rule for letters
@@ -109,12 +101,12 @@ def _spring_of_letter(scene: Scene) -> dict[str, tuple[float, float]]:
 def disc(scene: Scene) -> tuple[list[Face], Letter]:
     """One vertex in the middle of a polygon; letters by the signs of the rest angles."""
     a = scene.vertex.azimuths
-    rim = [(math.cos(v), math.sin(v)) for v in a]
-    faces: list[Face] = [((0.0, 0.0), p, q) for p, q in zip(rim, rim[1:] + rim[:1], strict=True)]
+    rim = [complex(math.cos(v), math.sin(v)) for v in a]
+    faces: list[Face] = [(0j, p, q) for p, q in zip(rim, rim[1:] + rim[:1], strict=True)]
 
     def letter(p: complex, q: complex) -> str:
         tip = p if abs(p) > abs(q) else q
-        apart = [abs(complex(*c) - tip) for c in rim]
+        apart = [abs(c - tip) for c in rim]
         return "V" if scene.rest_angles[int(np.argmin(apart))] > 0 else "M"
 
     return faces, letter
@@ -124,8 +116,8 @@ def miura(alpha: float, rows: int, columns: int) -> tuple[list[Face], Letter]:
     """Parallelograms with acute angle alpha; straight lines along x, zigzags along y."""
     lean = 1 / math.tan(alpha)
 
-    def at(r: int, c: int) -> Point:
-        return (c + lean * (r % 2), float(r))
+    def at(r: int, c: int) -> complex:
+        return complex(c + lean * (r % 2), r)
 
     faces: list[Face] = [
         (at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c))
@@ -147,10 +139,9 @@ def waterbomb(rows: int, columns: int) -> tuple[list[Face], Letter]:
     faces: list[Face] = []
     for i in range(columns):
         for j in range(rows):
-            x, y = 2.0 * i, 2.0 * j + i % 2
-            rim = [(1, -1), (1, 0), (1, 1), (-1, 1), (-1, 0), (-1, -1)]
-            ring = [(x + dx, y + dy) for dx, dy in rim]
-            faces += [((x, y), p, q) for p, q in zip(ring, ring[1:] + ring[:1], strict=True)]
+            middle = complex(2.0 * i, 2.0 * j + i % 2)
+            ring = [middle + z for z in (1 - 1j, 1, 1 + 1j, -1 + 1j, -1, -1 - 1j)]
+            faces += [(middle, p, q) for p, q in zip(ring, ring[1:] + ring[:1], strict=True)]
 
     def letter(p: complex, q: complex) -> str:
         d = q - p
@@ -163,18 +154,14 @@ def yoshimura(alpha: float, rows: int, columns: int) -> tuple[list[Face], Letter
     """Isosceles triangles with base 2 and base angles alpha, in rows; bases are valleys."""
     height = math.tan(alpha)
 
-    def at(r: int, c: int) -> Point:
-        return (2.0 * c + r % 2, height * r)
+    def at(r: int, c: int) -> complex:
+        return complex(2.0 * c + r % 2, height * r)
 
     faces: list[Face] = []
     for r in range(rows):
         for c in range(columns):
-            if r % 2:
-                faces += [(at(r, c), at(r, c + 1), at(r + 1, c + 1))]
-                faces += [(at(r, c), at(r + 1, c + 1), at(r + 1, c))]
-            else:
-                faces += [(at(r, c), at(r, c + 1), at(r + 1, c))]
-                faces += [(at(r, c + 1), at(r + 1, c + 1), at(r + 1, c))]
+            a, b, d, e = at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)
+            faces += [(a, b, d), (a, d, e)] if r % 2 else [(a, b, e), (b, d, e)]
 
     def letter(p: complex, q: complex) -> str:
         return "V" if abs((q - p).imag) < height / 2 else "M"
@@ -188,15 +175,12 @@ def square_twist(alpha: float) -> tuple[list[Face], Letter]:
     turn = complex(math.cos(alpha), -math.sin(alpha))
     out = [1.5 * (corner[(k + 1) % 4] - corner[k]) * turn for k in range(4)]
 
-    def point(z: complex) -> Point:
-        return (z.real, z.imag)
-
-    faces: list[Face] = [tuple(map(point, corner))]
+    faces: list[Face] = [tuple(corner)]
     mountains = []
     for k in range(4):
         here, there, before = corner[k], corner[(k + 1) % 4], out[k - 1]
-        faces.append(tuple(map(point, (here, here + out[k], there + out[k], there))))
-        faces.append(tuple(map(point, (here, here + before, here + out[k]))))
+        faces.append((here, here + out[k], there + out[k], there))
+        faces.append((here, here + before, here + out[k]))
         mountains.append({here, here + out[k]})
 
     def letter(p: complex, q: complex) -> str:
@@ -208,10 +192,10 @@ def square_twist(alpha: float) -> tuple[list[Face], Letter]:
 
 def bird_base() -> tuple[list[Face], Letter]:
     """The base of the crane on a square of side 2: four rabbit ears, petals folded at two opposite corners."""
-    corner = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]
+    corner = [1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j]
     r = 1 - math.tan(math.pi / 8)  # where bisectors of 22.5 degrees meet the midlines
-    inner = [(0.0, r), (-r, 0.0), (0.0, -r), (r, 0.0)]  # inner[k] between corners k and k + 1
-    middle = (0.0, 0.0)
+    inner = [r * 1j, complex(-r), r * -1j, complex(r)]  # inner[k] between corners k and k + 1
+    middle = 0j
     faces: list[Face] = []
     for k in range(4):
         here, before, c = inner[k], inner[k - 1], corner[k]
@@ -237,9 +221,8 @@ def resch(rows: int, columns: int) -> tuple[list[Face], Letter]:
     """
     e, f = complex(1.0, 0.0), complex(0.5, math.sqrt(0.75))
 
-    def at(x: int, y: int) -> Point:
-        z = x * e + y * f
-        return (z.real, z.imag)
+    def at(x: float, y: float) -> complex:
+        return x * e + y * f
 
     faces: list[Face] = []
     ends: set[tuple[int, int]] = set()
@@ -248,11 +231,9 @@ def resch(rows: int, columns: int) -> tuple[list[Face], Letter]:
             x, y = 3 * (m // 2) + m % 2 - n, m % 2 + 2 * n  # columns to and fro, rows straight up
             rim = [(x, y), (x + 1, y), (x + 2, y), (x + 1, y + 1), (x, y + 2), (x, y + 1)]
             ends |= set(rim)
-            centre = (x + 2 / 3) * e + (y + 2 / 3) * f
-            faces += [
-                ((centre.real, centre.imag), at(*p), at(*q))
-                for p, q in zip(rim, rim[1:] + rim[:1], strict=True)
-            ]
+            centre = at(x + 2 / 3, y + 2 / 3)
+            sides = zip(rim, rim[1:] + rim[:1], strict=True)
+            faces += [(centre, at(*p), at(*q)) for p, q in sides]
     for x, y in sorted((x - 1, y) for x, y in ends):
         corners = [(x + 1, y), (x + 1, y + 1), (x, y + 1)]
         if (x - y) % 3 and ends.issuperset(corners):  # else it is the middle of a tuck
@@ -268,16 +249,10 @@ def resch_cell(rows: int, columns: int) -> tuple[list[Face], Letter]:
     """The same as a cell that repeats: each triangle of side 2 with two tucks of side 1."""
     e, f = complex(1.0, 0.0), complex(0.5, math.sqrt(0.75))
     one, letter = resch(1, 1)
-    one = one[:6]  # without a tuck that happens to lie between its corners
-    for z in (e, f):
-        corners = (z + e, z + e + f, z + f)
-        one.append(tuple((p.real, p.imag) for p in corners))
-    faces = []
-    for i in range(rows):
-        for j in range(columns):
-            z = i * (2 * f - e) + j * (e + f)
-            faces += [tuple((x + z.real, y + z.imag) for x, y in face) for face in one]
-    return faces, letter
+    # without a tuck that happens to lie between its corners
+    one = [*one[:6], *((z + e, z + e + f, z + f) for z in (e, f))]
+    moves = [i * (2 * f - e) + j * (e + f) for i in range(rows) for j in range(columns)]
+    return [tuple(x + z for x in face) for z in moves for face in one], letter
 
 
 QUAD = (0.0, 1.0, 1.25 + 0.9j, -0.1 + 0.75j)
@@ -301,22 +276,18 @@ def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:
     def at(i: int, j: int) -> complex:
         return ((a, b), (d, c))[i % 2][j % 2] + (i // 2) * up + (j // 2) * along
 
-    def key(z: complex) -> tuple[int, int]:
-        return round(z.real / PLACES), round(z.imag / PLACES)
-
     faces: list[Face] = []
     for i in range(rows):
         for j in range(columns):
             ring = (at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j))
-            faces.append(tuple((z.real, z.imag) for z in ring))
+            faces.append(ring)
             odd = (i + j) % 2  # a half-turned one
             for k, z in enumerate(ring):
-                side[key((z + ring[(k + 1) % 4]) / 2)] = (k + 2 * odd) % 4
+                side[_place((z + ring[(k + 1) % 4]) / 2)] = (k + 2 * odd) % 4
 
     def spring(p: complex, q: complex) -> tuple[float, float]:
-        x, y = key(
-            (p + q) / 2
-        )  # to one unit of the grid, as either corner may be rounded from the other facet
+        # to one unit of the grid, as either corner may be rounded from the other facet
+        x, y = _place((p + q) / 2)
         near = [side.get((x + dx, y + dy)) for dx in (0, -1, 1) for dy in (0, -1, 1)]
         k = next(one for one in near if one is not None)
         return QUAD_REST[k], QUAD_STIFFNESS[k]
@@ -378,4 +349,9 @@ def sheet_to_fold(
         "yoshimura": lambda: yoshimura(sectors[0], *size),
         "resch": lambda: (resch_cell if cell else resch)(*size),
     }.get(name, lambda: disc(scene))()
-    return to_fold(faces, letter, scene, scene.label, lattice)
+    # mountains and valleys rest, and are stiff, as the scene's creases with negative and positive rest angles
+    of = {
+        "V" if rest > 0 else "M": (rest, k)
+        for rest, k in zip(scene.rest_angles, scene.stiffness, strict=True)
+    }
+    return to_fold(faces, letter, lambda p, q: of[letter(p, q)], scene.label, lattice)

@@ -6,7 +6,7 @@ import math
 
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern.angles import format_angle, parse_angle
+from origami_nlp.pattern.numbers_read import format_angle, parse_angle
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.vertex import Vertex
 
@@ -14,11 +14,11 @@ STIFFNESS = 0.025
 """Geometric mean of mountain and valley stiffness in the paper [N m/rad]."""
 
 
-def between(alpha: float | str, upper: float, upper_text: str) -> float:
-    """Return `alpha` [rad] as a number in (0, upper)."""
+def acute(alpha: float | str) -> float:
+    """Return `alpha` [rad] as a number in (0, pi/2)."""
     a = parse_angle(alpha, "alpha")
-    if not 0 < a < upper:
-        raise OptionError(f"alpha = {alpha!r} must lie between 0 and {upper_text} [rad]")
+    if not 0 < a < math.pi / 2:
+        raise OptionError(f"alpha = {alpha!r} must lie between 0 and pi/2 [rad]")
     return a
 
 
@@ -38,13 +38,7 @@ Angle = float | str
 
 
 def miura(
-    alpha: Angle = "pi/3",
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/4",
-    valley: Angle = "pi/2",
-    symmetry: str = "auto",
-    contact: Contact = "full",
+    alpha: Angle = "pi/3", ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full"
 ) -> Scene:
     """Make a vertex of the Miura fold: sector angles (a, pi - a, pi - a, a), degree 4.
 
@@ -57,8 +51,6 @@ def miura(
         Acute angle of the parallelograms, in (0, pi/2) [rad].
     ratio
         Stiffness ratio k_m / k_v > 0; the geometric mean is 0.025 N m/rad.
-    mountain, valley
-        Rest angles of mountains, in [-pi, 0), and valleys, in (0, pi] [rad].
     symmetry, contact
         As for `Scene`.
 
@@ -70,7 +62,7 @@ def miura(
     Raises
     ------
     OptionError
-        If `alpha`, `ratio`, `mountain` or `valley` is out of range.
+        If `alpha` or `ratio` is out of range.
     AngleError
         If an angle is not a number.
     SceneError, SymmetryError
@@ -82,20 +74,13 @@ def miura(
     >>> examples.miura("pi/4").vertex
     Vertex(degree 4, sector_angles=[pi/4, 3*pi/4, 3*pi/4, pi/4])
     """
-    a = between(alpha, math.pi / 2, "pi/2")
+    a = acute(alpha)
     b = math.pi - a
     title = f"Miura, alpha = {format_angle(a)}"
-    return _scene(title, (a, b, b, a), "MVVV", ratio, mountain, valley, symmetry, contact)
+    return _scene(title, (a, b, b, a), "MVVV", ratio, -math.pi / 4, math.pi / 2, symmetry, contact)
 
 
-def waterbomb(
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/2",
-    valley: Angle = "pi/2",
-    symmetry: str = "auto",
-    contact: Contact = "full",
-) -> Scene:
+def waterbomb(ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full") -> Scene:
     """Make the middle of a cell of the waterbomb tessellation: (pi/4, pi/2, pi/4, pi/4, pi/2, pi/4), degree 6.
 
     Creases 1 and 4 are one straight mountain, the others are diagonals and valleys.  It is stable folded up, and folded
@@ -103,7 +88,7 @@ def waterbomb(
 
     Parameters
     ----------
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -124,16 +109,13 @@ def waterbomb(
     """
     a, b = math.pi / 4, math.pi / 2
     sectors = (a, b, a, a, b, a)
-    return _scene("waterbomb", sectors, "MVVMVV", ratio, mountain, valley, symmetry, contact)
+    return _scene(
+        "waterbomb", sectors, "MVVMVV", ratio, -math.pi / 2, math.pi / 2, symmetry, contact
+    )
 
 
 def waterbomb_base(
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/3",
-    valley: Angle = "pi/2",
-    symmetry: str = "auto",
-    contact: Contact = "full",
+    ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full"
 ) -> Scene:
     """Make the middle of the waterbomb base: eight sectors of pi/4, mountains and valleys in turn, degree 8.
 
@@ -142,7 +124,7 @@ def waterbomb_base(
 
     Parameters
     ----------
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -163,17 +145,10 @@ def waterbomb_base(
     """
     sectors = (math.pi / 4,) * 8
     title = "waterbomb base"
-    return _scene(title, sectors, "MV" * 4, ratio, mountain, valley, symmetry, contact)
+    return _scene(title, sectors, "MV" * 4, ratio, -math.pi / 3, math.pi / 2, symmetry, contact)
 
 
-def bird_base(
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/2",
-    valley: Angle = "pi",
-    symmetry: str = "auto",
-    contact: Contact = "full",
-) -> Scene:
+def bird_base(ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full") -> Scene:
     """Make a petal corner of the bird base: (pi/4, 5 pi/8, 3 pi/4, 3 pi/8), degree 4, no two sectors equal.
 
     Crease 1 is the fold line of the petal, the only valley; mountains fold it half way only.  It is stable near
@@ -181,7 +156,7 @@ def bird_base(
 
     Parameters
     ----------
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -202,17 +177,11 @@ def bird_base(
     """
     e = math.pi / 8
     sectors = (2 * e, 5 * e, 6 * e, 3 * e)
-    return _scene("bird base", sectors, "VMMM", ratio, mountain, valley, symmetry, contact)
+    return _scene("bird base", sectors, "VMMM", ratio, -math.pi / 2, math.pi, symmetry, contact)
 
 
 def square_twist(
-    alpha: Angle = "pi/4",
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/4",
-    valley: Angle = "3*pi/4",
-    symmetry: str = "auto",
-    contact: Contact = "full",
+    alpha: Angle = "pi/4", ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full"
 ) -> Scene:
     """Make a corner of the square twist: sector angles (pi/2, pi - a, pi/2, a), degree 4.
 
@@ -223,7 +192,7 @@ def square_twist(
     ----------
     alpha
         Angle between a pleat and the side of the square, in (0, pi/2) [rad].
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -242,20 +211,14 @@ def square_twist(
     >>> examples.square_twist("pi/3").degree
     4
     """
-    a = between(alpha, math.pi / 2, "pi/2")
+    a = acute(alpha)
     title = f"square twist, alpha = {format_angle(a)}"
     sectors = (math.pi / 2, math.pi - a, math.pi / 2, a)
-    return _scene(title, sectors, "VVVM", ratio, mountain, valley, symmetry, contact)
+    return _scene(title, sectors, "VVVM", ratio, -math.pi / 4, 0.75 * math.pi, symmetry, contact)
 
 
 def yoshimura(
-    alpha: Angle = "pi/6",
-    ratio: float = 1.0,
-    *,
-    mountain: Angle = "-pi/2",
-    valley: Angle = "pi",
-    symmetry: str = "auto",
-    contact: Contact = "full",
+    alpha: Angle = "pi/6", ratio: float = 1.0, *, symmetry: str = "auto", contact: Contact = "full"
 ) -> Scene:
     """Make a vertex of the Yoshimura pattern: sector angles (a, pi - 2a, a, a, pi - 2a, a), degree 6.
 
@@ -266,7 +229,7 @@ def yoshimura(
     ----------
     alpha
         Base angle of the triangles, in (0, pi/2) [rad].
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -285,20 +248,15 @@ def yoshimura(
     >>> examples.yoshimura("pi/6").group.name
     'D2'
     """
-    a = between(alpha, math.pi / 2, "pi/2")
+    a = acute(alpha)
     b = math.pi - 2 * a
     title = f"Yoshimura, alpha = {format_angle(a)}"
-    return _scene(title, (a, b, a, a, b, a), "VMMVMM", ratio, mountain, valley, symmetry, contact)
+    return _scene(
+        title, (a, b, a, a, b, a), "VMMVMM", ratio, -math.pi / 2, math.pi, symmetry, contact
+    )
 
 
-def resch(
-    ratio: float = 0.1,
-    *,
-    mountain: Angle = "-pi/2",
-    valley: Angle = "pi",
-    symmetry: str = "auto",
-    contact: Contact = "full",
-) -> Scene:
+def resch(ratio: float = 0.1, *, symmetry: str = "auto", contact: Contact = "full") -> Scene:
     """Make a vertex of Resch's triangles: (pi/2, pi/2, pi/3, pi/6, pi/6, pi/3), degree 6, which does not fold flat.
 
     Crease 5 is the valley in which a tuck closes; creases 1, 3, 4 and 6 are sides of triangles.  In the finished sheet
@@ -307,7 +265,7 @@ def resch(
 
     Parameters
     ----------
-    ratio, mountain, valley, symmetry, contact
+    ratio, symmetry, contact
         As for `miura`.
 
     Returns
@@ -328,7 +286,7 @@ def resch(
     """
     e = math.pi / 6
     sectors = (3 * e, 3 * e, 2 * e, e, e, 2 * e)
-    return _scene("Resch", sectors, "MMMMVM", ratio, mountain, valley, symmetry, contact)
+    return _scene("Resch", sectors, "MMMMVM", ratio, -math.pi / 2, math.pi, symmetry, contact)
 
 
 def _scene(
@@ -336,18 +294,13 @@ def _scene(
     sectors: tuple[float, ...],
     letters: str,
     ratio: float,
-    mountain: Angle,
-    valley: Angle,
+    mountain: float,
+    valley: float,
     symmetry: str,
     contact: Contact,
 ) -> Scene:
     """Make a scene of a vertex whose creases are mountains and valleys."""
-    m, v = parse_angle(mountain, "mountain"), parse_angle(valley, "valley")
-    if not -math.pi <= m < 0:
-        raise OptionError(f"mountain = {mountain!r} must lie in [-pi, 0) [rad]")
-    if not 0 < v <= math.pi:
-        raise OptionError(f"valley = {valley!r} must lie in (0, pi] [rad]")
     r = positive(ratio)
-    rest = tuple(m if letter == "M" else v for letter in letters)
+    rest = tuple(mountain if letter == "M" else valley for letter in letters)
     name = title + (f", r_k = {r:g}" if r != 1 else "")
     return Scene(Vertex(sectors), springs(rest, r), rest, symmetry, contact, name=name)

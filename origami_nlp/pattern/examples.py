@@ -6,16 +6,15 @@ import inspect
 import json
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from origami_nlp.arguments import check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
-from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.example_vertices import (
-    between,
+    acute,
     bird_base as bird_base,
     miura as miura,
     positive,
@@ -28,6 +27,7 @@ from origami_nlp.pattern.example_vertices import (
 )
 from origami_nlp.pattern.fold_file import parse_fold
 from origami_nlp.pattern.lattice_stated import ROLLED_KEY, check_rolled
+from origami_nlp.pattern.numbers_read import format_angle
 from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern
@@ -79,7 +79,7 @@ def degree6(
     >>> examples.degree6("pi/3", ratio=100).label
     'degree 6, alpha_1 = pi/3, r_k = 100'
     """
-    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
+    a, ratio = acute(alpha), positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
     rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSURE_TOL else (v, v, m, v, m, v)
@@ -128,7 +128,7 @@ def degree8(
     >>> examples.degree8("pi/6").group.name
     'D2'
     """
-    a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
+    a, ratio = acute(alpha), positive(ratio)
     b = math.pi / 2 - a
     rest = (-math.pi / 2, math.pi / 2) * 4
     title = f"degree 8, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
@@ -283,16 +283,10 @@ def by_name(name: str, **options: Any) -> Scene:
     >>> examples.by_name("birdbase") == examples.bird_base()
     True
     """
-    made = None if name in WITH_SPRINGS else _made(name, options)
-    if not isinstance(made, Scene):
+    if name in WITH_SPRINGS:
         raise OptionError(
             f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
         )
-    return made
-
-
-def _made(name: str, options: Mapping[str, Any]) -> Scene | Mapping[str, Any]:
-    """Make an example with options that it has."""
     make = maker(name)
     known = inspect.signature(make).parameters
     for option in options:
@@ -300,7 +294,7 @@ def _made(name: str, options: Mapping[str, Any]) -> Scene | Mapping[str, Any]:
             raise OptionError(
                 f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
             )
-    made: Scene | Mapping[str, Any] = make(**options)
+    made: Scene = make(**options)
     return made
 
 

@@ -12,24 +12,33 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.drawings import ERROR_KEY, DrawingOptions
-from origami_nlp.errors import FoldFileError
-from origami_nlp.io import printable, read_limited
+from origami_nlp.drawings import (
+    ERROR_KEY,
+    DrawingOptions,
+    drawing_kind,
+    drawing_to_fold,
+    read_drawing,
+)
+from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.io import parse_json, printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
-from origami_nlp.pattern.fold_limits import edge_limits
-from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
-from origami_nlp.pattern.fold_source import STDIN, check_total, decode_source
+from origami_nlp.pattern.fold_limits import limit_angles, read_limits
+from origami_nlp.pattern.fold_notes import compare_signs, flattened, note_small, once
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
-from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled, read_lattice
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled
+from origami_nlp.pattern.polygons import sides_of
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
+MOST_ELEMENTS = 2_000_000
+"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY, LIMITS_KEY = "edges_origaminlp:restAngle", "edges_origaminlp:limits"
 PRELOAD_KEY = "edges_origaminlp:preload"
@@ -136,6 +145,16 @@ class Frame:
     lattice: np.ndarray | None = None
     rolled: tuple[int, int] | None = None
 
+    @cached_property
+    def edge_of(self) -> dict[tuple[int, int], int]:
+        """Position in `edges` of the edge between two vertices, in increasing order."""
+        return {(min(pair), max(pair)): e for e, pair in enumerate(self.edges.tolist())}
+
+    def is_sprung(self, edge: int) -> bool:
+        """Return whether the file states a spring of an edge."""
+        springs = self.stiffness[edge], self.rest_angles[edge], self.preload[edge]
+        return not np.isnan(springs).all()
+
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
         x, y = self.coords[vertex, :2] * [1.0, -1.0 if self.y_down else 1.0] + 0.0
@@ -147,7 +166,7 @@ def read_fold(
     frame: int | Literal["first"] | None = None,
     drawing: DrawingOptions | None = None,
 ) -> tuple[Frame, ...]:
-    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, .opx, DXF).
+    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, DXF).
 
     Parameters
     ----------
@@ -171,7 +190,7 @@ def read_fold(
         If `source` is no path.
     """
     text = read_limited(source, LARGEST, "FOLD", FoldFileError)
-    name = STDIN if str(source) == "-" else str(source)
+    name = "standard input" if str(source) == "-" else str(source)
     return parse_fold(text, frame, source=name, drawing=drawing)
 
 
@@ -187,7 +206,7 @@ def parse_fold(
     Parameters
     ----------
     text
-        JSON, or what an SVG, .cp, .opx or DXF file holds.
+        JSON, or what an SVG, .cp or DXF file holds.
     frame
         As for `read_fold`.
     source
@@ -218,13 +237,25 @@ def parse_fold(
     """
 
     name = f"FOLD file {source!r}" if source else "FOLD file"
-    found = decode_source(text, source, drawing)
-    data = found.data
-    raw = [data, *_list(data.get("file_frames", []), "file_frames")]
-    for number, one in enumerate(raw):
+    raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    kind, y_down = drawing_kind(source, raw), False
+    said: tuple[str, ...] = ()
+    if kind is not None:
+        made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
+        data, said, y_down = drawing_to_fold(made), made.notes, made.y_down
+    elif drawing is not None:
+        raise FoldFileError(f"{source!r} is a FOLD file: the options of drawings are not for it")
+    elif raw.lstrip().startswith(b"<"):
+        raise FoldFileError(f"{name} is XML: save it as .fold, .svg, .cp or .dxf")
+    else:
+        data = parse_json(text, name, FoldFileError)
+    if not isinstance(data, Mapping):
+        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
+    each = [data, *_list(data.get("file_frames", []), "file_frames")]
+    for number, one in enumerate(each):
         if not isinstance(one, Mapping):
             raise FoldFileError(f"file_frames[{number - 1}] must be an object")
-    full = _inherited(raw)
+    full = _inherited(each)
     there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
     if not there:
         held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
@@ -239,11 +270,10 @@ def parse_fold(
             raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
     else:
         wanted = there
-        check_total([full[number] for number in there])
+        _check_total([full[number] for number in there])
     frames = [_frame(full[number], number) for number in wanted]
     frames = [
-        replace(one, source=source, notes=(*found.notes, *one.notes), y_down=found.y_down)
-        for one in frames
+        replace(one, source=source, notes=(*said, *one.notes), y_down=y_down) for one in frames
     ]
     if frame == "first" and len(there) > 1:
         others = (
@@ -251,6 +281,17 @@ def parse_fold(
         )
         frames = [replace(one, notes=(*one.notes, others)) for one in frames]
     return tuple(frames)
+
+
+def _check_total(frames: list[dict[str, Any]]) -> None:
+    """Refuse frames that inherit so much that a small file becomes a day of work."""
+    keys = ("vertices_coords", "edges_vertices")
+    total = sum(len(one[k]) for one in frames for k in keys if isinstance(one.get(k), list))
+    if len(frames) > 1 and total > MOST_ELEMENTS:
+        raise FoldFileError(
+            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
+            f"{MOST_ELEMENTS}: choose one with --frame"
+        )
 
 
 def frame_of(data: Mapping[str, Any]) -> Frame:
@@ -293,14 +334,9 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
     notes: list[str] = []
-    legacy = []
     for old, new in _LEGACY.items():
-        if old in data and new in data:
-            notes.append(f"{old}: left out, since {new} is given too")
-        elif old in data:
-            data[new] = data[old]
-            legacy.append(old)
-            notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
+        if old in data:
+            raise FoldFileError(f"{old} is of FOLD 1.0: name it {new}, fold angles in degrees")
     coords, wide = _coords(data["vertices_coords"])
     error = check_number(ERROR_KEY, data.get(ERROR_KEY) or 0.0, error=FoldFileError)
     n = len(coords)
@@ -309,8 +345,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     m = len(pairs)
     letters = _assignment(data.get("edges_assignment"), m)
     angles, rest, stiffness, preload = (_edge_numbers(data, key, m) for key in _EDGE_NUMBERS)
-    if not in_radians(angles, "edges_foldAngles" in legacy, notes):
-        angles = np.radians(angles)
+    note_small(angles, notes)
+    angles = np.radians(angles)
     keep, conflicts = once(pairs, letters, angles, notes)
     place = {int(e): k for k, e in enumerate(keep)}
     compare_signs(letters, angles, notes)
@@ -340,8 +376,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         max(last_place(coords), error),
         length_unit=str(data.get("frame_unit", "")),
         error=error,
-        limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
-        lattice=read_lattice(data.get(LATTICE_KEY)),
+        limits=_limits(data.get(LIMITS_KEY), m, keep),
+        lattice=_lattice(data.get(LATTICE_KEY)),
         rolled=check_rolled(data.get(ROLLED_KEY)),
         laws=edge_laws(data, m, keep),
     )
@@ -371,19 +407,40 @@ def _rows(
     return rows
 
 
-def _coords(value: object) -> tuple[np.ndarray, bool]:
-    """Read coordinates, and whether there are three."""
-    rows = _rows(value, "vertices_coords", lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
+def _coords(value: object, name: str = "vertices_coords") -> tuple[np.ndarray, bool]:
+    """Read points or vectors, and whether they have three coordinates."""
+    rows = _rows(value, name, lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
     out = np.zeros((len(rows), 3))
     for i, row in enumerate(rows):
         out[i, : len(row)] = [
-            check_number(f"vertices_coords[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
+            check_number(f"{name}[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
         ]
     if not len(out):
-        raise FoldFileError("vertices_coords is empty: no geometry to analyse")
+        raise FoldFileError(f"{name} is empty: no geometry to analyse")
     if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
-        raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
+        raise FoldFileError(f"{name} span less than 1e-50: rescale the pattern")
     return out, any(len(row) == 3 for row in rows)
+
+
+def _lattice(value: object) -> np.ndarray | None:
+    if value is None:
+        return None
+    if not isinstance(value, list) or len(value) != 2:
+        raise FoldFileError(
+            f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
+        )
+    return _coords(value, LATTICE_KEY)[0]
+
+
+def _limits(value: object, count: int, keep: np.ndarray) -> np.ndarray | None:
+    """Read fold limits [deg] of some edges: a pair each, or null for +-180; None where there are none."""
+    if value is None:
+        return None
+    pairs = [[-180.0, 180.0] if p is None else p for p in _of_edges(value, LIMITS_KEY, count)]
+    try:
+        return limit_angles(read_limits(pairs, count, degrees=True), count).T[keep]
+    except OrigamiError as error:
+        raise FoldFileError(f"{LIMITS_KEY}: {error}") from None
 
 
 def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
@@ -414,11 +471,11 @@ def _edges(
 ) -> np.ndarray:
     """Read edges, or take the sides of the faces."""
     if value is None:
-        sides = {tuple(sorted((f[i - 1], f[i]))) for f in faces for i in range(len(f))}
+        sides = sorted(sides_of(faces))
         if not sides:
             raise FoldFileError("edges_vertices is missing: a vertex needs its creases")
         notes.append("edges_vertices is missing: edges are the sides of the faces, all unassigned")
-        return np.array(sorted(sides))
+        return np.array(sides)
     pairs = _rows(
         value,
         "edges_vertices",

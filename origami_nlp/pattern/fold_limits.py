@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.errors import FoldFileError, OrigamiError, SceneError
+from origami_nlp.errors import SceneError
 from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
-from origami_nlp.pattern.angles import parse_angles
+from origami_nlp.pattern.numbers_read import parse_angles, read_list
 
 Limits = tuple[tuple[float, float], ...]
 LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")
@@ -49,22 +49,17 @@ def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
     True
     """
     key, unit = ("limits_deg", "deg") if degrees else ("limits", "rad")
-    wrong = SceneError(
-        f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
-    )
-    if isinstance(given, str | bytes):
-        raise wrong
-    try:
-        items: list[Any] = list(given)  # type: ignore[call-overload]
-        rows: list[Any] = [r if isinstance(r, str | int | float) else list(r) for r in items]
-    except TypeError:
-        raise wrong from None
+    wrong = f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
+    items = read_list(given, wrong)
+    rows: list[Any] = [
+        r if isinstance(r, str | int | float) else read_list(r, wrong) for r in items
+    ]
     if not rows:
         return ()
     if not any(isinstance(row, list) for row in rows):
         rows = [rows] * degree
     if len(rows) != degree or any(not isinstance(row, list) or len(row) != 2 for row in rows):
-        raise wrong
+        raise SceneError(wrong)
     out = []
     for i, row in enumerate(rows, start=1):
         low, high = parse_angles(row, f"{key}[{i}]", degrees=degrees)
@@ -116,44 +111,6 @@ def stated_limits(table: Mapping[str, Any], degree: int) -> dict[str, Any]:
     if thick:
         out["panels"] = read_panels([table[key] for key in thick])
     return out
-
-
-def edge_limits(given: object, edges: int, key: str, keep: np.ndarray) -> np.ndarray | None:
-    """Read fold limits [deg] of some edges of a FOLD file: a pair each, or null for +-180; None where there is no key.
-
-    Parameters
-    ----------
-    given
-        What the file says.
-    edges
-        How many there are.
-    key
-        How messages call it.
-    keep
-        Edges wanted.
-
-    Returns
-    -------
-    numpy.ndarray or None
-        Low and high, shape [len(keep), 2] [rad].
-
-    Raises
-    ------
-    FoldFileError
-        If they do not fit.
-    """
-    if given is None:
-        return None
-    if not isinstance(given, list) or len(given) != edges:
-        raise FoldFileError(
-            f"{key} must be a list of {edges} pairs [low, high] in degrees, or null"
-        )
-    rows = [[-180.0, 180.0] if pair is None else pair for pair in given]
-    try:
-        read = read_limits(rows, edges, degrees=True)
-    except OrigamiError as error:
-        raise FoldFileError(f"{key}: {error}") from None
-    return limit_angles(read, edges).T[keep]
 
 
 def _at_flat(angle: float) -> float:
@@ -227,10 +184,10 @@ def read_panels(given: object) -> tuple[float, float] | None:
     """
     if given is None:
         return None
-    if not isinstance(given, Sequence | np.ndarray) or len(given) != 2:
-        raise SceneError(f"panels = {shown(given)} must be thickness and taper [mm], both given")
-    thickness = check_number("panels, thickness [mm]", given[0], math.ulp(0.0), error=SceneError)
-    return thickness, check_number("panels, taper [mm]", given[1], 0.0, error=SceneError)
+    wrong = f"panels = {shown(given)} must be thickness and taper [mm], both given"
+    thick, taper = read_list(given, wrong, 2)
+    thickness = check_number("panels, thickness [mm]", thick, math.ulp(0.0), error=SceneError)
+    return thickness, check_number("panels, taper [mm]", taper, 0.0, error=SceneError)
 
 
 def thick_limits(limits: Limits, degree: int, panels: tuple[float, float] | None) -> Limits:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import NOISE, NONZERO, PLACES
+from origami_nlp.numerics import NOISE, NONZERO
 
 LOOKS_LIKE_PI = 1e-3
 """Degrees beside pi that nobody means: who writes so means radians."""
@@ -57,24 +57,14 @@ def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> N
         )
 
 
-def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
-    """Return whether fold angles are radians.
-
-    FOLD says degrees, under both names; under the old one programs wrote radians as well, and a file whose
-    largest fold is below 3.15 degrees is no file that people make.
-    """
+def note_small(angles: np.ndarray, notes: list[str]) -> None:
+    """Note fold angles [deg] that could be radians: a file whose largest fold is below 3.15 degrees is rare."""
     largest = float(np.nanmax(np.abs(angles), initial=0.0))
-    if legacy and 0 < largest <= math.pi * (1 + PLACES):
-        notes.append(
-            f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
-        )
-        return True
     if SMALLEST_FOLD <= largest <= math.pi + LOOKS_LIKE_PI:
         notes.append(
             f"edges_foldAngle: the largest is {largest:.6g}, read as degrees as FOLD says: if the file has radians, "
             f"write {math.degrees(largest):.6g}"
         )
-    return False
 
 
 def listed(items: Sequence[int], most: int = 8) -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
-from origami_nlp.pattern.fold_springs import check_fold_springs, fold_springs, spring_notes
+from origami_nlp.pattern.fold_springs import FoldSprings
 from origami_nlp.pattern.scene import Contact, Scene
 
 
@@ -68,18 +67,17 @@ def read_fold_scene(
     6
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return vertex_scene(chosen, vertex, on_note=on_note, **options)
+    return scene_at(chosen, vertex, on_note=on_note, **options)
 
 
 def scene_at(
     frame: Frame,
-    number: int | FoldVertex,
+    number: int | FoldVertex | None = None,
     *,
+    on_note: Callable[[str], object] = lambda note: None,
     symmetry: str = "auto",
     contact: Contact = "full",
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
+    **springs: Any,
 ) -> Scene:
     """Make a scene of one interior vertex of a frame.
 
@@ -88,18 +86,13 @@ def scene_at(
     frame
         Of `read_fold`.
     number
-        Of the vertex, from 0, as in the file; or the vertex, one of `fold_vertices`.
+        Of the vertex, from 0, as in the file; or one of `fold_vertices`; by default the only one that can be analysed.
+    on_note
+        Told what is odd, and what was assumed.
     symmetry, contact
         As for `Scene`.
-    stiffness
-        Of creases for which the file gives none [N m/rad].
-    rest_angle
-        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
-        fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
-    rest_from
-        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
-        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
-        file has none.
+    springs
+        Of creases for which the file states none: `FoldSprings`, stiffness, rest_angle, rest_from.
 
     Returns
     -------
@@ -114,13 +107,14 @@ def scene_at(
         If a value does not fit the vertex.
     """
     check_type("frame", frame, Frame)
-    v = number if isinstance(number, FoldVertex) else _vertex_at(frame, number)
-    check_fold_springs(frame, stiffness, rest_angle, rest_from)
+    found, notes = ((), ()) if isinstance(number, FoldVertex) else fold_vertices(frame)
+    v = number if isinstance(number, FoldVertex) else _vertex_at(frame, number, found, notes)
+    asked = FoldSprings(**springs)
+    asked.check(frame)
     if v.reason:
         raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
     at = np.searchsorted(frame.numbers, v.edges)
-    measured = np.array(v.fold_angles)
-    k, rest = fold_springs(frame, at, measured, stiffness, rest_angle, rest_from)
+    k, rest = asked.of(frame, at, np.array(v.fold_angles))
     if frame.loads and len(fold_vertices(frame)[0]) > 1:
         raise FoldFileError(
             f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
@@ -130,7 +124,7 @@ def scene_at(
     loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
     if frame.loads and frame.fixed_facet is not None:
         loads["fixed_facet"] = frame.fixed_facet
-    return Scene(
+    made = Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
         tuple(rest.tolist()),
@@ -144,62 +138,32 @@ def scene_at(
         laws=tuple(frame.laws[e] for e in at) if frame.laws else (),
         **loads,
     )
-
-
-def vertex_scene(
-    frame: Frame, vertex: int | None = None, *, on_note: Callable[[str], object], **options: Any
-) -> Scene:
-    """Make a scene of one vertex of a frame.
-
-    Parameters
-    ----------
-    frame
-        Of `read_fold`.
-    vertex, on_note, options
-        As for `read_fold_scene`.
-
-    Returns
-    -------
-    Scene
-        The vertex with its springs.
-
-    Raises
-    ------
-    FoldFileError, OptionError
-        As `read_fold_scene`.
-    """
-    found, notes = fold_vertices(frame)
-    if vertex is None:
-        good = [v.number for v in found if not v.reason]
-        if len(good) != 1:
-            some = f" ({listed(good, 12)})" if good else ""
-            why = "".join(f"; {note}" for note in notes) if not found else ""
-            raise OptionError(
-                f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
-                f"origami-nlp inspect lists them{why}"
-            )
-        vertex = good[0]
-    here = _vertex_at(frame, vertex)
-    scene = scene_at(frame, here, **options)
-    own = {k: o for k, o in options.items() if k in ("stiffness", "rest_angle", "rest_from")}
-    at = np.searchsorted(frame.numbers, here.edges)
-    said = spring_notes(frame, at, np.array(here.fold_angles), **own)
-    of_vertex = (f"vertex {vertex}: {note}" for note in here.notes)
-    for note in (*frame.notes, *notes, *of_vertex, *said):
+    said = asked.notes(frame, at, np.array(v.fold_angles))
+    for note in (*frame.notes, *notes, *(f"vertex {v.number}: {n}" for n in v.notes), *said):
         on_note(note)
-    return scene
+    return made
 
 
-def _vertex_at(frame: Frame, number: int) -> FoldVertex:
-    """Return the interior vertex of that number."""
+def _vertex_at(
+    frame: Frame, number: int | None, found: Sequence[FoldVertex], notes: Sequence[str]
+) -> FoldVertex:
+    """Return the interior vertex of that number, or the only one that can be analysed."""
+    why = "" if found else "".join(f"; {note}" for note in notes)
+    if number is None:
+        good = [v for v in found if not v.reason]
+        if len(good) == 1:
+            return good[0]
+        some = f" ({listed([v.number for v in good], 12)})" if good else ""
+        raise OptionError(
+            f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
+            f"origami-nlp inspect lists them{why}"
+        )
     check_whole("number", number, 0)
-    found, notes = fold_vertices(frame)
     here = next((v for v in found if v.number == number), None)
     if here is None:
         some = listed([v.number for v in found], 12) or "none"
         raise FoldFileError(
             f"--vertex {shown(number)} is no interior vertex with creases of frame {frame.number}: "
-            f"there {'is' if len(found) == 1 else 'are'} {some}"
-            + ("" if found else "".join(f"; {note}" for note in notes))
+            f"there {'is' if len(found) == 1 else 'are'} {some}{why}"
         )
     return here

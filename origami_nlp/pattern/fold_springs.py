@@ -3,92 +3,118 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError
 from origami_nlp.pattern.fold_file import Frame
+from origami_nlp.pattern.fold_notes import listed
 
 LETTERS_ONLY = (
     "M and V without angles: creases rest at -180 and +180 degrees, so that folded flat as drawn has U = 0; "
     "--rest-angle 90 lets them rest half way"
 )
 
-
-def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_from: Any) -> None:
-    """Raise an error unless springs can be had of a frame in the way asked for; parameters as for `frame_pattern`."""
-    check_number("stiffness", stiffness)
-    check_number("rest_angle", rest_angle, 0.0, math.pi)
-    if rest_from not in (None, "file", "measured"):
-        raise FoldFileError(
-            f"--rest-from = {shown(rest_from)} must be file or measured, the angles at which a folded form rests; "
-            "the size for creases without an angle is --rest-angle, in degrees"
-        )
-    if rest_from == "measured" and not frame.folded:
-        raise FoldFileError(
-            f"--rest-from measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
-            "--rest-angle gives the size for creases without an angle"
-        )
+APART = math.radians(1.0)
+"""Measured and stated fold angles [rad] that differ by more are worth a word."""
 
 
-def fold_springs(
-    frame: Frame,
-    edges: ArrayLike,
-    measured: np.ndarray,
-    stiffness: ArrayLike,
-    rest_angle: float,
-    rest_from: str | None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each; other parameters as for `frame_pattern`.
+@dataclass(frozen=True)
+class FoldSprings:
+    """Springs of creases for which a frame states none.
 
-    stiffness: of those for which the file states none, one or [n].
-    measured: the angles at which a folded form is folded [rad], [n]; NaN where they are not known.
+    Parameters
+    ----------
+    stiffness
+        Of those for which the file gives none [N m/rad].
+    rest_angle
+        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
+        [rad]; FOLD's M and V alone mean folded flat.  Others rest at 0.
+    rest_from
+        What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
+        it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
+        file has none.
     """
-    at = np.asarray(edges, dtype=np.intp)
-    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
-    stated = (frame.rest_angles[at], frame.fold_angles[at])
-    ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}[rest_from]
-    letters = [{"M": -rest_angle, "V": rest_angle}.get(frame.assignment[e], 0.0) for e in at]
-    rest = np.full(len(at), math.nan)
-    for way in (*ways, np.array(letters)):
-        rest = np.where(np.isnan(rest), way, rest)
-    return k, np.clip(rest, -math.pi, math.pi)
 
+    stiffness: float = 1.0
+    rest_angle: float = math.pi
+    rest_from: Literal["file", "measured"] | None = None
 
-def spring_notes(
-    frame: Frame,
-    edges: ArrayLike,
-    measured: np.ndarray,
-    stiffness: ArrayLike = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: str | None = None,
-) -> list[str]:
-    """Say in a line each what was asked for that no crease got, and what letters alone mean; as for `fold_springs`."""
-    at = np.asarray(edges, dtype=np.intp)
-    said = []
-    if rest_angle != math.pi:
-        one, other = (
-            fold_springs(frame, at, measured, 1.0, angle, rest_from)[1] for angle in (math.pi, 0.0)
-        )
-        if np.array_equal(one, other):
-            said.append(
-                f"--rest-angle {math.degrees(rest_angle):g} is not used: each mountain and valley has an angle, stated "
-                "or measured"
+    def check(self, frame: Frame) -> None:
+        """Raise an error unless springs can be had of a frame in this way."""
+        check_number("stiffness", self.stiffness)
+        check_number("rest_angle", self.rest_angle, 0.0, math.pi)
+        if self.rest_from not in (None, "file", "measured"):
+            raise FoldFileError(
+                f"--rest-from = {shown(self.rest_from)} must be file or measured, the angles at which a folded form "
+                "rests; the size for creases without an angle is --rest-angle, in degrees"
             )
-    if (
-        not (np.isscalar(stiffness) and stiffness == 1.0)
-        and not np.isnan(frame.stiffness[at]).any()
-    ):
-        said.append("--stiffness is not used: the file states the stiffness of each crease")
-    silent = (np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all()
+        if self.rest_from == "measured" and not frame.folded:
+            raise FoldFileError(
+                f"--rest-from measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
+                "--rest-angle gives the size for creases without an angle"
+            )
+
+    def of(self, frame: Frame, edges: Any, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each.
+
+        measured: the angles at which a folded form is folded [rad], [n]; NaN where they are not known.
+        """
+        at = np.asarray(edges, dtype=np.intp)
+        k = np.where(np.isnan(frame.stiffness[at]), self.stiffness, frame.stiffness[at])
+        stated = (frame.rest_angles[at], frame.fold_angles[at])
+        ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}
+        sizes = {"M": -self.rest_angle, "V": self.rest_angle}
+        letters = np.array([sizes.get(frame.assignment[e], 0.0) for e in at])
+        rest = np.full(len(at), math.nan)
+        for way in (*ways[self.rest_from], letters):
+            rest = np.where(np.isnan(rest), way, rest)
+        return k, np.clip(rest, -math.pi, math.pi)
+
+    def notes(self, frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
+        """Say in a line each what was asked for that no crease got, and what letters alone mean; as for `of`."""
+        at = np.asarray(edges, dtype=np.intp)
+        said = []
+        flat = replace(self, rest_angle=0.0)
+        if self.rest_angle != math.pi and np.array_equal(
+            self.of(frame, at, measured)[1], flat.of(frame, at, measured)[1]
+        ):
+            said.append(
+                f"--rest-angle {math.degrees(self.rest_angle):g} is not used: each mountain and valley has an angle, "
+                "stated or measured"
+            )
+        if self.stiffness != 1.0 and not np.isnan(frame.stiffness[at]).any():
+            said.append("--stiffness is not used: the file states the stiffness of each crease")
+        silent = (np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all()
+        drawn = {frame.assignment[e] for e in at} & set("MV")
+        letters = drawn and (not frame.folded or self.rest_from == "file")
+        if silent and letters and self.rest_angle == math.pi:
+            said.append(LETTERS_ONLY)
+        return said
+
+
+def target_notes(frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
+    """Say where the angles at which a folded form is folded are not those that its file states; as for `of`."""
+    at = np.asarray(edges, dtype=np.intp)
+    stated = frame.fold_angles[at]
+    apart = np.nan_to_num(np.abs(measured - stated))
+    if other := sorted(frame.numbers[at][apart > APART].tolist()):
+        return [
+            f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to "
+            f"{math.degrees(apart.max()):.3g} degrees): rest angles are those of the file, or with --rest-from "
+            "measured the others"
+        ]
+    silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
     drawn = {frame.assignment[e] for e in at} & set("MV")
-    letters = drawn and (not frame.folded or rest_from == "file")
-    if silent and letters and rest_angle == math.pi:
-        said.append(LETTERS_ONLY)
-    return said
+    if drawn and silent.all() and np.abs(measured).max() < APART:
+        return [
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
+            "and V"
+        ]
+    return []
 
 
 def stated_sign(frame: Frame, edge: int) -> float:

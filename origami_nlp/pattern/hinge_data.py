@@ -80,18 +80,14 @@ class HingeData(ShortRepr):
             raise self._wrong("give as many torques, and weights, as angles")
         if len(x) > MOST_ROWS:
             raise self._wrong(f"{len(x):,} rows: at most {MOST_ROWS:,}; average some")
-        beyond = ~(np.abs(x) <= math.pi * (1 + INPUT_TOL))
-        for wrong, what in (
-            (
-                beyond,
-                "angle",
-            ),
-            (~np.isfinite(y), "torque"),
-            (~((w > 0) & np.isfinite(w)), "weight"),
-        ):
-            if wrong.any():
+        for what, good in {
+            "angle": np.abs(x) <= math.pi * (1 + INPUT_TOL),
+            "torque": np.isfinite(y),
+            "weight": (w > 0) & np.isfinite(w),
+        }.items():
+            if not good.all():
                 raise self._wrong(
-                    f"the {what} of measurement {int(np.argmax(wrong)) + 1} does not fit: angles are within "
+                    f"the {what} of measurement {int(np.argmin(good)) + 1} does not fit: angles are within "
                     "+-180 degrees, torques finite, weights positive"
                 )
         if len(np.unique(x)) < FEWEST_ROWS:
@@ -179,12 +175,8 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
             )
         rows.append((number, cells))
     values = np.array([_numbers(row, name) for row in _with_points(rows)]).reshape(-1, len(columns))
-    if len(rows) < FEWEST_ROWS:
-        raise SceneFileError(
-            f"hinge data {name!r}: {len(rows)} rows of numbers: a law needs {FEWEST_ROWS} at least"
-        )
     stated = dict(zip(columns, values.T, strict=True))
-    if "angle_deg" in stated and 0 < np.abs(stated["angle_deg"]).max() <= math.tau:
+    if "angle_deg" in stated and 0 < np.abs(stated["angle_deg"]).max(initial=0.0) <= math.tau:
         raise SceneFileError(
             f"hinge data {name!r}: angles end at {np.abs(stated['angle_deg']).max():.4g} degrees: radians? name the "
             "column angle_rad; a range as narrow as this in degrees is stated in radians too"

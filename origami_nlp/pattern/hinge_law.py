@@ -191,28 +191,17 @@ class HingeLaw(ShortRepr):
             2 * math.pi * self.stiffness, float(np.abs(self.torque(self._turns(self._slope))).max())
         )
 
-    def least(self, low: float, high: float) -> float:
-        """Return the least energy between two angles [rad], [J]."""
-        return float(self.extremes(low, high).min())
-
     def extremes(self, low: float, high: float) -> np.ndarray:
         """Return energies [J] between two angles [rad], the least and the largest among them."""
         x = np.concatenate([self._torque.roots(extrapolate=False), self.breaks, [low, high]])
         return self.energy(x[np.isfinite(x) & (x >= low) & (x <= high)])
 
-    @cached_property
-    def balanced(self) -> np.ndarray:
-        """Where the torque is 0, wells and tops of the energy, between the first and the last break, increasing [rad].
-
-        Where pieces meet, once.
-        """
-        x = self._torque.roots(extrapolate=False)
-        x = np.sort(x[(x >= self.breaks[0]) & (x <= self.breaks[-1])])  # of nan neither holds
-        return np.asarray(x[np.diff(x, prepend=-np.inf) > RESOLVED])
-
     def rests(self, low: float, high: float) -> tuple[float, ...]:
         """Return where the hinge rests between two fold limits: wells, and limits that it is pushed to, increasing."""
-        x = np.array([low, *self.balanced[(self.balanced > low) & (self.balanced < high)], high])
+        x = self._torque.roots(extrapolate=False)
+        x = np.sort(x[(x > max(low, self.breaks[0])) & (x < min(high, self.breaks[-1]))])
+        # where pieces meet, once
+        x = np.array([low, *x[np.diff(x, prepend=-np.inf) > RESOLVED], high])
         between = self.torque(0.5 * (x[1:] + x[:-1]))
         falls, rises = np.array([True, *(between < 0)]), np.array([*(between > 0), True])
         return tuple(x[falls & rises].tolist())

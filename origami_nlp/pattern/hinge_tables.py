@@ -102,12 +102,9 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
         return replace(_stated(kind, given), name=name)
     except SceneError:
         raise
-    except OptionError as error:
-        raise SceneError(f"laws.{name} of type {kind!r}: {error}") from None
     except (TypeError, ValueError) as error:
-        raise SceneError(
-            f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
-        ) from None
+        why = error if isinstance(error, OptionError) else f"its entries must be numbers ({error})"
+        raise SceneError(f"laws.{name} of type {kind!r}: {why}") from None
 
 
 def _stated(kind: str, given: Mapping[str, Any]) -> HingeLaw:

@@ -6,12 +6,14 @@ that all of these agree on, and one search serves all vertices that are one unde
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.errors import SymmetryError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern.hinges_stated import Laws, law_probes, same_laws, seen_laws
 from origami_nlp.pattern.scene import Scene
@@ -149,11 +151,12 @@ def every_label(degree: int) -> list[Relabelling]:
     return [Relabelling(*way, degree) for way in ways]
 
 
-def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
-    """Return whether the symmetries of `other`, under labels that name `creases`, are those of `first`."""
-    place = np.argsort(creases)
-    theirs = {tuple(place[p[creases]].tolist()) for p in _permutations(other)}
-    return theirs == {tuple(p.tolist()) for p in _permutations(first)}
+def _keeps(scene: Scene, creases: np.ndarray) -> bool:
+    """Return whether a scene keeps the same symmetries under labels that name `creases`."""
+    i, place = np.arange(scene.degree), np.argsort(creases)
+    images = [(s - i if mirrored else s + i) % scene.degree for s, mirrored in scene.group.elements]
+    theirs = {tuple(place[p[creases]].tolist()) for p in images}
+    return theirs == {tuple(p.tolist()) for p in images}
 
 
 def symmetries(scene: Scene) -> list[Relabelling]:
@@ -184,14 +187,50 @@ def symmetries(scene: Scene) -> list[Relabelling]:
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
         same = same and (not scene.laws or same_laws(labels.laws(scene), scene.laws))
-        return same and _keeps(scene, scene, i)
+        return same and _keeps(scene, i)
 
     return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]
 
 
-def _permutations(scene: Scene) -> list[np.ndarray]:
-    """Return where the creases of a scene go under its group."""
-    i = np.arange(scene.degree)
-    return [
-        ((s - i) if mirrored else (i + s)) % scene.degree for s, mirrored in scene.group.elements
-    ]
+def with_symmetry_of(scene: Scene, other: Scene) -> Scene:
+    """Return a scene that keeps the symmetry of another, the same rotations and mirrors, and no larger one.
+
+    Parameters
+    ----------
+    scene
+        Which may have a larger symmetry.
+    other
+        Of the same degree.
+
+    Returns
+    -------
+    Scene
+        With the group of the other.
+
+    Raises
+    ------
+    SymmetryError
+        If it does not have them.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import with_symmetry_of
+    >>> vertex = o.Vertex(("pi/2",) * 4)
+    >>> equal, one = (o.Scene(vertex, (1, 1, 1, 1), (t, 0.2, 0.2, 0.2)) for t in (0.2, 0.3))
+    >>> equal.group.name, one.group.name, with_symmetry_of(equal, one).group.name
+    ('D4', 'D1', 'D1')
+    """
+    wanted, name = set(other.group.elements), other.group.name
+    if set(scene.group.elements) == wanted:
+        return scene
+    mirrors = [None, *range(1, scene.degree + 1)] if name.startswith("D") else [None]
+    for mirror in mirrors:
+        with contextlib.suppress(SymmetryError):
+            made = replace(scene, symmetry=name, mirror=mirror, winding=None)
+            if set(made.group.elements) == wanted:
+                return made
+    raise SymmetryError(
+        f"symmetry = {name!r} is kept by the other scenes, with other mirrors or not at all by this one, of group "
+        f'{scene.group.name}: state symmetry = "none"'
+    )

@@ -2,28 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import shown
 from origami_nlp.errors import FoldFileError
 
 LATTICE_KEY = "origaminlp:lattice"
 """Both vectors by which a cell repeats, in the unit of the coordinates."""
-
-
-def read_lattice(value: object) -> np.ndarray | None:
-    """Return both lattice vectors that a file states, [2, 2] or [2, 3]; None where it states none."""
-    if value is None:
-        return None
-    rows = value if isinstance(value, list) else []
-    sizes = {len(row) if isinstance(row, list) else 0 for row in rows}
-    if len(rows) != 2 or sizes not in ({2}, {3}):
-        raise FoldFileError(
-            f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
-        )
-    return np.array([[check_number(LATTICE_KEY, x, error=FoldFileError) for x in r] for r in rows])
-
-
 ROLLED_KEY = "origaminlp:rolled"
 """Copies of a cell once round a tube, along either lattice vector; 0, 0: copies may curl."""
 LEAST_ROUND, MOST_ROUND = 3, 100

@@ -64,12 +64,8 @@ class LawCourse:
         return tuple(law and self._at(law, t) for law in laws)
 
     def _at(self, law: HingeLaw, t: float) -> HingeLaw:
-        base, factor, by = law.origin
-        if base.name != self.name:
-            return law
-        made = self.law(t)
-        made = made if factor == 1.0 else made.times(factor)
-        return made if by == 0.0 else made.shifted(by)
+        base, *change = law.origin
+        return _changed(self.law(t), *change) if base.name == self.name else law
 
 
 def law_course(laws: Laws, number: str, low: float, high: float) -> LawCourse:
@@ -116,58 +112,56 @@ def law_course(laws: Laws, number: str, low: float, high: float) -> LawCourse:
     }
     if len(whole) > 1:
         raise OptionError(f"{number}: {len(whole)} different laws are called {match['law']!r}")
-    parts = [int(k) - 1 for k in re.findall(r"\d+", match["part"])]
+    leaf, around = whole.pop(), []
+    factor, by = 1.0, 0.0
+    for k in re.findall(r"\d+", match["part"]):
+        base, *change = leaf.origin
+        kind, parts = base.stated or ("", ())
+        if kind != "sum":
+            raise OptionError(f"{number}: law {base.name!r} is no sum")
+        if not 0 < int(k) <= len(parts):
+            raise OptionError(f"{number}: the sum has parts 1 to {len(parts)}")
+        around.append((parts[: int(k) - 1], parts[int(k) :], base.name, change))
+        factor, by, leaf = factor * change[0], by + change[1], parts[int(k) - 1]
+    base, *change = leaf.origin
+    factor, by = factor * change[0], by + change[1]
     key = match["key"] + (f"[{match['entry']}]" if match["entry"] else "")
-    law, rate = _course(whole.pop(), parts, key, number, (low, high))
+    made, slope = _formula(base, key, number, (low, high))
+
+    @lru_cache(maxsize=256)  # equal laws are one object
+    def law(t: float) -> HingeLaw:
+        whole = _changed(made(t), *change)
+        for before, after, name, changed in reversed(around):
+            whole = _changed(sum_of([*before, whole, *after], name), *changed)
+        return whole
+
     for t in (low, high):
         law(t)
-    return LawCourse(match["law"], _kept(law), rate)
+    return LawCourse(match["law"], law, lambda t, x: factor * slope(t, x - by))
 
 
-def _kept(law: Callable[[float], HingeLaw]) -> Callable[[float], HingeLaw]:
-    """Return the same function, its last values kept: equal laws are one object."""
-    return lru_cache(maxsize=256)(law)
-
-
-def _course(
-    law: HingeLaw, parts: list[int], key: str, number: str, ends: tuple[float, float]
-) -> tuple[Callable[[float], HingeLaw], Callable[[float, np.ndarray], np.ndarray]]:
-    """Return a law, and the derivative of its torque, over a number of it or of one of its parts."""
-    base, factor, by = law.origin
-    kind, numbers = base.stated or ("", {})
-    if kind == "sum" and parts:
-        if not 0 <= parts[0] < len(numbers):
-            raise OptionError(f"{number}: the sum has parts 1 to {len(numbers)}")
-        part, rate = _course(numbers[parts[0]], parts[1:], key, number, ends)
-        before, after = numbers[: parts[0]], numbers[parts[0] + 1 :]
-        made: Callable[[float], HingeLaw] = lambda t: sum_of(  # noqa: E731
-            [*before, part(t), *after], base.name
-        )
-    else:
-        made, rate = _formula(base, kind, numbers, [] if parts else [key], number, ends)
-    if (factor, by) == (1.0, 0.0):
-        return made, rate
-    return (lambda t: made(t).times(factor).shifted(by), lambda t, x: factor * rate(t, x - by))
+def _changed(law: HingeLaw, factor: float, by: float) -> HingeLaw:
+    return law if (factor, by) == (1.0, 0.0) else law.times(factor).shifted(by)
 
 
 def _formula(
-    law: HingeLaw, kind: str, numbers: Any, keys: list[str], number: str, ends: tuple[float, float]
+    law: HingeLaw, key: str, number: str, ends: tuple[float, float]
 ) -> tuple[Callable[[float], HingeLaw], Callable[[float, np.ndarray], np.ndarray]]:
     """Return a law of a type, and the derivative of its torque, over one of its numbers."""
     from scipy.interpolate import CubicHermiteSpline
 
+    kind, numbers = law.stated or ("", {})
     # of a table, measured data and a sum as such: none
     known = [n for n in numbers if kind in TYPES and TYPES[kind][1][n.partition("[")[0]].smooth]
-    if not keys or keys[0] not in known:
+    if key not in known:
         few = ", ".join(known)
         if kind == "sum":
             few = f"those of its parts, sum[1] to sum[{len(numbers)}]"
         raise OptionError(
             f"{number}: states are followed over these numbers of {kind or 'measured or tabulated'} law {law.name!r}: "
-            f"{few or 'none'}{did_you_mean(keys[0], known) if keys and known else ''}; and over law_scale[1] and "
-            "law_shift[1], which every law has"
+            f"{few or 'none'}{did_you_mean(key, known) if known else ''}; and over law_scale[1] and law_shift[1], "
+            "which every law has"
         )
-    key = keys[0]
 
     def formula(t: Any) -> Callable[[np.ndarray], Formula]:
         return partial(TYPES[kind][0], **{**numbers, key: t})

@@ -7,16 +7,15 @@ The load moves with its point; the energy is U - sum f . p.  A moment vector tha
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import SceneError
-from origami_nlp.numerics import quaternion as quat
-from origami_nlp.pattern.angles import format_angle, parse_angle
+from origami_nlp.pattern.numbers_read import format_angle, parse_angle, read_list
 
 LARGEST_FORCE = 1e100
 """Force [N], torque [N m] and distance [m], in any unit: products of them must not overflow."""
@@ -24,7 +23,7 @@ LARGEST_FORCE = 1e100
 
 @dataclass(frozen=True)
 class Load:
-    """One load: a force at a point of a facet or on a crease, or a torque on a crease.
+    """One load: a force at a point of a facet or on a crease.
 
     Attributes
     ----------
@@ -36,11 +35,9 @@ class Load:
     point
         Distance from the vertex [m], and angle from the facet's first crease [rad].
     crease
-        Number (1-based) of the crease that carries the force, in place of facet and point, or the torque.
+        Number (1-based) of the crease that carries the force, in place of facet and point.
     distance
         Of the point on the crease from the vertex [m].
-    torque
-        On the crease, towards valley > 0 [N m]: the same as preload.
 
     Examples
     --------
@@ -54,22 +51,14 @@ class Load:
     point: tuple[float, float] | None = None
     crease: int | None = None
     distance: float | None = None
-    torque: float | None = None
 
     def __post_init__(self) -> None:
         given = {f.name for f in fields(self) if getattr(self, f.name) is not None}
-        if given not in (
-            {"crease", "torque"},
-            {"crease", "distance", "force"},
-            {"facet", "point", "force"},
-        ):
+        if given not in ({"crease", "distance", "force"}, {"facet", "point", "force"}):
             raise SceneError(
-                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease and torque; "
-                "crease, distance and force; facet, point = [distance, angle] and force"
+                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease, distance and force; "
+                "facet, point = [distance, angle] and force; a torque on a crease is preload"
             )
-        if self.torque is not None:
-            object.__setattr__(self, "torque", _number("torque", self.torque))
-            return
         force = _entries("force", self.force, 3)
         object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
         if self.point is not None:
@@ -94,8 +83,6 @@ class Load:
     @property
     def words(self) -> str:
         """What it is."""
-        if self.torque is not None:
-            return f"torque {self.torque:g} N m on crease {self.crease}"
         assert self.force is not None
         far, angle = self.place
         head = f"force ({', '.join(f'{v:g}' for v in self.force)}) N at "
@@ -122,17 +109,12 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
     out = []
     for i, value in enumerate(values, start=1):
         if isinstance(value, Mapping):
-            if "moment" in value:
-                raise SceneError(
-                    f"loads[{i}]: a moment vector that keeps its direction while the facet turns has no energy; give "
-                    "two opposite forces, or a torque on a crease"
-                )
             known = [f.name for f in fields(Load)]
-            for key in value:
-                if key not in known:
-                    raise SceneError(
-                        f"loads[{i}]: unknown key {key!r}; a load takes {', '.join(known)}"
-                    )
+            if unknown := value.keys() - set(known):
+                raise SceneError(
+                    f"loads[{i}]: unknown key {min(unknown)!r}; a load takes {', '.join(known)}; a torque on a crease "
+                    "is preload, and a moment that keeps its direction while the facet turns has no energy"
+                )
             value = Load(**value)
         if not isinstance(value, Load):
             raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
@@ -148,13 +130,8 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
 
 
 def _entries(name: str, value: object, count: int) -> list[Any]:
-    if (
-        isinstance(value, str | bytes)
-        or not isinstance(value, Sequence | np.ndarray)
-        or len(value) != count
-    ):
-        raise SceneError(f"{name} = {shown(value)} of a load must be a list of {count} numbers")
-    return list(value)
+    wrong = f"{name} = {shown(value)} of a load must be a list of {count} numbers"
+    return read_list(value, wrong, count)
 
 
 def _number(name: str, value: object) -> float:
@@ -190,176 +167,96 @@ class DeadLoads:
     def moved(self, change: DeadLoads, s: float) -> DeadLoads:
         """Return these loads with s times the points and forces of `change` added."""
         points, forces = self.points + s * change.points, self.forces + s * change.forces
-        return DeadLoads(self.held, self.facets, points, forces)
+        return replace(self, points=points, forces=forces)
 
     def divided(self, by: float) -> DeadLoads:
         """Return points and forces over a number; inf leaves nothing of them."""
-        return DeadLoads(self.held, self.facets, self.points / by, self.forces / by)
+        return replace(self, points=self.points / by, forces=self.forces / by)
 
     def times(self, factor: float) -> DeadLoads:
         """Return the same loads with `factor` times the forces."""
-        return DeadLoads(self.held, self.facets, self.points, factor * self.forces)
+        return replace(self, forces=factor * self.forces)
 
-    def chain(self, facet: int, count: int) -> list[int]:
-        """Creases (0-based) from the fixed facet on to another one of `count`, in counter-clockwise order."""
-        return [(self.held + 1 + i) % count for i in range((facet - self.held) % count)]
+    def _each(self, sectors: np.ndarray) -> Iterator[tuple[list[int], np.ndarray, np.ndarray, Any]]:
+        """Go through loads: the creases (0-based) from the fixed facet on, their axes, the point, all flat; the force.
 
-    def positions(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return where the points are in the frame of the fixed facet, [..., L, 3] [m], at states [..., N]."""
-        return np.stack([p for _, p in self._followed(sectors, x)], axis=-2)
+        In the frame of the fixed facet, x along its first crease: axes [k, 3], point [3].
+        """
+        n = len(sectors)
+        for facet, point, force in zip(self.facets, self.points, self.forces, strict=True):
+            turns = [(self.held + 1 + i) % n for i in range((facet - self.held) % n)]
+            azimuth = np.cumsum([0.0, *(sectors[c - 1] for c in turns)])
+            c, s = np.cos(azimuth), np.sin(azimuth)
+            axes = np.column_stack([c, s, 0 * c])
+            yield (
+                turns,
+                axes[1:],
+                axes[-1] * point[0] + np.array([-s[-1], c[-1], 0]) * point[1],
+                force,
+            )
+
+    def _folded(self, sectors: np.ndarray, x: np.ndarray) -> Iterator[tuple[Any, ...]]:
+        """Go through loads at states [..., N]: the creases between, their axes [..., k, 3], the point, the force."""
+        for turns, axes, point, force in self._each(sectors):
+            v = np.vstack([axes, point]) + np.zeros((*x.shape[:-1], 1, 1))
+            spins = _spins(axes)
+            for i in reversed(range(len(turns))):
+                v[..., i + 1 :, :] = _turned(v[..., i + 1 :, :], spins[i], x[..., turns[i], None])
+            yield turns, v[..., :-1, :], v[..., -1, :], force
 
     def energy(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return - sum f . p at states [..., N], shape [...]."""
-        return -np.einsum("...lc,lc->...", self.positions(sectors, x), self.forces)
+        return -sum(
+            (p @ force for *_, p, force in self._folded(sectors, x)), np.zeros(x.shape[:-1])
+        )
 
     def energy_change(self, sectors: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the energy at y less that at x [..., N], without cancellation, shape [...]."""
         total = np.zeros(x.shape[:-1])
-        for facet, point, force in zip(self.facets, self.points, self.forces, strict=True):
-            axes, flat, turns = _flat(self, facet, sectors, point)
-            # one crease after the other goes from x to y, the last first; what lies beyond is at y by then
-            beyond, before = [flat], [quat.IDENTITY]
-            for c, axis in zip(reversed(turns), reversed(axes), strict=True):
-                beyond.append(quat.rotate(_fold(y[..., c], axis), beyond[-1]))
-            for c, axis in zip(turns, axes, strict=True):
-                before.append(quat.multiply(before[-1], _fold(x[..., c], axis)))
-            for i, (c, axis) in enumerate(zip(turns, axes, strict=True)):
+        for turns, axes, point, force in self._each(sectors):
+            moved, p = np.zeros((*x.shape[:-1], 3)), point
+            for c, spin in zip(reversed(turns), _spins(axes)[::-1], strict=True):
                 # R(y) p - R(x) p = 2 sin((y - x) / 2) a x R((x + y) / 2) p: no difference of large numbers
-                middle = quat.rotate(
-                    _fold(0.5 * (x[..., c] + y[..., c]), axis), beyond[len(turns) - 1 - i]
-                )
-                step = quat.rotate(before[i], quat.cross(axis, middle))
-                total = total - 2 * np.sin(0.5 * (y[..., c] - x[..., c])) * quat.dot(step, force)
+                middle = _turned(p, spin, 0.5 * (x[..., c] + y[..., c])) @ spin
+                step = 2 * np.sin(0.5 * (y[..., c, None] - x[..., c, None])) * middle
+                moved, p = _turned(moved, spin, x[..., c]) + step, _turned(p, spin, y[..., c])
+            total = total - moved @ force
         return total
 
     def drift(self, sectors: np.ndarray, x: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Return how the gradient changes with a change of `vector`, [N]: it is linear in points, and in forces."""
         table = change[: len(self.vector)].reshape(-1, 5)
-        points = DeadLoads(self.held, self.facets, table[:, :2], self.forces)
-        forces = DeadLoads(self.held, self.facets, self.points, table[:, 2:])
+        points = replace(self, points=table[:, :2])
+        forces = replace(self, forces=table[:, 2:])
         return points.gradient(sectors, x) + forces.gradient(sectors, x)
 
     def gradient(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the gradient of the energy, [..., N]: -f . (a x p), a the axis of a crease between."""
         out = np.zeros_like(x)
-        for axes, p, turns, force in self._levers(sectors, x):
-            for a, c in zip(axes, turns, strict=True):
-                out[..., c] -= np.cross(a, p) @ force
+        for turns, axes, p, force in self._folded(sectors, x):
+            out[..., turns] -= np.cross(axes, p[..., None, :]) @ force
         return out
 
     def hessian(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return the Hessian of the energy, [..., N, N]: -f . (a x (b x p)), a nearer to the fixed facet than b."""
-        n = x.shape[-1]
-        out = np.zeros((*x.shape[:-1], n, n))
-        for axes, p, turns, force in self._levers(sectors, x):
-            pulls = [np.cross(force, a) for a in axes]
-            arms = [np.cross(a, p) for a in axes]
-            for i, c in enumerate(turns):
-                for j in range(i, len(turns)):
-                    d = turns[j]
-                    value = (pulls[i] * arms[j]).sum(axis=-1)
-                    out[..., c, d] -= value
-                    if c != d:
-                        out[..., d, c] -= value
+        out = np.zeros((*x.shape, x.shape[-1]))
+        for turns, axes, p, force in self._folded(sectors, x):
+            bent = np.cross(force, axes) @ np.cross(axes, p[..., None, :]).swapaxes(-1, -2)
+            upper = np.triu(bent)
+            both = upper + np.triu(bent, 1).swapaxes(-1, -2)
+            out[..., np.array(turns, int)[:, None], turns] -= both
         return out
 
-    def _followed(
-        self, sectors: np.ndarray, x: np.ndarray
-    ) -> list[tuple[list[np.ndarray], np.ndarray]]:
-        """Return for each load the folded axes of the creases between, [..., 3] each, and its point."""
-        lead = x.shape[:-1]
-        out = []
-        for facet, point in zip(self.facets, self.points, strict=True):
-            axes, flat, turns = _flat(self, facet, sectors, point)
-            folded, p = followed(
-                axes, flat, [_fold(x[..., c], a) for c, a in zip(turns, axes, strict=True)]
-            )
-            out.append(([_vectors(a, lead) for a in folded], _vectors(p, lead)))
-        return out
 
-    def _levers(self, sectors: np.ndarray, x: np.ndarray) -> list[tuple[Any, ...]]:
-        count = x.shape[-1]
-        return [
-            (axes, p, self.chain(facet, count), force)
-            for (axes, p), facet, force in zip(
-                self._followed(sectors, x), self.facets, self.forces, strict=True
-            )
-        ]
+def _spins(axes: np.ndarray) -> np.ndarray:
+    """Return the matrices [k, 3, 3] with a x v = `v @ spin` for unit axes a, [k, 3]."""
+    return np.cross(axes[:, None], np.eye(3))
 
 
-def followed(axes: list[Any], flat: Any, folds: list[Any]) -> tuple[list[Any], Any]:
-    """Fold creases one after the other: where the axes and a point beyond all of them go, over any scalars.
-
-    Parameters
-    ----------
-    axes
-        Unit axes (x, y, z) of the creases on the flat sheet, from the fixed facet on.
-    flat
-        The point (x, y, z) [m] on the flat sheet.
-    folds
-        Fold about each axis as a unit quaternion (w, x, y, z).
-
-    Returns
-    -------
-    tuple
-        The folded axes, and the folded point [m].
-    """
-    q: Any = quat.IDENTITY
-    out = []
-    for axis, turn in zip(axes, folds, strict=True):
-        out.append(quat.rotate(q, axis))
-        q = quat.multiply(q, turn)
-    return out, quat.rotate(q, flat)
-
-
-def flat_points(
-    chain: list[int], sectors: Any, held: int, point: Any, cos: Any, sin: Any
-) -> tuple[list[Any], Any]:
-    """Axes of the creases of a chain, and a point of the facet beyond them, on the flat sheet, over any scalars.
-
-    In the frame of the fixed facet: x along its first crease.
-
-    Parameters
-    ----------
-    chain
-        Creases (0-based) from the fixed facet on to the facet of the point: `DeadLoads.chain`.
-    sectors
-        Sector angles [N] [rad].
-    held
-        The fixed facet (0-based).
-    point
-        (x, y) [m] on the facet, x along its first crease.
-    cos, sin
-        Cosine and sine of the scalars.
-
-    Returns
-    -------
-    tuple
-        Unit axes (x, y, 0) of the creases, and the point (x, y, 0) [m].
-    """
-    azimuth: Any = 0.0
-    axes, before = [], held
-    for crease in chain:
-        azimuth = azimuth + sectors[before]
-        axes.append((cos(azimuth), sin(azimuth), 0.0))
-        before = crease
-    c, s = (cos(azimuth), sin(azimuth)) if chain else (1.0, 0.0)
-    return axes, (c * point[0] - s * point[1], s * point[0] + c * point[1], 0.0)
-
-
-def _flat(
-    loads: DeadLoads, facet: int, sectors: np.ndarray, point: np.ndarray
-) -> tuple[list[Any], Any, list[int]]:
-    chain = loads.chain(facet, len(sectors))
-    return *flat_points(chain, sectors, loads.held, point, math.cos, math.sin), chain
-
-
-def _fold(angle: np.ndarray, axis: Any) -> Any:
-    return quat.fold(np.cos(0.5 * angle), np.sin(0.5 * angle), axis)
-
-
-def _vectors(v: Any, lead: tuple[int, ...]) -> np.ndarray:
-    return np.stack([np.broadcast_to(np.asarray(c, dtype=float), lead) for c in v], axis=-1)
+def _turned(v: np.ndarray, spin: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Return vectors [..., 3] turned by angles [...] about the axis whose cross product is `v @ spin`."""
+    across = v @ spin
+    return v + np.sin(angle)[..., None] * across + (1 - np.cos(angle))[..., None] * (across @ spin)
 
 
 def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | None:
@@ -368,24 +265,24 @@ def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | No
     Parameters
     ----------
     loads
-        Forces and torques; torques are left out.
+        The forces.
     fixed_facet
         Facet in whose frame forces are given, counted from 1.
 
     Returns
     -------
     DeadLoads or None
-        Points [m] and forces [N] in the frame of the fixed facet; None without forces, or without that facet.
+        Points [m] and forces [N] in the frame of the fixed facet; None without loads, or without that facet.
     """
-    forces = [load for load in loads if load.force is not None]
-    if not forces or fixed_facet is None:
+    if not loads or fixed_facet is None:
         return None
     points = [
-        (far * math.cos(angle), far * math.sin(angle)) for far, angle in (f.place for f in forces)
+        (far * math.cos(angle), far * math.sin(angle))
+        for far, angle in (load.place for load in loads)
     ]
     return DeadLoads(
         fixed_facet - 1,
-        tuple(load.number - 1 for load in forces),
+        tuple(load.number - 1 for load in loads),
         np.array(points),
-        np.array([load.force for load in forces]),
+        np.array([load.force for load in loads]),
     )

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_sheet
 from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
-from origami_nlp.pattern.crease_pattern import APART
-from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
-from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_rings import (
+from origami_nlp.pattern.fold_faces import (
     Oddity,
     check_drawing,
     check_sides,
@@ -27,13 +24,10 @@ from origami_nlp.pattern.fold_rings import (
     face_walks,
     oriented,
 )
-from origami_nlp.pattern.fold_springs import (
-    check_fold_springs,
-    fold_springs,
-    spring_notes,
-    stated_sign,
-)
-from origami_nlp.pattern.polygons import Side, area, side, sides_of
+from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
+from origami_nlp.pattern.fold_notes import NOISE, listed
+from origami_nlp.pattern.fold_springs import FoldSprings, stated_sign, target_notes
+from origami_nlp.pattern.polygons import Side, area, fold_between, side, sides_of
 from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
@@ -42,13 +36,7 @@ FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 
 def read_pattern(
-    source: str | Path,
-    *,
-    frame: int | None = None,
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
-    snap: float | None = None,
+    source: str | Path, *, frame: int | None = None, snap: float | None = None, **springs: Any
 ) -> Pattern:
     """Read a FOLD file as a pattern of rigid facets.
 
@@ -58,9 +46,7 @@ def read_pattern(
         FOLD file, or ``"-"`` for standard input.
     frame
         Which, from 0; by default the first with geometry.
-    stiffness, rest_angle, rest_from
-        Of creases for which the file states none, as for `frame_pattern`.
-    snap
+    snap, springs
         As for `frame_pattern`.
 
     Returns
@@ -83,19 +69,10 @@ def read_pattern(
     Pattern('Miura, alpha = pi/3': 16 facets, 24 creases, 9 interior vertices)
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return frame_pattern(
-        chosen, stiffness=stiffness, rest_angle=rest_angle, rest_from=rest_from, snap=snap
-    )
+    return frame_pattern(chosen, snap=snap, **springs)
 
 
-def frame_pattern(
-    frame: Frame,
-    *,
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_from: Literal["file", "measured"] | None = None,
-    snap: float | None = None,
-) -> Pattern:
+def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) -> Pattern:
     """Make a pattern of a frame.
 
     Facets are the faces that the frame states; those of a crease pattern that states none are walked round, and faces
@@ -106,17 +83,11 @@ def frame_pattern(
     ----------
     frame
         Of `read_fold`.
-    stiffness
-        Of creases for which the file gives none [N m/rad].
-    rest_angle
-        Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
-        [rad]; others rest at 0.
-    rest_from
-        What a folded form rests at: ``"file"``, ``"measured"``, or of each crease the file's angle and the measured
-        one where the file has none.
     snap
         Share of the sheet by which corners of a drawing may be off: they are moved by at most that, and by as little
         as it takes, so that what holds within it holds exactly (equal sectors, creases in a line, Kawasaki).
+    springs
+        Of creases for which the file states none: `FoldSprings`, stiffness, rest_angle, rest_from.
 
     Returns
     -------
@@ -137,7 +108,8 @@ def frame_pattern(
     4
     """
     check_type("frame", frame, Frame)
-    check_fold_springs(frame, stiffness, rest_angle, rest_from)
+    asked = FoldSprings(**springs)
+    asked.check(frame)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
@@ -154,11 +126,12 @@ def frame_pattern(
         sheet.orders = [(f, g, -s) for f, g, s in sheet.orders]
         sheet.notes.append("faces run the other way round than the assignments say: turned over")
         measured, _ = sheet.measured()
-    sheet.note_targets(measured)
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
-    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
-    sheet.notes += spring_notes(frame, at, found, stiffness, rest_angle, rest_from) if at else []
+    k, rest = asked.of(frame, at, found)
+    if at:
+        sheet.notes += target_notes(frame, at, found) if frame.folded else []
+        sheet.notes += asked.notes(frame, at, found)
 
     def of(values: Iterable[Any]) -> dict[Side, Any]:
         return dict(zip(creases, values, strict=True))
@@ -201,7 +174,7 @@ class _Sheet:
                 f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
                 "fold angles: keep one"
             )
-        self.number = {tuple(sorted(pair)): e for e, pair in enumerate(frame.edges.tolist())}
+        self.number = frame.edge_of
         self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
         for one in face_oddities(frame, self.polygons):
@@ -215,18 +188,18 @@ class _Sheet:
         bare = [s for s in shared if s not in self.edge]
         if bare:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
-        self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
+        letters = frame.assignment
+        self.joins = bare + [
+            s
+            for s, e in self.edge.items()
+            if letters[e] == "J" or (letters[e] == "F" and not frame.is_sprung(e))
+        ]
         if frame.lattice is None:
             self._note_borders(sides)
             self._make_exact()
 
     def _edge(self, ends: Side) -> int | None:
         return self.number.get(side(*(self.origin[v] for v in ends)))
-
-    def _is_joined(self, e: int) -> bool:
-        f = self.frame
-        sprung = not (np.isnan(f.stiffness[e]) and np.isnan(f.rest_angles[e]))
-        return f.assignment[e] == "J" or (f.assignment[e] == "F" and not sprung)
 
     def _faces(self) -> list[tuple[int, ...]]:
         """Return the faces that the file states, all of one sense."""
@@ -364,12 +337,10 @@ class _Sheet:
                 f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
             )
         used = {*self.edge.values(), *alone}
-        lost = [int(n) for e, n in enumerate(self.frame.numbers) if e not in used]
-        lost = [n for n in lost if self.frame.assignment[n_at(self.frame, n)] in "MV"]
-        if lost:
-            twins = coincident(self.frame, self.frame.edges[n_at(self.frame, lost[0])])
+        for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
+            twins = coincident(self.frame, self.frame.edges[e])
             raise FoldFileError(
-                f"edges_vertices[{lost[0]}] is a fold but the side of no face: "
+                f"edges_vertices[{self.frame.numbers[e]}] is a fold but the side of no face: "
                 + (twins or "give its faces in faces_vertices, or leave it out")
             )
 
@@ -388,8 +359,7 @@ class _Sheet:
             if ends in joined or ends not in left or ends[::-1] not in left:
                 continue
             a, b = normals[left[ends[::-1]]], normals[left[ends]]
-            d = x[ends[1]] - x[ends[0]]
-            angle = math.atan2(float(d @ np.cross(a, b)) / float(np.linalg.norm(d)), float(a @ b))
+            angle = fold_between(x[ends[1]] - x[ends[0]], a, b)
             sign = stated_sign(frame, e)
             if math.pi - abs(angle) < PLACES:
                 # facets of a valley lie on the sides of each other's normals
@@ -406,18 +376,6 @@ class _Sheet:
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes
-
-    def note_targets(self, measured: dict[Side, float]) -> None:
-        """Note fold angles of a folded form that are not those of its coordinates."""
-        said = self.frame.fold_angles
-        off = {e: abs(said[e] - measured[s]) for s, e in self.edge.items() if s in measured}
-        other = sorted(int(self.frame.numbers[e]) for e, d in off.items() if d > APART)
-        if other:
-            most = math.degrees(max(d for d in off.values() if d > APART))
-            self.notes.append(
-                f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to {most:.3g} "
-                "degrees): read as rest angles, the state is measured"
-            )
 
 
 def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator[Oddity]:
@@ -455,8 +413,3 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
             yield Oddity(
                 f"{name} is not flat (by {off:.2g} of its size): split it along a crease", *at, off
             )
-
-
-def n_at(frame: Frame, number: int) -> int:
-    """Return where in the frame the edge is that has this number in the file."""
-    return int(np.searchsorted(frame.numbers, number))

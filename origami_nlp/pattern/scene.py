@@ -12,7 +12,6 @@ from origami_nlp.arguments import check_angles, check_number, check_whole, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
 from origami_nlp.numerics import INPUT_TOL, NARROW, SUMMED, energy_or_zero
-from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.fold_limits import (
     Limits,
     limit_angles,
@@ -34,6 +33,7 @@ from origami_nlp.pattern.hinges_stated import (
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
     check_range,
+    format_angle,
     read_numbers,
     read_preload,
     read_rest_angles,
@@ -84,8 +84,7 @@ class Scene(PrettyRepr):
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
         The spring is wound to `wound_angles`, at most 1,000 rad; a hinge law keeps its energy, less m_i phi_i.
     loads
-        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
-        for `fixed_facet`, and for states without symmetry.
+        Dead loads: each a `Load`, or a table that states one; with `fixed_facet`, for states without symmetry.
     fixed_facet
         Number (1-based) of the facet that is fixed where forces pull: what they do to the states depends on it.
     winding
@@ -190,7 +189,11 @@ class Scene(PrettyRepr):
             raise SceneError(
                 "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
             )
-        self._read_loads()
+        self._set(loads=read_loads(self.loads, self.vertex.sector_angles))
+        self._set(preload=read_preload(self.preload, stiffness, rest))
+        if self.fixed_facet is not None or self.loads:
+            what = "fixed_facet, which facet is held where forces pull,"
+            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
         # relations are looked for in the vertex as stated, unless they are known
         if self.relations is None or self.relations.sector_angles != self.vertex.sector_angles:
             found = find_relations(self.vertex.sector_angles)
@@ -220,22 +223,6 @@ class Scene(PrettyRepr):
     def of_each_winding(self) -> tuple[Scene, ...]:
         """The scenes, one for each of `windings`, that together have its states; the scene itself comes first."""
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
-
-    def _read_loads(self) -> None:
-        """Add torques on creases to the preload, and keep forces."""
-        loads = read_loads(self.loads, self.vertex.sector_angles)
-        forces = tuple(load for load in loads if load.force is not None)
-        springs = self.stiffness, self.rest_angles
-        preload = read_preload(self.preload, *springs)
-        if len(forces) < len(loads):
-            total = list(preload or (0.0,) * self.degree)
-            for load in loads:
-                total[load.number - 1] += load.torque or 0.0
-            preload = read_preload(tuple(total), *springs)
-        self._set(preload=preload, loads=forces)
-        if self.fixed_facet is not None or forces:
-            what = "fixed_facet, which facet is held where forces pull,"
-            check_whole(what, self.fixed_facet, 1, self.degree, SceneError)
 
     def _find_symmetry(self) -> Symmetry:
         """Find the symmetry that geometry and mechanics share; forces keep none."""
@@ -297,8 +284,7 @@ class Scene(PrettyRepr):
         """Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]."""
         if not self.preload:
             return self.rest_angles
-        springs = zip(self.rest_angles, self.preload, self.stiffness, strict=True)
-        return tuple(rest + m / k for rest, m, k in springs)
+        return tuple(np.add(self.rest_angles, np.divide(self.preload, self.stiffness)).tolist())
 
     @property
     def label(self) -> str:
@@ -316,22 +302,22 @@ class Scene(PrettyRepr):
         """Number of creases N."""
         return self.vertex.degree
 
-    def check_plain_hinges(self, what: str, *, stops: bool = False, laws: bool = False) -> None:
+    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the scene, in words.
-        stops, laws
-            Whether it knows fold limits, or hinge laws.
+        stops
+            Whether it knows fold limits.
 
         Raises
         ------
         OptionError
             If the scene has them.
         """
-        check_plain_hinges(() if laws else self.laws, () if stops else self.limits, what)
+        check_plain_hinges(self.laws, () if stops else self.limits, what)
 
     def check_no_forces(self, what: str) -> None:
         """Raise an error where forces pull in space, which `what` does not know.

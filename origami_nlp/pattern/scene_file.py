@@ -15,15 +15,15 @@ from origami_nlp.arguments import check_number, check_type, shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
-from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.fold_limits import LIMIT_KEYS, stated_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
+from origami_nlp.pattern.numbers_read import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
-    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
+    "vertex": ("sector_angles", "sector_angles_deg", "flat", "normalize"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload", *LIMIT_KEYS, "law"),
     "model": (
         "symmetry",
@@ -226,7 +226,7 @@ def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:
     Parameters
     ----------
     table
-        Sector angles or directions, and whether the sheet is flat.
+        Sector angles, and whether the sheet is flat.
 
     Returns
     -------
@@ -238,19 +238,9 @@ def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:
     SceneFileError, AngleError, VertexError
         If a key is missing or doubly given, or a value does not fit.
     """
-    keys = ("sector_angles", "sector_angles_deg", "directions")
-    given, flat = one_of(table, "[vertex]", keys, SceneFileError), table.get("flat", True)
-    normalize = table.get("normalize", False)
-    if given == "directions":
-        if flat is not True:
-            raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
-        if normalize is not False:
-            raise SceneFileError(
-                "directions go once round: normalize is for sector angles, leave it out"
-            )
-        return Vertex.from_directions(table[given])
-    make = Vertex.from_degrees if given == "sector_angles_deg" else Vertex
-    return make(table[given], flat, normalize=normalize)
+    given = one_of(table, "[vertex]", ("sector_angles", "sector_angles_deg"), SceneFileError)
+    more = {key: table[key] for key in ("flat", "normalize") if key in table}
+    return Vertex(table[given], **more, degrees=given.endswith("_deg"))
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:

@@ -8,7 +8,7 @@ open; a crease is directed, with one facet on its left and one on its right.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -29,9 +29,8 @@ from origami_nlp.pattern.hinges_stated import (
     read_laws,
     with_laws,
 )
-from origami_nlp.pattern.loops import Loop, Loops, check_topology
 from origami_nlp.pattern.numbers_read import check_range
-from origami_nlp.pattern.polygons import sides_of
+from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""
@@ -211,12 +210,12 @@ class Pattern:
         SceneError
             If a value does not fit.
         """
-        k = self.stiffness if stiffness is None else np.broadcast_to(stiffness, self.creases)
-        k = k * self.lengths if per_length else np.array(k, float)
-        if not (np.isfinite(k) & (k > 0)).all():
+        k = np.array(self.stiffness if stiffness is None else stiffness, float)
+        if k.shape not in ((), (self.creases,)) or not (np.isfinite(k) & (k > 0)).all():
             raise SceneError(
-                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad]"
+                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad], one or {self.creases} of them"
             )
+        k = np.broadcast_to(k, self.creases) * (self.lengths if per_length else 1.0)
         if len(k):
             check_range(k.tolist())
         if rest_angles is None:
@@ -261,17 +260,13 @@ class Pattern:
         check_laws(made.laws, made.limit_angles, "full")
         return made
 
-    def with_laws(
-        self, laws: HingeLaw | Sequence[HingeLaw | None], *, per_length: bool = False
-    ) -> Pattern:
+    def with_laws(self, laws: HingeLaw | Sequence[HingeLaw | None]) -> Pattern:
         """Return the same pattern with hinge laws in place of linear springs.
 
         Parameters
         ----------
         laws
             One for all creases, or one, or None, for each.
-        per_length
-            Whether torques are per unit length of crease.
 
         Returns
         -------
@@ -284,9 +279,6 @@ class Pattern:
             If one is not known between the fold limits.
         """
         given = [laws] * self.creases if isinstance(laws, HingeLaw) else list(laws)
-        if per_length:
-            each = zip(given, self.lengths.tolist(), strict=True)
-            given = [law and law.times(length) for law, length in each]
         read = read_laws(tuple(given), self.creases)
         check_laws(read, self.limit_angles, "full")
         k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
@@ -391,17 +383,12 @@ def make_pattern(
     corners: np.ndarray,
     polygons: Sequence[Sequence[int]],
     *,
-    assignment: dict[tuple[int, int], str] | None = None,
-    joins: Sequence[tuple[int, int]] = (),
-    fold_angles: dict[tuple[int, int], float] | None = None,
-    numbers: dict[tuple[int, int], int] | None = None,
-    stiffness: dict[tuple[int, int], float] | float = 1.0,
-    rest: dict[tuple[int, int], float] | None = None,
-    file_angles: dict[tuple[int, int], float] | None = None,
-    limits: dict[tuple[int, int], tuple[float, float]] | None = None,
+    joins: Sequence[Side] = (),
+    limits: dict[Side, tuple[float, float]] | None = None,
     name: str = "",
     notes: Sequence[str] = (),
     orders: Sequence[tuple[int, int, int]] = (),
+    **of_sides: Any,
 ) -> Pattern:
     """Build a pattern from polygons that share sides.
 
@@ -411,14 +398,16 @@ def make_pattern(
         Points of the reference state, [V, 2] or [V, 3].
     polygons
         Corners of each, all counter-clockwise seen from one side.
-    assignment, fold_angles, numbers, stiffness, rest, file_angles, limits
-        Of sides, by their two corners in increasing order: letters, fold angles of the reference state [rad], numbers
-        in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad], fold limits [rad] (all or
-        none).
     joins
         Sides across which two polygons are one facet.
+    limits
+        Fold limits [rad] of all sides that are creases, or of none.
     name, notes, orders
         Of the pattern.
+    of_sides
+        By their two corners in increasing order: ``assignment`` (letters), ``fold_angles`` of the reference state
+        [rad], ``numbers`` in a file, ``stiffness`` [N m/rad] (or one for all), ``rest`` angles [rad], ``file_angles``
+        [rad].
 
     Returns
     -------
@@ -452,7 +441,7 @@ def make_pattern(
     facet_of = groups(len(polygons), whole)
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
     together = {tuple(sorted(s)) for s in joins}
-    order = numbers or {}
+    order = of_sides.get("numbers") or {}
     sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
     for a, b in sides:
         if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
@@ -462,36 +451,105 @@ def make_pattern(
             )
     index = {s: c for c, s in enumerate(sides)}
 
-    def of(values: dict[tuple[int, int], float] | None, default: float) -> np.ndarray:
-        return np.array([(values or {}).get(s, default) for s in sides], float)
-
-    ends = np.array(sides, int).reshape(-1, 2)
     loops = Loops(polygons, left_of, index)
     vertices, holes = loops.vertices(), loops.holes(corners)
     left = np.array([facet_of[left_of[s]] for s in sides], int)
     right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
     check_topology(facet_of, left, right, len(vertices) + len(holes))
-    k = stiffness if isinstance(stiffness, dict) else dict.fromkeys(sides, float(stiffness))
-    springs = of(k, 1.0)
+    arrays = of_creases(sides, of_sides)
     if sides:
-        check_range(springs.tolist())
+        check_range(arrays["stiffness"].tolist())
     return Pattern(
         corners,
         tuple(tuple(map(int, p)) for p in polygons),
         facet_of,
-        ends,
-        left,
-        right,
-        of(fold_angles, 0.0),
-        "".join((assignment or {}).get(s, "U") for s in sides),
-        springs,
-        of(rest, 0.0),
-        of(file_angles, math.nan),
-        np.array([(numbers or {}).get(s, c) for c, s in enumerate(sides)], int),
-        vertices,
-        holes,
-        name,
-        tuple(notes),
-        tuple((int(f), int(g), int(s)) for f, g, s in orders),
+        left=left,
+        right=right,
+        vertices=vertices,
+        holes=holes,
+        name=name,
+        notes=tuple(notes),
+        orders=tuple((int(f), int(g), int(s)) for f, g, s in orders),
         limits=read_limits([limits[s] for s in sides], len(sides)) if limits else (),
+        **arrays,
     )
+
+
+def of_creases(sides: Sequence[Side], stated: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a pattern has of each crease, of values by the sides that have one, or one value for all."""
+    usual = {"fold_angles": 0.0, "stiffness": 1.0, "rest": 0.0, "file_angles": math.nan}
+    names = dict(zip(usual, ("reference", "stiffness", "rest", "file_angles"), strict=True))
+    if unknown := stated.keys() - {*usual, "assignment", "numbers"}:
+        raise TypeError(f"{min(unknown)}: sides have {', '.join(usual)}, assignment, numbers")
+    letters, numbers = (stated.get(key) or {} for key in ("assignment", "numbers"))
+    found = {"ends": np.array(sides, int).reshape(-1, 2)}
+    for what, default in usual.items():
+        of = stated.get(what, default)
+        each = [of.get(s, default) for s in sides] if isinstance(of, dict) else [of] * len(sides)
+        found[names[what]] = np.array(each, float)
+    return found | {
+        "assignment": "".join(letters.get(s, "U") for s in sides),
+        "numbers": np.array([numbers.get(s, c) for c, s in enumerate(sides)], int),
+    }
+
+
+def in_plane(pattern: Pattern) -> np.ndarray:
+    """Return the corners of a flat sheet in its plane.
+
+    Parameters
+    ----------
+    pattern
+        Its reference state is flat (`Pattern.is_flat`).
+
+    Returns
+    -------
+    numpy.ndarray
+        Corners, [V, 2]: x and y as they are where z is one number; else turned, so that facets run counter-clockwise.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import in_plane
+    >>> in_plane(o.examples.pattern("miura", 2, 2))[0].tolist()
+    [0.0, 0.0]
+    """
+    x = pattern.corners
+    if not np.ptp(x[:, 2]):
+        return x[:, :2]
+    x = x - x[0]
+    area = sum(np.cross(np.roll(x[[*p]], 1, axis=0), x[[*p]]).sum(axis=0) for p in pattern.polygons)
+    normal = area / np.linalg.norm(area)
+    # the longest side of a facet is known best
+    ends = np.array([(p[i - 1], v) for p in pattern.polygons for i, v in enumerate(p)])
+    sides = x[ends[:, 1]] - x[ends[:, 0]]
+    one = sides[np.linalg.norm(sides, axis=1).argmax()]
+    one = one - (one @ normal) * normal
+    one /= np.linalg.norm(one)
+    return np.stack([x @ one, x @ np.cross(normal, one)], axis=1)
+
+
+def laid_flat(pattern: Pattern) -> Pattern:
+    """Return a flat sheet with its corners in a plane z = constant.
+
+    Parameters
+    ----------
+    pattern
+        Any pattern.
+
+    Returns
+    -------
+    Pattern
+        The sheet laid in its plane; the pattern itself if it lies so, or if it is not flat.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import laid_flat
+    >>> sheet = o.examples.pattern("miura", 2, 2)
+    >>> laid_flat(sheet) is sheet
+    True
+    """
+    if not pattern.is_flat or not np.ptp(pattern.corners[:, 2]):
+        return pattern
+    corners = np.column_stack([in_plane(pattern), np.zeros(len(pattern.corners))])
+    return replace(pattern, corners=corners)

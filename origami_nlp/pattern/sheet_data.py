@@ -7,7 +7,7 @@ are for exchange (`pattern_problem.states_to_fold`).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -43,6 +43,7 @@ class _Stated:
     rolled: tuple[int, int] | None = None
     law: tuple[int | None, ...] = ()
     laws: tuple[dict[str, Any], ...] = ()
+    source: str = ""
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -66,30 +67,15 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     True
     """
     p = pattern
-    stated = _Stated(
-        name=p.name,
-        corners=p.corners,
-        polygons=p.polygons,
-        joins=tuple(sorted(side for side, many in p.other_sides.items() if many > 1)),
-        creases=tuple(map(tuple, p.ends.tolist())),
-        assignment=p.assignment,
-        numbers=tuple(p.numbers.tolist()),
-        reference=tuple(p.reference),
-        stiffness=tuple(p.stiffness),
-        rest_angles=tuple(p.rest),
-        file_angles=tuple(p.file_angles),
-        notes=p.notes,
-        orders=p.orders,
-        limits=p.limits,
-        lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
-        rolled=p.cell.rolled if p.cell else None,
-        **dict(zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)),
-    )
-    data: dict[str, Any] = to_plain(stated)
-    for key in ("limits", "lattice", "rolled", "law", "laws"):
-        if not data[key]:
-            del data[key]
-    return data
+    same = "name source corners polygons assignment numbers reference stiffness file_angles notes orders limits"
+    data = {key: getattr(p, key) for key in same.split()}
+    data |= {"creases": p.ends, "rest_angles": p.rest}
+    data["joins"] = sorted(side for side, many in p.other_sides.items() if many > 1)
+    if p.cell:
+        data |= {"lattice": p.cell.lattice, "rolled": p.cell.rolled}
+    data |= zip(("law", "laws"), laws_to_fold(p.laws, 0).values(), strict=False)
+    seldom = ("source", "limits", "rolled")
+    return {key: to_plain(v) for key, v in data.items() if key not in seldom or v}
 
 
 def pattern_from_dict(data: Any) -> Pattern:
@@ -142,4 +128,4 @@ def pattern_from_dict(data: Any) -> Pattern:
         raise FoldFileError(f"pattern is not whole: {error}") from None
     if tuple(map(tuple, made.ends.tolist())) != said.creases:
         raise FoldFileError("pattern: its creases are not those of its polygons")
-    return made
+    return replace(made, source=said.source)

@@ -216,16 +216,12 @@ def _wedge(
     first = next((p for p in (start, start + n) if p % 2 == 0), start)
     last = first + step
     a = vertex.sector_angles
-    rays: list[Ray] = []
-    if first % 2:
-        rays.append(Ray(None, a[first // 2 % n] / 2))
-    for p in range(first + first % 2, last + 1, 2):
-        j = p // 2 % n
-        half = p + 1 == last
-        sector = 0.0 if p == last else (a[j] / 2 if half else a[j])
-        rays.append(Ray(j, sector))
-    if last % 2:
-        rays.append(Ray(None, 0.0))
+    rays = []
+    for p in range(first, last + 1):
+        if p % 2 == 0 or p in (first, last):
+            # half facets to the next ray: 2, or 1 to or from a mirror within a facet
+            halves = min(2 - p % 2, last - p)
+            rays.append(Ray(None if p % 2 else p // 2 % n, halves * a[p // 2 % n] / 2))
     total = math.fsum(ray.sector for ray in rays)
     whole = math.fsum(a)  # 2 pi unless the vertex is not flat
     assert abs(total - whole / (2 * order)) <= max(RESOLVED, n * tolerance), "wedge angle"

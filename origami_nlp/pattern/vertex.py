@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -19,8 +19,8 @@ import numpy as np
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
 from origami_nlp.io import PrettyRepr, cut
-from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, PLACES, RESOLVED, ROUNDED
-from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RESOLVED, ROUNDED
+from origami_nlp.pattern.numbers_read import format_angle, parse_angles
 
 MOST_SPREAD = 0.1
 """What `normalize` spreads at most over the sectors of a vertex [rad]: 5.7 degrees; more is a sector that is wrong."""
@@ -45,6 +45,8 @@ class Vertex(PrettyRepr):
         two facets lie in one plane.
     normalize
         Spread what the angles of a flat sheet miss of 2 pi, at most `MOST_SPREAD`, over them by equal parts.
+    degrees
+        Whether the angles are stated in degrees; they are kept in radians.
 
     Attributes
     ----------
@@ -69,13 +71,12 @@ class Vertex(PrettyRepr):
     sector_angles: tuple[float, ...]
     flat: bool = True
     normalize: bool = field(default=False, kw_only=True, compare=False)
+    degrees: InitVar[bool] = field(default=False, kw_only=True)
     normalized: float = field(default=0.0, init=False, compare=False)
 
-    def __post_init__(self) -> None:
-        self._set(parse_angles(self.sector_angles, "sector_angles"), _Unit("sector_angles", 1.0))
-
-    def _set(self, angles: tuple[float, ...], unit: _Unit) -> None:
-        """Check the angles [rad], raise an error in the unit in which they were stated, and keep them."""
+    def __post_init__(self, degrees: bool) -> None:
+        unit = DEGREES if degrees else RADIANS  # errors are in what was stated
+        angles = parse_angles(self.sector_angles, unit.field, degrees=degrees)
         if len(angles) < 3:
             raise VertexError(
                 f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
@@ -134,12 +135,7 @@ class Vertex(PrettyRepr):
         AngleError
             If one is no number.
         """
-        vertex = object.__new__(cls)
-        for name, value in (("flat", flat), ("normalize", normalize), ("normalized", 0.0)):
-            object.__setattr__(vertex, name, value)
-        angles = parse_angles(sector_angles, "sector_angles_deg", degrees=True)
-        vertex._set(angles, _Unit("sector_angles_deg", math.degrees(1.0)))
-        return vertex
+        return cls(sector_angles, flat, normalize=normalize, degrees=True)  # type: ignore[arg-type]
 
     def with_angles(self, sector_angles: tuple[float, ...]) -> Vertex:
         """Return the vertex with other sector angles that sum to the same, and with its record `normalized`.
@@ -157,42 +153,6 @@ class Vertex(PrettyRepr):
         vertex = Vertex(sector_angles, self.flat)
         object.__setattr__(vertex, "normalized", self.normalized)
         return vertex
-
-    @classmethod
-    def from_directions(cls, directions: object) -> Vertex:
-        """Make a flat vertex from crease directions; the first becomes e1.
-
-        Parameters
-        ----------
-        directions
-            Shape [N, 2], counter-clockwise; lengths are ignored.
-
-        Returns
-        -------
-        Vertex
-            The vertex.
-
-        Raises
-        ------
-        VertexError
-            If a direction is zero or not finite, or they are not in counter-clockwise order.
-        """
-        try:
-            d = np.asarray(directions, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise VertexError("directions must be an [N, 2] array of numbers") from None
-        if d.ndim != 2 or d.shape[1] != 2:
-            raise VertexError(f"directions has shape {d.shape}, not [N, 2]")
-        bad = ~np.isfinite(d).all(axis=1) | (np.hypot(d[:, 0], d[:, 1]) == 0)
-        if bad.any():
-            i = int(np.argmax(bad)) + 1
-            raise VertexError(f"directions[{i}] = {d[i - 1].tolist()} is not a direction")
-        azimuth = np.arctan2(d[:, 1], d[:, 0])
-        sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
-        # counter-clockwise, directions go round once; in another order the steps sum to a multiple of 2 pi
-        if abs(math.fsum(sectors) - 2 * math.pi) > PLACES:
-            raise VertexError("directions are not in counter-clockwise order: sort them by azimuth")
-        return cls(tuple(sectors.tolist()))
 
     @property
     def degree(self) -> int:
@@ -275,6 +235,9 @@ class _Unit:
         if self.scale != 1.0 and abs(math.degrees(total) - 2 * math.pi) <= MOST_SPREAD:
             return "these look like radians, which are given as sector_angles"
         return ""
+
+
+RADIANS, DEGREES = _Unit("sector_angles", 1.0), _Unit("sector_angles_deg", math.degrees(1.0))
 
 
 def _check_closes(angles: Sequence[float], unit: _Unit) -> None:

@@ -135,7 +135,7 @@ def _put(data: dict[str, Any], place: str, value: float) -> None:
 
 def _unknown(place: str) -> SweepError:
     return SweepError(
-        f'set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]", "loads[1].torque", '
+        f'set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]", "loads[1].force[3]", '
         '"laws.NAME.energy", a number of a law as it is stated, its scale or shift_deg, "creases.limits_deg[1][2]"'
     )
 

@@ -19,7 +19,7 @@ set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several plac
                                # degrees, whichever the scene states
                                # of hinge laws and stops: "laws.NAME.energy", "laws.NAME.sum[2].at_deg",
                                # "laws.NAME.scale", "laws.NAME.shift_deg", "creases.limits_deg[1][2]" (the upper stop)
-                               # of a load: "loads[1].force[3]", "loads[1].distance", "loads[1].torque"
+                               # of a load: "loads[1].force[3]", "loads[1].distance"
 values = ["pi/4", 1.2]
 
 [search]

@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import scene_pattern
+from tests.patterns import scene_pattern
 
 
 def quadrilateral():

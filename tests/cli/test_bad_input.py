@@ -74,7 +74,7 @@ BAD = [
     (text(contact='"soft"'), "fold-limits"),
     (text("mirror = 9"), "1 to 6"),
     (text("name = 3"), "name"),
-    (instead("sector_angles", "directions = [[1,0],[0,-1],[-1,0],[0,1]]"), "counter-clockwise"),
+    (instead("sector_angles", "directions = [[1,0],[0,1],[-1,0],[0,-1]]"), "directions"),
 ]
 """Texts of scenes, and what the one line that refuses each must contain."""
 

@@ -49,7 +49,7 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
 
         return stop
 
-    for name in ("vertex_scene", "decode_scene"):
+    for name in ("scene_at", "decode_scene"):
         monkeypatch.setattr(pattern, name, noted(getattr(pattern, name)))
     needed = NEEDED.get(command, ())
     for words in ((fold, *options), (toml,)):

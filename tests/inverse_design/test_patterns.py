@@ -8,9 +8,9 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import EnergyBounds, Target, Targets, parse_targets
-from origami_nlp.pattern import scene_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from tests.command_line import run
+from tests.patterns import scene_pattern
 
 QUAD = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
 

@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 
-import origami_nlp as o
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
+from origami_nlp.pattern import frame_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, states_to_fold
 from origami_nlp.pattern_states import find_states, judge
 from tests.computed_once import thinned
+from tests.patterns import scene_pattern
 
 DECIDED = 1e-9
 """Fold angles [rad], and energies over the mean stiffness, of one state found both ways."""
@@ -62,15 +62,6 @@ def test_a_scene_its_file_and_its_pattern_are_the_same():
         assert one.facets == one.creases == 5 and len(one.vertices) == 1
         assert np.abs(one.energy(phi) - [scene.energy(p) for p in phi]).max() < 1e-12
     assert np.abs(pattern.corners - again.corners).max() < 1e-15
-
-
-def test_what_a_pattern_has_not_is_refused():
-    cone = Scene(Vertex((1.2, 1.2, 1.2, 1.2), False), (1,) * 4, (0,) * 4)
-    with pytest.raises(o.OrigamiError, match="lie flat"):
-        scene_pattern(cone)
-    wound = Scene(Vertex(("pi/2",) * 4), (1,) * 4, (0,) * 4, preload=(1, 0, 1, 0))
-    with pytest.raises(o.OrigamiError, match="preload"):
-        scene_pattern(wound)
 
 
 @pytest.mark.parametrize("contact", thinned(["full", "fold-limits"], 2))

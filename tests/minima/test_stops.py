@@ -13,6 +13,7 @@ from origami_nlp import Scene, Vertex
 from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.pattern import table, tapered_limit
 from tests.independent import scan_four
+from tests.patterns import scene_pattern
 
 
 def drawn(rng, contact, flat=True):
@@ -91,7 +92,7 @@ def test_a_vertex_as_a_pattern_has_the_same_states():
     rng = np.random.default_rng(11)
     for _ in range(2):
         scene = drawn(rng, "full")
-        sheet = o.pattern.scene_pattern(scene)
+        sheet = scene_pattern(scene)
         assert sheet.limits == scene.limits
         vertex, pattern = (o.find_minima(x, prove=False, escape=False) for x in (scene, sheet))
         assert [m.energy for m in pattern.minima] == pytest.approx(

@@ -67,7 +67,7 @@ BESIDE_THE_TABLE = {
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
-        cli/source.DRAWN drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
+        cli/source.DRAWN drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg.STRAIGHT
         pattern/pattern_file.LARGEST_SNAP
     """,
     "definitions of the source paper": """
@@ -117,7 +117,7 @@ BESIDE_THE_TABLE = {
         paper/audit.CLOSED paper/audit.ON_GRID paper/candidates.PRINTED
     """,
     "weights of rows and steps": """
-        pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT numerics/factors.WEIGHT
+        pattern/coordinate_repair.SOFT numerics/factors.WEIGHT
         search/newton.WEIGHTS
     """,
 }

@@ -11,7 +11,7 @@ import origami_nlp as o
 from origami_nlp.continuation import GeometryLine
 from origami_nlp.errors import OptionError
 from origami_nlp.paths import family_of, parse_parameter_range
-from origami_nlp.pattern import scene_pattern
+from tests.patterns import scene_pattern
 
 FEW = {"checks": 1, "effort": "quick"}
 

@@ -175,10 +175,9 @@ def test_shut_creases_take_their_side_from_the_file():
     assert by_edge[1] == -math.pi
 
 
-def test_frames_inherit_and_legacy_names_are_read():
+def test_frames_inherit_and_old_names_are_refused():
     base = disc([60, 100, 120, 80], "MVVV")
     state = folded((60, 100, 120, 80), closed_state((60, 100, 120, 80), True, 1))
-    base["edges_foldAngles"] = [-10, 10, 10, 10, 0, 0, 0, 0]
     base["file_frames"] = [
         {
             "frame_parent": 0,
@@ -191,8 +190,9 @@ def test_frames_inherit_and_legacy_names_are_read():
     ]
     frames = parse_fold(json.dumps(base))
     assert [f.number for f in frames] == [0, 1] and frames[1].folded
-    assert "edges_foldAngles" in frames[0].notes[0]
     assert len(fold_vertices(frames[1])[0]) == 1
+    with pytest.raises(OrigamiError, match=r"edges_foldAngles is of FOLD 1\.0: name it"):
+        parse_fold(json.dumps(base | {"edges_foldAngles": [-10, 10, 10, 10, 0, 0, 0, 0]}))
 
 
 # ---------------------------------------------------------------- the command line

@@ -14,7 +14,6 @@ from origami_nlp.pattern import (
     frame_pattern,
     parse_fold,
     scene_at,
-    vertex_scene,
 )
 from tests.fold_files import closed_state, disc, folded
 
@@ -99,12 +98,6 @@ def test_choices_that_cannot_be_are_refused(data):
             scene_at(frame(data), 0, rest_from=choice)
 
 
-def legacy(angles):
-    data = disc(SECTORS, "MVVV")
-    data["edges_foldAngles"] = [*angles, *[0] * 4]
-    return data
-
-
 FEW = [-90, 3, 2, 1]
 HALF = [-1.5, 1.5, 0.75, 1.5]
 
@@ -112,13 +105,11 @@ HALF = [-1.5, 1.5, 0.75, 1.5]
 @pytest.mark.parametrize(
     ("data", "rest"),
     [
-        (legacy(np.radians([-54, 54, 54, 54])), [-54, 54, 54, 54]),  # radians, under the old name
-        (legacy(FEW), FEW),
+        (disc(SECTORS, "MVVV", angles=FEW), FEW),
         (disc(SECTORS, "MVVV", angles=HALF), HALF),  # degrees, though they look like radians
-        (legacy([-1, 1, 1, 1]) | {"edges_foldAngle": [*FEW, *[0] * 4]}, FEW),
     ],
 )
-def test_fold_angles_are_degrees_but_for_small_ones_under_the_old_name(data, rest):
+def test_fold_angles_are_degrees(data, rest):
     one = frame(data)
     assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(rest)
 
@@ -139,6 +130,6 @@ def test_springs_that_were_asked_for_and_not_used_are_named():
     ask = {"stiffness": 0.01, "rest_angle": math.pi / 2}
     for data, many in ((disc(SECTORS, "MVVV"), 0), (stated, 2)):
         said = []
-        vertex_scene(frame(data), 0, on_note=said.append, **ask)
+        scene_at(frame(data), 0, on_note=said.append, **ask)
         for notes in (said, frame_pattern(frame(data), **ask).notes):
             assert sum("is not used" in note for note in notes) == many

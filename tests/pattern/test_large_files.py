@@ -10,7 +10,7 @@ from origami_nlp import OrigamiError, Scene, Vertex
 from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import parse_toml
-from origami_nlp.pattern import fold_source, parse_fold, parse_scene
+from origami_nlp.pattern import fold_file, parse_fold, parse_scene
 from tests.fold_files import disc
 
 RUN = CliRunner()
@@ -31,7 +31,7 @@ def test_three_thousand_frames_that_inherit():
 
 
 def test_frames_that_inherit_too_much_are_refused_and_one_can_be_chosen(tmp_path, monkeypatch):
-    monkeypatch.setattr(fold_source, "MOST_ELEMENTS", 500)
+    monkeypatch.setattr(fold_file, "MOST_ELEMENTS", 500)
     file = tmp_path / "a.fold"
     file.write_text(chain(100))
     done = RUN.invoke(app, ["inspect", str(file)])

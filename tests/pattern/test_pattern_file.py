@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import examples, frame_pattern, parse_fold
+from origami_nlp.pattern import (
+    examples,
+    frame_pattern,
+    parse_fold,
+    pattern_from_dict,
+    pattern_to_dict,
+)
 from origami_nlp.pattern_problem import PatternProblem, Poses
 from tests.fold_files import others
 
@@ -259,3 +265,8 @@ def test_the_unit_of_length_changes_nothing(scale, axes):
         one, other = (made({**form, "vertices_coords": (k * x).tolist()}) for k in (1, scale))
         assert (other.corners == scale * one.corners).all() and other.polygons == one.polygons
         assert (other.directions == one.directions).all()
+
+
+def test_what_was_typed_is_the_title_that_comes_back():
+    sheet = examples.pattern("metasheet:2x3")
+    assert pattern_from_dict(pattern_to_dict(sheet)).title == sheet.title == "metasheet:2x3"

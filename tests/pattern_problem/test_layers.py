@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Vertex, check_admissible
-from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
+from origami_nlp.pattern import frame_pattern, parse_fold
 from origami_nlp.pattern_problem import (
     PatternProblem,
     Stack,
@@ -22,7 +22,7 @@ from origami_nlp.pattern_problem import (
 from origami_nlp.pattern_states import analyze_mobility, judge
 from tests.fold_files import others
 from tests.independent.lattice_chains import is_paper
-from tests.patterns import grid, miura, miura_angles, wheel
+from tests.patterns import grid, miura, miura_angles, scene_pattern, wheel
 
 
 @pytest.mark.parametrize("degree", [4, 6])

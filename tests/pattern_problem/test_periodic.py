@@ -221,7 +221,8 @@ def test_wrong_cells_are_refused_in_one_line():
         ({"origaminlp:lattice": [[2, 0], [4, 0]]}, "on one line"),
         ({"origaminlp:lattice": [[3, 0], [0, 2]]}, "span an area of 6"),
         ({"origaminlp:lattice": [[2, 0.2], [0, 2]]}, "has no counterpart"),
-        ({"origaminlp:lattice": [2, 0]}, "two vectors"),
+        ({"origaminlp:lattice": [2, 0]}, r"lattice\[0\] = 2 must be"),
+        ({"origaminlp:lattice": [[2, 0]]}, "two vectors"),
         ({"vertices_coords": moved}, "origaminlp:lattice"),
         ({"edges_assignment": other}, "are one crease"),
     ):

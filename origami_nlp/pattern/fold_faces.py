@@ -1,7 +1,4 @@
-"""Which vertices of a FOLD frame are interior, and what follows what around each: linear in the size of the frame.
-
-And why faces do not hang together in one sheet, and what to change.
-"""
+"""The faces of a FOLD frame: walked round in a drawing, or stated and turned alike; what is wrong with them."""
 
 from __future__ import annotations
 
@@ -14,98 +11,8 @@ import numpy as np
 from origami_nlp.drawings import half_edges
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL
-from origami_nlp.pattern.fold_file import FOLDS, Frame
-from origami_nlp.pattern.fold_notes import listed
+from origami_nlp.pattern.fold_file import Frame
 from origami_nlp.pattern.polygons import area, side, sides_of
-
-
-class Rings:
-    """Which vertices are interior, and the edges and facets around each, counter-clockwise.
-
-    edge[v], next[v]: of each neighbour of vertex v the edge to it, and the neighbour after it.
-    """
-
-    def __init__(self, frame: Frame, turned: bool = False) -> None:
-        self.frame = frame
-        self.turned = turned
-        self.edge: list[dict[int, int]] = [{} for _ in frame.coords]
-        for e, (a, b) in enumerate(frame.edges.tolist()):
-            self.edge[a][b] = self.edge[b][a] = e
-        self.notes: tuple[str, ...] = ()
-        self.next: list[dict[int, int]] = [{} for _ in frame.coords]
-        border = self._by_faces(self._oriented() if frame.folded else face_walks(frame))
-        cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
-        outside = {int(v) for e in border | cut for v in frame.edges[e]}
-        drawn = sorted(border - cut)
-        open_ends = "" if frame.folded else self._open_ends(border, cut)
-        if open_ends:
-            self.notes = (*self.notes, open_ends)
-        elif drawn:
-            shown = listed([int(frame.numbers[e]) for e in drawn])
-            self.notes = (
-                *self.notes,
-                f"edges {shown} lie on the border but are drawn as folds: read as borders",
-            )
-        self.interior = {v for v, n in enumerate(self.edge) if n and v not in outside}
-
-    def around(self, v: int) -> tuple[list[int], str]:
-        """Return the neighbours of v counter-clockwise, and why they do not close up (or '')."""
-        after = self.next[v]
-        if not after:
-            return [], "no face of the file touches it: a folded form needs faces_vertices"
-        start = min(after)
-        ring, here = {start: None}, after[start]  # a dictionary keeps their order
-        while here != start:
-            if here in ring or here not in after:
-                return list(ring), "the faces around it do not close up"
-            ring[here] = None
-            here = after[here]
-        return list(ring), ""
-
-    def _open_ends(self, border: set[int], cut: set[int]) -> str:
-        """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
-        of = self.frame.edges.tolist()
-        at = {v for e in border for v in of[e]}
-        ends = sorted(v for v in at if len(self.edge[v]) == 1)
-        lost = [
-            v
-            for v in sorted(at - {v for e in cut for v in of[e]})
-            if sum(self.frame.assignment[e] in FOLDS + "?" for e in self.edge[v].values()) >= 3
-        ]
-        if not (ends and lost):
-            return ""
-        return (
-            f"creases end in the open (vertices {listed(ends)}), so vertices {listed(lost)} do not count as "
-            'interior: add the outline of the paper, edges with assignment "B" that join the ends'
-        )
-
-    def _by_faces(self, faces: Sequence[tuple[int, ...]]) -> set[int]:
-        """Order by faces; edges with one face only are the border."""
-        sides = np.zeros(len(self.frame.edges), dtype=int)
-        missing, twisted = set(), False
-        for face in faces:
-            n = len(face)
-            for i, v in enumerate(face):
-                after, before = face[(i + 1) % n], face[i - 1]
-                twisted |= after in self.next[v]
-                self.next[v][after] = before
-                if after in self.edge[v]:
-                    sides[self.edge[v][after]] += 1
-                else:
-                    missing.add((v, after))
-        if missing:
-            self.notes = (*self.notes, f"{len(missing)} sides of faces are no edges of the file")
-        if twisted:
-            self.notes = (*self.notes, "some faces overlap at a vertex or cannot be oriented alike")
-        return set(np.flatnonzero(sides < 2).tolist())
-
-    def _oriented(self) -> list[tuple[int, ...]]:
-        """Turn faces so that neighbours run along a common side in opposite directions."""
-        faces = [f[::-1] if self.turned else f for f in self.frame.faces]
-        faces, against = oriented(faces)
-        if against:
-            self.notes = (*self.notes, f"{against} faces were turned over to orient all alike")
-        return faces
 
 
 def face_walks(frame: Frame) -> list[tuple[int, ...]]:
