@@ -85,7 +85,7 @@ def _claims() -> list[str]:
 
 ORIGAMI = _argument(
     "ORIGAMI",
-    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, DXF); "
+    "What is folded: a vertex by its scene file (TOML); a pattern by its FOLD file or drawing (SVG, .cp, .opx, DXF); "
     "- for either on stdin; or an example by name, such as miura:8x8.",
 )
 FILES = _argument("ORIGAMI...", "FOLD files, drawings, - for stdin, or examples such as miura:8x8.")
@@ -99,7 +99,7 @@ EXAMPLE = _argument(
     "-o FILE.fold; targets of a design: waitukaitis-five, six-states, three-equal, switch, flat-and-one.",
 )
 TARGETS = _argument("TARGETS", "What is asked for (TOML), - for stdin, or an example by name.")
-DRAWING = _argument("SOURCE", "FOLD, SVG, .cp or DXF file, - for stdin, or an example.")
+DRAWING = _argument("SOURCE", "FOLD, SVG, .cp, .opx or DXF file, - for stdin, or an example.")
 CONVERTED = _argument("OUT", "Its ending says what is written: .fold .svg .cp .dxf.")
 HINGE_DATA = _argument(
     "DATA",

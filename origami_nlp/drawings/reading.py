@@ -10,11 +10,12 @@ from typing import Any
 from origami_nlp.drawings.cp import read_cp
 from origami_nlp.drawings.dxf import read_dxf
 from origami_nlp.drawings.lines import ERROR_KEY, DrawingOptions, Lines
+from origami_nlp.drawings.opx import read_opx
 from origami_nlp.drawings.sheet import Drawing, make_drawing
 from origami_nlp.drawings.svg import read_svg
 from origami_nlp.numerics import last_place
 
-READERS = {".svg": read_svg, ".cp": read_cp, ".dxf": read_dxf}
+READERS = {".svg": read_svg, ".cp": read_cp, ".opx": read_opx, ".dxf": read_dxf}
 """By the ending of the file's name."""
 
 
@@ -48,6 +49,8 @@ def drawing_kind(name: str, raw: bytes) -> str | None:
         return ".cp"
     if re.match(rb"0\s+SECTION", head) or head.startswith(b"AutoCAD Binary DXF"):
         return ".dxf"
+    if head.startswith(b"<") and b"OriLineProxy" in raw[:65536]:
+        return ".opx"
     return ".svg" if head.startswith(b"<") and b"<svg" in raw[:65536] else None
 
 

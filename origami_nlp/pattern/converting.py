@@ -39,7 +39,7 @@ def convert(
     Parameters
     ----------
     source
-        FOLD, SVG, .cp or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
+        FOLD, SVG, .cp, .opx or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
     out
         The ending says which format is written.
     frame

@@ -166,7 +166,7 @@ def read_fold(
     frame: int | Literal["first"] | None = None,
     drawing: DrawingOptions | None = None,
 ) -> tuple[Frame, ...]:
-    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, DXF).
+    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, .opx, DXF).
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def parse_fold(
     Parameters
     ----------
     text
-        JSON, or what an SVG, .cp or DXF file holds.
+        JSON, or what an SVG, .cp, .opx or DXF file holds.
     frame
         As for `read_fold`.
     source
@@ -246,7 +246,7 @@ def parse_fold(
     elif drawing is not None:
         raise FoldFileError(f"{source!r} is a FOLD file: the options of drawings are not for it")
     elif raw.lstrip().startswith(b"<"):
-        raise FoldFileError(f"{name} is XML: save it as .fold, .svg, .cp or .dxf")
+        raise FoldFileError(f"{name} is XML: save it as .fold, .svg, .cp, .opx or .dxf")
     else:
         data = parse_json(text, name, FoldFileError)
     if not isinstance(data, Mapping):
