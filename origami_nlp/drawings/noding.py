@@ -279,7 +279,12 @@ def _merged(
             if first == "MV" or not said:
                 angle = None if np.isnan(angles[k]) else float(angles[k])
                 said.setdefault((letters[k], angle), k)
-        kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in said.values()]
+        # one that states no angle agrees with any that is drawn so
+        stated = {letter for letter, angle in said if angle is not None}
+        each = [
+            k for (letter, angle), k in said.items() if angle is not None or letter not in stated
+        ]
+        kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in each]
     return kept
 
 

@@ -16,10 +16,10 @@ from origami_nlp.numerics import EPS, INPUT_TOL
 _NUMBER = r"(?:\d+\.?\d*(?:[eE][-+]?\d{1,3})?|\.\d+(?:[eE][-+]?\d{1,3})?)"
 _ANGLE = re.compile(
     rf"\s*(?P<sign>[-+]?)\s*(?:(?P<factor>{_NUMBER})\s*(?P<times>\*?)\s*)?(?P<pi>pi|π)?"
-    rf"\s*(?:/\s*(?P<divisor>{_NUMBER}))?\s*"
+    rf"\s*(?:/\s*(?P<divisor>{_NUMBER}))?\s*(?P<degrees>deg)?\s*"
 )
 _LONGEST = 64
-_HOW = 'write radians as a number, or a multiple of pi such as "-3*pi/4"'
+_HOW = 'write radians as a number, a multiple of pi such as "-3*pi/4", or degrees such as "45deg"'
 
 
 def parse_angle(value: object, field: str = "angle") -> float:
@@ -28,7 +28,7 @@ def parse_angle(value: object, field: str = "angle") -> float:
     Parameters
     ----------
     value
-        A number [rad], or ``"0.7"``, ``"pi"``, ``"-pi/4"``, ``"5*pi/12"``, ``"5pi/12"``, ``"1/3"``.
+        A number [rad], or ``"0.7"``, ``"pi"``, ``"-pi/4"``, ``"5*pi/12"``, ``"5pi/12"``, ``"1/3"``, ``"45deg"``.
     field
         How messages call it.
 
@@ -59,6 +59,7 @@ def parse_angle(value: object, field: str = "angle") -> float:
             match is None
             or (match["factor"] is None and match["pi"] is None)
             or (match["times"] and match["pi"] is None)
+            or (match["degrees"] and match["pi"])
         ):
             cut = value if len(value) <= _LONGEST else value[:_LONGEST] + "..."
             raise AngleError(f"{field} = {cut!r} is not an angle: {_HOW}")
@@ -66,6 +67,8 @@ def parse_angle(value: object, field: str = "angle") -> float:
         if divisor == 0:
             raise AngleError(f"{field} = {value!r} divides by zero: {_HOW}")
         angle = float(match["factor"] or 1) * (math.pi if match["pi"] else 1) / divisor
+        if match["degrees"]:
+            angle = math.radians(angle)
         if match["sign"] == "-":
             angle = -angle
     else:

@@ -141,3 +141,21 @@ def test_random_lines_make_a_planar_graph(seed, noise):
     drawn = unary_union(MultiLineString(list(np.round(ends)))).length
     kept = sum(np.linalg.norm(found.points[a] - found.points[b]) for a, b in pairs)
     assert kept == pytest.approx(drawn, rel=1e-4)
+
+
+def test_a_line_that_states_no_angle_agrees_with_one_that_does():
+    found = made(
+        *square(), ("M", 0, 0, 4, 4), ("M", 0, 0, 4, 4), angles=[math.nan] * 4 + [math.nan, -90]
+    )
+    assert Counter(found.letters) == {"B": 4, "M": 1}
+    assert found.angles[found.letters.index("M")] == -90
+
+
+def test_ends_that_all_but_meet_are_one_point():
+    """Both halves of a line in two colours, a thousandth apart or beyond a crossing: stubs would be creases."""
+    found = made(
+        *square(2000.0), ("M", 0, 1000, 2000, 1000), ("M", 1000, 0, 1000, 1000.001),
+        ("V", 1000, 1000, 1000, 2000),
+    )  # fmt: skip
+    assert Counter(found.letters) == {"B": 8, "M": 3, "V": 1}
+    assert len(found.points) == 9 and found.tolerance == 1e-6

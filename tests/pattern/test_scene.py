@@ -18,6 +18,12 @@ def test_multiples_of_pi_read_back(p, q):
     assert parse_angle(format_angle(value)) == pytest.approx(value, rel=4e-16)
 
 
+def test_degrees_are_read():
+    assert parse_angle("-22.5deg") == math.radians(-22.5)
+    with pytest.raises(AngleError):
+        parse_angle("pi deg")
+
+
 @given(st.floats(-1e6, 1e6))
 def test_numbers_read_back_exactly_or_as_a_multiple_of_pi(x):
     assert parse_angle(format_angle(x)) == pytest.approx(x, rel=4e-16, abs=0)
