@@ -50,9 +50,9 @@ def test_what_a_scene_does_not_take_is_named():
 
 def test_load_path_takes_the_same_arguments_of_both_and_names_the_others(found):
     (folded, *_) = [m for m in found.minima if np.any(m.fold_angles)]
-    path = o.load_path(PATTERN, 1, to=0.01, confirm=False, effort="quick", max_starts=2)
+    path = o.load_path(PATTERN, 1, to=0.01, effort="quick", max_starts=2)
     assert path.legs[0].points[-1].t == pytest.approx(0.01)
-    path = o.load_path(found.pattern, 1, to=0.01, state=folded, confirm=False)
+    path = o.load_path(found.pattern, 1, to=0.01, state=folded)
     assert path.legs[0].points[-1].t == pytest.approx(0.01)
     with pytest.raises(o.OrigamiError, match=r"^full = False is not for a pattern: "):
         o.load_path(PATTERN, 1, full=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -14,7 +13,7 @@ from origami_nlp.arguments import check_until, check_whole
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, ROUNDED, SAMPLED, STATIONARY
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.paths.event_curve import MEETS, EventPoint, EventTracer
 from origami_nlp.paths.family import Plane, with_generic_symmetry
 from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
@@ -389,55 +388,3 @@ def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: in
         if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
             return True
     return False
-
-
-def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange]) -> np.ndarray:
-    """Return a curve of events with places between its points, where cubics join them.
-
-    Parameters
-    ----------
-    curve
-        Of `find_bifurcation_set`.
-    parameters
-        Both parameters with their ranges.
-
-    Returns
-    -------
-    numpy.ndarray
-        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; its points are among them.
-
-    Examples
-    --------
-    >>> from origami_nlp.paths import CurvePoint, EventCurve, parse_parameter_range, smooth
-    >>> arc = [(0.0, 1.0), (0.3, 0.95), (0.6, 0.8), (0.8, 0.6)]
-    >>> points = tuple(CurvePoint(t, (), 0.0, 0.0) for t in arc)
-    >>> curve = EventCurve(1, "fold", "", points, ("range", "range"))
-    >>> smooth(curve, (parse_parameter_range("torque[1]=0:1"), parse_parameter_range("torque[2]=0:1"))).shape
-    (37, 2)
-    """
-    from scipy.interpolate import CubicSpline
-
-    s = np.array([[o.s_of(t) for o, t in zip(parameters, p.t, strict=True)] for p in curve.points])
-    size = np.array([np.ptp(o.ends) for o in parameters])
-    apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
-    s = s[np.append(True, apart > ROUNDED)]
-    if len(s) < 3:
-        return s
-    chords = np.diff(s / size, axis=0)
-    lengths = np.linalg.norm(chords, axis=1)
-    along = chords / lengths[:, None]
-    # in shares of the ranges, so that units do not decide what is a corner
-    turns = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1.0, 1.0))
-    cuts = [0, *(np.flatnonzero(turns > CORNER) + 1), len(s) - 1]
-    at = np.append(0.0, np.cumsum(lengths))
-    out = [s[:1]]
-    for a, b in itertools.pairwise(cuts):
-        if b - a < 2:
-            out.append(s[b : b + 1])
-            continue
-        places = np.concatenate(
-            [np.linspace(at[k], at[k + 1], BETWEEN + 1)[1:] for k in range(a, b)]
-        )
-        joined = CubicSpline(at[a : b + 1], s[a : b + 1])
-        out.append(joined(places))
-    return np.concatenate(out)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
 
 from origami_nlp.arguments import check_whole, refuse
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
+from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.paths.family import at_places
@@ -27,8 +27,6 @@ STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
-Search: TypeAlias = Callable[[Scene | Pattern], tuple[JudgedState, ...]]
-"""Returns the minima of an origami, or raises `OutOfTime`."""
 
 
 ONLY = {
@@ -113,8 +111,12 @@ class Driver:
     @cached_property
     def unloaded(self) -> Any:
         """The origami without what drives the path."""
-        own = isinstance(self.work, OwnForces)
-        return replace(self.origami, loads=()) if own else self.origami
+        own = self.origami.loads if isinstance(self.work, OwnForces) else ()
+        return (
+            at_places(self.origami, [("loads", k) for k in range(len(own))], 0.0)
+            if own
+            else self.origami
+        )
 
     @property
     def name(self) -> str:
@@ -192,16 +194,6 @@ class Driver:
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
         return ParameterLine(problem, replace(p, dead=still), change, **length)
 
-    def at(self, t: float) -> Any:
-        """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""
-        scene, work = self.scene, self.work
-        if scene is None:
-            return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
-        loads = [("loads", k) for k in range(len(scene.loads))]
-        places = [("torque", crease - 1) for crease in self.creases] or loads
-        label = f"{scene.label}, " if scene.label else ""
-        return replace(at_places(scene, places, t), name=f"{label}{self.name} = {t:.10g}")
-
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""
         if self.scene:
@@ -209,19 +201,23 @@ class Driver:
         rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+    def begin(
+        self, state: Any, until: float, asked: dict[str, Any]
+    ) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
-        The path keeps the winding of its first state.
+        The path keeps the winding of its first state.  asked: of the search.
         """
         number, driver = 0, self
         if not isinstance(state, JudgedState):
             number = check_whole("state", state, 1)
             try:
-                found = search(self.at(0.0))
-            except OutOfTime:
-                raise NothingInTime(CUT) from None
-            if not found:
+                result = search_minima(self.unloaded, until, **asked)
+            except Interrupted:  # what it found is no path
+                raise KeyboardInterrupt from None
+            if result.search.stopped_by == "time":
+                raise NothingInTime(CUT)
+            if not (found := result.minima):
                 raise OptionError("no stable state was found at load 0")
             state = found[check_whole("state", state, 1, len(found)) - 1]
         which, phi = f"state = {number}" if number else "state", np.array(state.fold_angles)

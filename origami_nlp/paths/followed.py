@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -19,9 +19,9 @@ from origami_nlp.continuation import (
     Equilibrium,
     Hold,
     Line,
-    SpecialPoint,
 )
 from origami_nlp.kkt import State
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
@@ -116,29 +116,34 @@ class FollowedDiagram(BifurcationDiagram):
         """Return fields of the point of a state, at all fold angles, beside those of its problem."""
         return {"energy": frame.problem.energy(frame.state)}
 
-    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
-        """Return branches and events with their numbers."""
+    def pack(self) -> Any:
+        """Judge what was followed, and return the result."""
+        raise NotImplementedError
+
+    def result(self) -> Any:
+        """Return what `pack` makes; once the user (Ctrl-C) ends judging, what is left is undecided."""
         try:
-            return self._records()
+            return self.pack()
         except KeyboardInterrupt:
             self.stop()
             self.cut = True
-            return self._records()
+            return self.pack()
 
-    def _records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+        """Return branches and events with their numbers."""
         chains = self._chains()
-        self._begun = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
+        number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
             if k not in self._parts:
                 self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
             for node in (arc.start, arc.end):
-                meets.setdefault(node, set()).add(self._begun[k])
+                meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
         shown.sort(key=lambda k: self.nodes[k].s)
         ids = {k: i for i, k in enumerate(shown, start=1)}
         events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        return tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1)), events
+        return tuple(self._branch(k, c) for k, c in enumerate(chains, start=1)), events
 
     def point(self, frame: Equilibrium, of: Equilibrium | None = None) -> r.PathPoint:
         """Return a state in the scene's units; of: a state of its arc that says whether its multipliers are unique."""
@@ -163,23 +168,29 @@ class FollowedDiagram(BifurcationDiagram):
         )
         return self._points.setdefault(frame, found)
 
-    def listed_at(self, value: float) -> tuple[r.StateAt, ...]:
-        """Return the states of all branches at one value of the parameter; `records` come first."""
-        out: list[tuple[np.ndarray, r.StateAt]] = []
-        s, scale = self.parameter.s_of(value), self.line.problem.scale
-        for number, frame in (*self.states_at(s), *((-1, f) for f in self.alone_at(s))):
-            if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
-                continue  # two arcs that meet there
-            what, branch, phi = frame.judged, self._begun.get(number, 0), frame.seen.fold_angles
-            found = r.StateAt(
-                branch, tuple(phi.tolist()), self.seen_as(frame, phi)["energy"], what.verdict, what.kind,
-                what.reason, what.local_dimension, what.contacts, least_eigenvalue(frame),
-                frame.system.residual, frame.seen.residual,
+    def frames_at(
+        self, s: float, wanted: Callable[[Equilibrium], bool] = lambda _: True
+    ) -> list[Equilibrium]:
+        """Return the states of all arcs at s, and those of s alone, each once where arcs meet."""
+        out: list[Equilibrium] = []
+        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
+            if wanted(frame) and nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def listed_at(self, value: float) -> tuple[JudgedState, ...]:
+        """Return the states of all branches at one value of the parameter, judged there."""
+        out, scale = list[JudgedState](), self.line.problem.scale
+        for frame in self.frames_at(self.parameter.s_of(value)):
+            what, phi = frame.judged, frame.seen.fold_angles
+            state = JudgedState(
+                self.seen_as(frame, phi)["energy"], tuple(phi.tolist()), what.verdict, what.reason,
+                what.kind or "", what.local_dimension, contacts=what.contacts,
+                closure_residual=frame.seen.residual, kkt_residual=frame.system.residual,
             )  # fmt: skip
-            out.append((frame.state, found))
+            out.append(state)
         # ties (mirror images of one another) in a fixed order
-        every = (state for _, state in out)
-        return tuple(sorted(every, key=lambda one: rank(one.energy / scale, one.fold_angles)))
+        return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))
 
     def _chains(self) -> list[Chain]:
         """Join arcs at nodes where just two of them meet; others end there."""
@@ -241,7 +252,7 @@ class FollowedDiagram(BifurcationDiagram):
         named = named or [after for contacts, after in held if len(contacts) == most]
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
-    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> r.PathBranch:
+    def _branch(self, number: int, chain: Chain) -> r.PathBranch:
         points, ranges = list[r.PathPoint](), list[r.KindRange]()
         for k, forward in chain:
             arc = self.arcs[k]
@@ -258,15 +269,16 @@ class FollowedDiagram(BifurcationDiagram):
         (a, forward), (b, onward) = chain[0], chain[-1]
         first = self.arcs[a].start if forward else self.arcs[a].end
         final = self.arcs[b].end if onward else self.arcs[b].start
+        both = (self.nodes[k] for k in (first, final))
+        begins, ends = (": ".join(filter(None, (node.type, node.why))) for node in both)
         if first == final and len(chain) > 1:
-            ends = (r.BranchEnd("closed curve", None),) * 2
-        else:
-            ends = _end(self.nodes[first], ids.get(first)), _end(self.nodes[final], ids.get(final))
-        return r.PathBranch(number, tuple(ranges), tuple(points), ends)
+            begins = ends = "closed curve"
+        return r.PathBranch(number, tuple(ranges), tuple(points), (begins, ends))
 
 
-def _end(node: SpecialPoint, event: int | None) -> r.BranchEnd:
-    return r.BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
+def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
+    """Return how far the nearest of some states is; inf of none."""
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=math.inf)
 
 
 def least_eigenvalue(frame: Equilibrium) -> float:
@@ -329,16 +341,13 @@ def joined(
             groups.append(same)
         same.append((which, e))
     groups.sort(key=lambda group: group[0][1].t)
-    ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
     events = []
     for k, g in enumerate(groups, start=1):
         own = sorted({b + shifts[which] for which, e in g for b in e.branches})
         events.append(replace(g[0][1], id=k, branches=tuple(own)))
     branches = []
     for which, (several, _) in enumerate(diagrams):
-        for b in several:
-            a, c = (replace(end, event=ids.get((which, end.event or 0))) for end in b.ends)
-            branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
+        branches += [replace(b, id=b.id + shifts[which]) for b in several]
     return branches, events
 
 

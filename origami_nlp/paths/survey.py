@@ -24,9 +24,9 @@ from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import refuse_other, search_minima
 from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
-from origami_nlp.paths.followed import Across, FollowedDiagram
+from origami_nlp.paths.followed import Across, FollowedDiagram, nearest
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
-from origami_nlp.paths.records import Cost, SearchCheck
+from origami_nlp.paths.records import SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
 
@@ -54,8 +54,8 @@ def follow(
     """Follow the minima of a vertex or a pattern over a parameter.
 
     Searches at a few values (the middle for one check, both ends for two, then the middles of the widest intervals
-    without events) give the states to begin with; every state that no branch explains begins a new one.  Each of
-    `Scene.windings` is followed by itself: `Atlas.others`.
+    without events) give the states to begin with; every state that no branch explains begins a new one.  Of several
+    `Scene.windings` the first, or the one that is stated, is followed.
 
     Parameters
     ----------
@@ -115,17 +115,18 @@ def follow(
     asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
     what: Any = as_origami(origami)
     refuse_other(what, **given)
-    every = [origami if isinstance(origami, str) else what]
+    whole = origami if isinstance(origami, str) else what
+    others = ""
     if isinstance(what, Scene):
-        every = [*with_generic_symmetry(what, (stated,)).of_each_winding]
-    found = list[Atlas]()
-    for each in every:
-        found.append(follow_family(family_of(each, stated), **asked))
-        if found[-1].stopped:
-            break
-    late = any(atlas.interrupted for atlas in found)
-    whole = replace(found[0], others=tuple(found[1:]), interrupted=late)
-    return unless_stopped(whole, found[-1].stopped)
+        whole = with_generic_symmetry(what, (stated,))
+        others = " and ".join(map(str, whole.windings[1:]))
+    found = follow_family(family_of(whole, stated), **asked)
+    if others:  # each winding is a problem of its own
+        more = (
+            f"states that wind {others} times round the axis are not followed: state their winding"
+        )
+        found = replace(found, alarms=(*found.alarms, more))
+    return unless_stopped(found, found.stopped)
 
 
 def follow_family(
@@ -156,7 +157,8 @@ def follow_family(
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
         survey.stop()
-    return survey.atlas()
+    atlas: Atlas = survey.result()
+    return atlas
 
 
 class _Survey(FollowedDiagram):
@@ -171,7 +173,7 @@ class _Survey(FollowedDiagram):
         until: float,
         say: Callable[[str], object],
     ) -> None:
-        self._say, self._began, self.family, line = say, time.perf_counter(), family, None
+        self._say, self.family, line = say, family, None
         if full and family.symmetric:
             few = 2 if family.still else SAMPLES
             line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
@@ -204,30 +206,27 @@ class _Survey(FollowedDiagram):
 
     def _check(self, values: list[float], search: dict[str, Any]) -> None:
         """Search at some values at once; follow what is new at one after the other, and compare."""
-        begin, until = time.perf_counter(), self.steps.until
+        until = self.steps.until
         self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
         share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene, values)
         found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
-        seconds = time.perf_counter() - begin
-        self._began += seconds
-        for t, result in zip(values, found, strict=True):
-            self.checks.append(self._compared(t, result, seconds / len(values)))
+        self.checks += [self._compared(*one) for one in zip(values, found, strict=True)]
 
-    def _compared(self, t: float, result: MinimaResult, seconds: float) -> SearchCheck:
-        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+    def _compared(self, t: float, result: MinimaResult) -> SearchCheck:
+        """Follow what is new among the minima of a search, and note what does not fit."""
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
-        new, missed, met, followed = 0, 0, list[np.ndarray](), self._minima(s)
+        missed, met, followed = 0, list[np.ndarray](), self._minima(s)
         for minimum in result.minima:
             if self.late:  # each of many states takes long to begin with
                 break
             x = self.line.problem.reduce(np.array(minimum.fold_angles))
             # not explained by any branch: it begins one
-            if _nearest(followed, x) > SETTLED:
+            if nearest(followed, x) > SETTLED:
                 # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
-                if _nearest([f for _, f in self.states_at(s)], x) <= SETTLED:
+                if nearest((f for _, f in self.states_at(s)), x) <= SETTLED:
                     self.alarms.append(f"{at}: a minimum lies on a branch of saddles")
                     continue
-                new += self.add(x, s, "minimum")
+                self.add(x, s, "minimum")
                 followed = self._minima(s)
             met.append(x)
         for frame in [] if self.late else followed:
@@ -238,19 +237,13 @@ class _Survey(FollowedDiagram):
                 else:
                     said = f"the state of a branch is {what.verdict}: {what.reason}"
                     self.alarms.append(f"{at}: {said}")
-        unseen = getattr(result.search, "expected_undiscovered", math.inf)
         known = "" if result.completeness is None else result.completeness.status
         complete = OUT_OF_TIME if result.search.left_out else known
-        counts = len(result.minima), len(followed), new, missed, unseen, result.search.starts
-        return SearchCheck(t, *counts, seconds, complete)
+        return SearchCheck(t, len(result.minima), len(followed), missed, complete)
 
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
-        out: list[Equilibrium] = []
-        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
-            if not frame.index and _nearest(out, frame.state) > SETTLED:
-                out.append(frame)
-        return out
+        return self.frames_at(s, lambda frame: not frame.index)
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
@@ -258,18 +251,12 @@ class _Survey(FollowedDiagram):
             return super().seen_as(frame, phi)
         return {"energy": float(self.family.scene_of(self.parameter.t_of(frame.s)).energy(phi))}
 
-    def atlas(self) -> Atlas:
+    def pack(self) -> Atlas:
         """Judge what was followed, and pack it."""
         over, family, (branches, events) = self.parameter, self.family, self.records()
         self.alarms += [line for branch in branches for line in branch.alarms()]
-        took = time.perf_counter() - self._began, sum(c.seconds for c in self.checks)
         return Atlas(
-            over, branches, events, tuple(dict.fromkeys(self.alarms)),
-            Cost(self.tally.steps, self.tally.evaluations, *took),
+            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.tally.steps,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
             family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
         )  # fmt: skip
-
-
-def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:
-    return min((float(np.abs(f.state - x).max()) for f in frames), default=np.inf)

@@ -97,7 +97,10 @@ def barriers(q: Answer) -> Answer:
 
 def events(q: Answer) -> Answer:
     """Where states appear, vanish, change or snap along a parameter, over two, or under a load: type, place."""
-    folded, options = origami(q["stated"]), q.get("options", {})
+    folded, options = origami(q["stated"]), dict(q.get("options", {}))
+    options.pop(
+        "confirm", None
+    )  # of the first commit: a search beside each snap, off in all questions
     if q["along"] == "load":
         found: Any = o.load_path(folded, q["load"], **options)
     elif q["along"] == "boundary":

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp import find_minima
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.paths.boundary import BifurcationSet, smooth
+from origami_nlp.paths import BifurcationSet
 from origami_nlp.paths.family import Plane
 
 CELLS = 400
@@ -142,7 +142,9 @@ def _walls(boundaries: BifurcationSet, plane: Plane) -> np.ndarray:
     """Return the cells that curves pass, [CELLS, CELLS]: first parameter along the rows."""
     walls = np.zeros((CELLS, CELLS), dtype=bool)
     for curve in boundaries.curves:
-        cells = (smooth(curve, plane.parameters) - plane.corner) / plane.size * CELLS
+        both = zip(plane.parameters, zip(*(p.t for p in curve.points), strict=True), strict=True)
+        at = np.array([[over.s_of(t) for t in column] for over, column in both]).T
+        cells = (at - plane.corner) / plane.size * CELLS
         for a, b in itertools.pairwise(cells):
             many = int(np.ceil(4 * np.abs(b - a).max())) + 2
             at = np.floor(a + np.linspace(0, 1, many)[:, None] * (b - a)).astype(int)

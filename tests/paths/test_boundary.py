@@ -10,13 +10,9 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.paths import (
-    CurvePoint,
-    EventCurve,
     Plane,
     find_bifurcation_set,
     follow_family,
-    parse_parameter_range,
-    smooth,
 )
 from tests.paths.regions import find_regions
 
@@ -115,29 +111,6 @@ def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
         assert counts[0] == counts[1] + 1
     for line in found.lines:
         assert all(number for _, number in line.events)
-
-
-def test_curves_are_drawn_smoothly_and_keep_their_points_and_cusps():
-    parameters = tuple(map(parse_parameter_range, ("torque[1]=-1:1", "torque[2]=-1:1")))
-
-    def places(points):
-        made = tuple(CurvePoint((float(a), float(b)), (), 0.0, 0.0) for a, b in points)
-        return smooth(EventCurve(1, "fold", "", made, ("range", "range")), parameters)
-
-    angles = np.linspace(0, math.pi, 13)
-    circle = np.array([np.cos(angles), np.sin(angles)]).T
-    found = places(circle)
-    assert all(np.abs(found - point).max(axis=1).min() < 1e-12 for point in circle)
-    straight = 1 - math.cos(math.pi / 24)  # what chords miss
-    assert np.abs(np.linalg.norm(found, axis=1) - 1).max() < straight / 10
-    twice = np.repeat(circle, 2, axis=0) + np.tile(
-        [[0.0], [1e-200]], (13, 2)
-    )  # as two steps that stood still
-    assert np.abs(places(twice) - found).max() < 1e-12
-    s = np.linspace(-0.5, 0.5, 21)
-    cusp = places(np.array([s**2, s**3]).T)
-    assert abs(cusp[:, 0].min()) < 1e-15  # the tip is where it was, and nothing beyond
-    assert np.abs(cusp[:, 1] - np.sign(cusp[:, 1]) * np.abs(cusp[:, 0]) ** 1.5).max() < 1e-3
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say

@@ -87,7 +87,7 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
     found = stop.value.result
     kinds = {r.kind for b in found.branches for r in b.kind_ranges}
     assert found.interrupted and "undecided" in kinds and "interrupted" in str(found)
-    assert what == "follow" or (found.legs and found.snaps[0].confirmed is None)
+    assert what == "follow" or found.legs
 
 
 def test_the_terminal_says_what_was_found_and_ends_with_130(after, tmp_path):

@@ -225,7 +225,7 @@ def sprung(seed, name="yoshimura", size=(3, 3)):
 @cache
 def loaded(seed, to, unload=False, **more):
     pattern, start, crease = sprung(seed)
-    return o.load_path(pattern, crease, state=start, to=to, unload=unload, confirm=False, **more)
+    return o.load_path(pattern, crease, state=start, to=to, unload=unload, **more)
 
 
 def pushes(point):
