@@ -162,7 +162,7 @@ PARAMETER = _option(
     "--parameter",
     usual=...,
 )
-EVENT = _option("NAME=FROM:TO", "Where events are looked for; NAME=VALUE: those nearby.", usual=...)
+EVENT = _option("NAME=FROM:TO", "Where events are looked for.", usual=...)
 CHECKS = _option("N", "Searches: both ends, the middle, then the widest gaps.", usual=3)
 LINES = _option("N", "Values of the second at which the first is followed.", usual=3)
 CREASE = _option("K", "Torque on crease K, from 1, and its images; of a pattern repeatable.")
