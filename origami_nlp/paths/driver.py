@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from origami_nlp.arguments import check_whole, refuse
+from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
@@ -27,22 +27,6 @@ STEPS = ContinuationOptions(longest=0.2, growth=3.0)
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
-
-
-ONLY = {
-    "scene": {"starts": "the effort says how many starts a vertex gets"},
-    "pattern": {
-        "full": "states of a pattern keep no symmetry",
-        "prove": "lists along a parameter are not proved for patterns",
-    },
-}
-"""What only the other one takes, and why."""
-
-
-def refuse_other(origami: Scene | Pattern, **given: object) -> None:
-    """Raise an error for an argument that is not for such an origami."""
-    kind = "scene" if isinstance(origami, Scene) else "pattern"
-    refuse(kind, ONLY[kind], **given)
 
 
 def search_minima(origami: Scene | Pattern, until: float, **asked: Any) -> MinimaResult:

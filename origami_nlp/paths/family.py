@@ -38,8 +38,8 @@ from origami_nlp.problem import LawChange, Parameters
 
 CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
-SAMPLES, GRID = 17, 7
-"""Scenes of a family, and along each side of a plane, that are posed before it is followed: whether it is smooth."""
+SAMPLES = 17
+"""Scenes of a family that are posed before it is followed: whether it is smooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,28 +198,24 @@ class Plane:
         return a, b
 
     @cached_property
-    def _posed(self) -> tuple[PatternProblem, np.ndarray, np.ndarray]:
-        """A problem, the numbers of the lower corner, and their change with s, [2, .]."""
-        grid = np.linspace(0.0, 1.0, GRID)
-        shares = np.array([(a, b) for a in grid for b in grid])
+    def _linear(self) -> tuple[np.ndarray, np.ndarray]:
+        """The numbers of the lower corner, and their change with s, [2, .]."""
+        shares = np.array([(0, 0), (1, 0), (0, 1), (1, 1), (0.5, 0.5)])
         places = map(self.values, self.corner + self.size * shares)
         scenes = [self.family(u).scene_of(t) for t, u in places]
-        made = [(scene, pose(scene)) for scene in scenes]
-        made[0][1].numbered_as(self._like)
-        a, b = (parameter.name for parameter in self.parameters)
-        alike = same_problem(made, a)
-        posed = np.array([linear_numbers(m.parameters) for m in alike])
-        # what two edges of the plane say of its inside
-        edges = posed[[-GRID, GRID - 1]] - posed[0]
-        if np.abs(posed[0] + shares @ edges - posed).max() > RESOLVED:
-            raise OptionError(f"the scenes over {a} and {b} do not change smoothly")
-        return alike[0], posed[0], edges / self.size[:, None]
+        made = [(self.scene, self._like), *((scene, pose(scene)) for scene in scenes)]
+        both = " and ".join(parameter.name for parameter in self.parameters)
+        numbers = [linear_numbers(p.parameters) for p in same_problem(made, both)[1:]]
+        edges = np.array(numbers[1:3]) - numbers[0]
+        if np.abs(numbers[0] + shares @ edges - numbers).max() > RESOLVED:
+            raise OptionError(f"the scenes over {both} do not change smoothly")
+        return numbers[0], edges / self.size[:, None]
 
     def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
         """Return the problems along a direction [2] from a point [2] of the plane of s."""
-        whole, origin, slopes = self._posed
+        origin, slopes = self._linear
         at = origin + (point - self.corner) @ slopes
-        return line_along(whole, at, direction @ slopes, weight)
+        return line_along(self._like, at, direction @ slopes, weight)
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:

@@ -9,13 +9,12 @@ from origami_nlp.arguments import (
     check_number,
     check_type,
     check_until,
-    check_whole,
     shown,
 )
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
-from origami_nlp.paths.driver import IDENTITY, driver_of, refuse_other
+from origami_nlp.paths.driver import IDENTITY, driver_of
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
@@ -31,7 +30,7 @@ def load_path(
     to: float | str = "snap",
     state: int | JudgedState = 1,
     unload: bool = False,
-    full: bool | None = None,
+    full: bool = True,
     yield_torque: float | Sequence[float | None] | Mapping[int, float] | None = None,
     effort: str = "normal",
     seed: int = 0,
@@ -60,16 +59,14 @@ def load_path(
     unload
         Whether the load then falls back to 0, also from where it snapped.
     full
-        Whether states may break the symmetry; of scenes, where None is True.  Where a symmetric state loses stability
+        Whether states may break the symmetry.  Where a symmetric state loses stability
         without its symmetry the path goes on along what branches off there, or snaps.
     yield_torque
         Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
         (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
         Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed).
-    effort, seed, max_starts
-        Of the searches, see `find_minima`.
-    starts
-        Of the searches of patterns, see `find_minima`.
+    effort, seed, max_starts, starts
+        Of the search for the state, see `find_minima`.
     options
         Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
@@ -96,13 +93,8 @@ def load_path(
     [('closes', 0.042461)]
     """
     stated = as_origami(origami)
-    refuse_other(stated, starts=starts, full=full)
     driver = driver_of(stated, load)
-    counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
-    asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
-    for name in asked.keys() & counts.keys():
-        check_whole(name, asked[name], int(name == "max_starts"))
-    full = True if full is None else full
+    asked = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     if options is not None:
         check_type("options", options, ContinuationOptions)
     check_flag("unload", unload)

@@ -22,7 +22,7 @@ from origami_nlp.errors import OUT_OF_TIME, unless_stopped
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
-from origami_nlp.paths.driver import refuse_other, search_minima
+from origami_nlp.paths.driver import search_minima
 from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
 from origami_nlp.paths.followed import Across, FollowedDiagram, nearest
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
@@ -31,8 +31,6 @@ from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
 
 MOST_CHECKS = 100
-JUDGING = 0.1
-"""Share of a time limit that is kept for judging what was followed."""
 
 
 def follow(
@@ -40,9 +38,8 @@ def follow(
     parameter: str | ParameterRange,
     *,
     checks: int = 3,
-    through_folds: bool = True,
-    full: bool | None = None,
-    prove: bool | float | ProofOptions | None = None,
+    full: bool = True,
+    prove: bool | float | ProofOptions = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int | None = None,
@@ -67,16 +64,12 @@ def follow(
         by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
-    through_folds
-        Whether branches are followed beyond limit points (folds), where the states are saddles.
     full
-        Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
-        is True.
+        Whether events at which a symmetric state loses its stability without the symmetry are located.
     prove
-        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds for it, as for
-        `find_minima`.
+        Whether it is proved at each check that no minimum is missing, or the seconds for it, as for `find_minima`.
     effort, seed, max_starts, starts
-        Of the searches, see `find_minima`; `starts` of patterns.
+        Of the searches, see `find_minima`.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
@@ -109,12 +102,10 @@ def follow(
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     check_callback("progress", progress)
-    given = {"full": full, "prove": prove, "max_starts": max_starts, "starts": starts}
-    asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
-    asked |= {"options": options, "checks": checks, "through_folds": through_folds}
-    asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
+    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
+    asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
+    asked |= {"until": until, "progress": progress, **search}
     what: Any = as_origami(origami)
-    refuse_other(what, **given)
     whole = origami if isinstance(origami, str) else what
     others = ""
     if isinstance(what, Scene):
@@ -133,7 +124,6 @@ def follow_family(
     family: Family,
     *,
     checks: int = 3,
-    through_folds: bool = True,
     full: bool = True,
     prove: bool | float | ProofOptions = False,
     options: ContinuationOptions | None = None,
@@ -146,11 +136,10 @@ def follow_family(
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
     check_whole("checks", checks, 1, MOST_CHECKS)
-    check_flag("through_folds", through_folds)
     check_flag("full", full)
     check_prove("prove", prove)
     check_type("options", STEPS if options is None else options, ContinuationOptions)
-    survey = _Survey(family, through_folds, full, options, until, progress or (lambda _: None))
+    survey = _Survey(family, full, options, until, progress or (lambda _: None))
     try:
         survey.run(checks, {**search, "prove": prove})
     except KeyboardInterrupt:
@@ -167,7 +156,6 @@ class _Survey(FollowedDiagram):
     def __init__(
         self,
         family: Family,
-        through_folds: bool,
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
@@ -178,10 +166,7 @@ class _Survey(FollowedDiagram):
             few = 2 if family.still else SAMPLES
             line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
         across = Across(line, family.scene(family.parameter.low))
-        # some of the time is for judging what was followed
-        turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
-        options: Any = {"through_folds": through_folds, "until": turn, "progress": self._followed}
-        options["steps"] = steps or family.steps
+        options: Any = {"steps": steps or family.steps, "until": until, "progress": self._followed}
         super().__init__(family.line, family.parameter, across, **options)
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []

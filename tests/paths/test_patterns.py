@@ -151,8 +151,3 @@ def test_a_vertex_that_moves_and_what_is_refused():
     ):
         with pytest.raises(OptionError, match=word):
             o.follow("miura:2x2", name, **FEW)
-    for option in ({"full": True}, {"prove": True}):
-        with pytest.raises(OptionError, match="is not for a pattern: "):
-            o.follow("miura:2x2", "ratio=1:2", **option)
-    with pytest.raises(OptionError, match="starts = 3 is not for a scene: "):
-        o.follow(o.examples.miura(), "ratio=1:2", starts=3)
