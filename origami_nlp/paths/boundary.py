@@ -254,37 +254,36 @@ class _Map:
 
     def follow_lines(self, lines: int, across: int, **search: object) -> None:
         """Follow each parameter at some values of the other one, and the events that are met."""
-        plane, ends = self.plane, (self.plane.corner, self.plane.corner + self.plane.size)
-        up, right = zip(*ends, strict=True)
-        where = np.linspace(*right, lines) if lines > 1 else [np.mean(right)]
-        inside = np.linspace(*up, across + 2)[1:-1]
-        for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+        plane = self.plane
+        where = np.linspace(0.0, 1.0, lines) if lines > 1 else [0.5]
+        inside = np.linspace(0.0, 1.0, across + 2)[1:-1]
+        for axis, share in [*((0, u) for u in where), *((1, u) for u in inside)]:
             if time.monotonic() > self.until:
                 return
-            t = plane.parameters[1 - axis].t_of(u)
+            t = plane.value(share, 1 - axis)
             family = plane.family(t, axis)
             atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
             if atlas.stopped:
                 raise KeyboardInterrupt
-            met = sorted(self._events(atlas.web, axis, u))
+            met = sorted(self._events(atlas.web, axis, share))
             counts = () if atlas.interrupted else atlas.intervals
             self.lines.append(CountedLine(plane.parameters[axis].name, t, counts, tuple(met)))
 
-    def _events(self, web: Any, axis: int, u: float) -> Iterator[tuple[float, int]]:
+    def _events(self, web: Any, axis: int, other: float) -> Iterator[tuple[float, int]]:
         """Follow the events of a line that lie on no curve yet; yield where events are, and on which curves."""
         plane = self.plane
         for number, node in enumerate(web.nodes):
             flat = node.type == "singular" and not node.point[:-1].any()
             if not (flat or node.type in FOLLOWED) or not node.located:
                 continue
-            point, normal, state = np.full(2, u), np.eye(2)[axis], node.point[:-1]
-            point[axis], known = node.s, 0
+            share, state, known = np.full(2, other), node.point[:-1], 0
+            share[axis] = plane.share(node.s, axis)
             systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
             for hold, contact in systems:
-                tracer = EventTracer(plane, hold, contact, self.tally, len(state), normal)
-                first = tracer.at((point - plane.corner) / plane.size, state)
-                if first is None or abs(first.point[axis] - node.s) > NEAR_SINGULAR_TOL:
+                tracer = EventTracer(plane, hold, contact, self.tally, len(state), axis)
+                first = tracer.at(share, state)
+                if first is None or abs(first.x[axis] - share[axis]) > NEAR_SINGULAR_TOL:
                     continue
                 words = first.frame.problem.words(contact, state).text if contact else ""
                 known = self._known(first, words) or self._traced_from(
@@ -315,7 +314,8 @@ class _Map:
         found = []
         for p in good:
             angles = p.frame.problem.expand(p.frame.state).tolist()
-            found.append(CurvePoint(self.plane.values(p.point), tuple(angles), p.kkt, p.event))
+            t, u = (self.plane.value(float(p.x[k]), k) for k in (0, 1))
+            found.append(CurvePoint((t, u), tuple(angles), p.kkt, p.event))
         self._traced.append(np.array([p.x for p in good]))
         self.curves.append(EventCurve(len(self.curves) + 1, kind, contact, tuple(found), ends))
         return len(self.curves)

@@ -8,9 +8,10 @@ either parameter; at a cusp, where two curves of folds meet tangentially, no lin
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import takewhile
+from typing import Any
 
 import numpy as np
 
@@ -51,11 +52,10 @@ FOLD_STEPS = 12
 class EventPoint:
     """An event in the plane of two parameters, a frame of the curve.
 
-    x: shares of both ranges, and the state, [2 + n].  point: of s [2].  kkt, event: residuals.
+    x: shares of both ranges, and the state, [2 + n].  kkt, event: residuals.
     """
 
     x: np.ndarray
-    point: np.ndarray
     frame: Equilibrium
     kkt: float
     event: float
@@ -72,7 +72,7 @@ class EventTracer:
     """One kind of event in a plane, as a curve to trace (`tracer.CurveProblem`).
 
     hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a fold.
-    states: variables of a state.  across: in which direction [2] of the plane, in shares, events are looked for.
+    states: variables of a state.  axis: the parameter over which events are looked for at values of the other one.
     """
 
     plane: Plane
@@ -80,38 +80,41 @@ class EventTracer:
     contact: Contact | None
     tally: Tally
     states: int
-    across: np.ndarray
+    axis: int
     known: EventPoint | None = None
 
     def at(self, share: np.ndarray, state: np.ndarray) -> EventPoint | None:
-        """Return the event on the line through a point of the plane, in shares, from a state nearby."""
-        point, direction = (
-            self.plane.corner + share * self.plane.size,
-            self.across * self.plane.size,
-        )
-        line = self.plane.line(point, direction, 1.0)
+        """Return the event over one parameter near a point of the plane, in shares, from a state nearby."""
+        plane, axis, other = self.plane, self.axis, 1 - self.axis
+        # outside the ranges there may be no scenes
+        share = np.where(np.arange(2) == other, share.clip(0.0, 1.0), share)
+        family = plane.family(plane.value(share[other], other), axis, 2)
+        near = family.parameter.s_of(plane.value(share[axis], axis))
+        # steps count shares of the range
+        length = float(np.ptp(family.parameter.ends))
+        line: Any = replace(family.line, weight=1.0 / length)
         if self.hold is None:
-            roots = [s for s, _ in flat_roots(line, -STEPS.longest, STEPS.longest)]
+            room = STEPS.longest * length
+            roots = [s for s, _ in flat_roots(line, near - room, near + room)]
             if not roots:
                 return None
-            s = min(roots, key=abs)
-            found, value = flat_event(line, s)
+            found, value = flat_event(line, min(roots, key=lambda s: abs(s - near)))
             kkt = float(np.abs(found.system.values).max())
         else:
-            there = self._on(line, self.hold, state)
+            there = self._on(line, self.hold, np.append(state, near))
             if there is None:
                 return None
-            found, s, kkt, value = there, there.s, there.system.residual, there.ahead
+            found, kkt, value = there, there.system.residual, there.ahead
             if self.contact is not None:
                 value = float(found.problem.local(found.state).openings((self.contact,))[0][0])
-        x = np.concatenate([share + s * self.across, found.state])
-        return EventPoint(x, point + s * direction, found, kkt, value, 0.0 * x)
+        x = np.append(share, found.state)
+        x[axis] = plane.share(found.s, axis)
+        return EventPoint(x, found, kkt, value, 0.0 * x)
 
-    def _on(self, line: Line, hold: Hold, state: np.ndarray) -> Equilibrium | None:
-        """Return the fold, or where the contact closes, on a line."""
-        curve, along = EquilibriumCurve(line, hold, self.tally), np.append(0.0 * state, 1.0)
-        begin = np.append(state, 0.0)
-        a = curve.at(begin, 0.0, along)
+    def _on(self, line: Line, hold: Hold, begin: np.ndarray) -> Equilibrium | None:
+        """Return the fold, or where the contact closes, on a line, from (x, s) nearby."""
+        curve, along = EquilibriumCurve(line, hold, self.tally), np.append(0.0 * begin[:-1], 1.0)
+        a = curve.at(begin, float(begin[-1]), along)
         if a is None:  # where no state has just this parameter: beyond a fold
             x = curve.correct(begin)
             a = None if x is None else curve.frame(x, along)
@@ -146,18 +149,17 @@ class EventTracer:
     def frame(self, x: np.ndarray, along: np.ndarray) -> EventPoint | None:
         """Return the event at x with its tangent on the side of `along`; None where it has none."""
         here = self.known if self.known and self.known.x is x else self.at(x[:2], x[2:])
-        ahead = x + AHEAD * along / self.root
-        there = self.at(ahead[:2], ahead[2:])
+        step = AHEAD * along / self.root
+        side = 1.0 if 0.0 <= (x + step)[:2].min() and (x + step)[:2].max() <= 1.0 else -1.0
+        there = self.at((x + side * step)[:2], (x + side * step)[2:])
         if here is None or there is None:
             return None
-        way = self.root * (there.x - here.x)
+        way = side * self.root * (there.x - here.x)
         length = float(np.linalg.norm(way))
         if not 0.0 < length < 10 * AHEAD:
             return None
-        tangent = way / length
-        if (size := float(np.linalg.norm(tangent[:2]))) > AHEAD:  # at a cusp it stays
-            self.across = np.array([-tangent[1], tangent[0]]) / size
-        return replace(here, tangent=tangent)
+        self.axis = int(np.abs(way[:2]).argmin())
+        return replace(here, tangent=way / length)
 
     def follow(
         self, first: EventPoint, until: float
@@ -168,22 +170,27 @@ class EventTracer:
         """
 
         def run(good: Callable[[EventPoint], bool]) -> Callable[[Sequence[EventPoint]], int]:
-            return lambda points: sum(1 for _ in takewhile(good, points))
+            return lambda points: sum(1 for _ in itertools.takewhile(good, points))
 
-        inside = run(lambda p: 0.0 <= p.x[:2].min() and p.x[:2].max() <= 1.0)
+        inside = run(lambda p: 0.0 < p.x[:2].min() and p.x[:2].max() < 1.0)
         meets = End(run(lambda p: is_equilibrium(p.frame)), MEETS)
         ends = End(inside, "range", self._at_edge), meets
 
-        for self.across in np.eye(2):
-            begun = self.frame(first.x, np.append(self.across[::-1], 0.0 * first.frame.state))
+        for self.axis in (0, 1):
+            begun = self.frame(first.x, np.eye(len(first.x))[1 - self.axis])
             found = begun and trace(self, begun, replace(STEPS, until=until), ends)
             if found:
-                return found.frames, (found.start, found.end)
+                points, whys = found.frames, (found.start, found.end)
+                at_edge = [bool(np.isin(points[k].x[:2], (0.0, 1.0)).any()) for k in (0, -1)]
+                a, b = ("range" if e else why for e, why in zip(at_edge, whys, strict=True))
+                return points, (a, b)
         return [first], (SINGULAR,) * 2
 
     def _at_edge(self, a: EventPoint, b: EventPoint) -> EventPoint | None:
         """Return the event at the edge of the plane between two points."""
         p, q = a.x, b.x
+        if 0.0 <= q[:2].min() and q[:2].max() <= 1.0:
+            return b
         shares = [
             ((0.0 if q[k] < 0 else 1.0) - p[k]) / (q[k] - p[k]) if not 0 <= q[k] <= 1 else 2.0
             for k in (0, 1)
@@ -191,5 +198,5 @@ class EventTracer:
         k = int(np.argmin(shares))
         at = p + shares[k] * (q - p)
         # on the edge to the last bit
-        at[k], self.across = round(at[k]), np.eye(2)[1 - k]
+        at[k], self.axis = round(at[k]), 1 - k
         return self.at(at[:2], at[2:])

@@ -110,11 +110,11 @@ class Family:
             If they are not posed alike, or their numbers jump.
         """
         (low, high), posed, weight = self.parameter.ends, self._posed, WEIGHT * self._size
-        whole = posed[0]
+        whole, length = posed[0], high - low
         corners = [p.pattern.corners for p in posed]
         moved = not all(np.array_equal(c, corners[0]) for c in corners)
         if moved and not len(whole.parameters.sectors):
-            return GeometryLine(whole, self._problem_at, high - low, weight)
+            return GeometryLine(whole, self._problem_at, length, weight)
         numbers = np.array([linear_numbers(p.parameters) for p in posed])
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff(numbers, axis=0)
@@ -126,8 +126,21 @@ class Family:
                 f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
                 "these are two families, follow each alone"
             )
-        slope = (numbers[-1] - numbers[0]) / (high - low)
-        return line_along(whole, numbers[0], slope, weight, (low, high), self.course)
+        first = whole.parameters
+        direction = change_of(first, posed[-1].parameters, length)
+        start = ParameterLine(whole, first, direction).at(-low).parameters
+        if self.course is not None and direction.laws is not None:
+            laws = replace(direction.laws, moving=LawChange(self.course, 0.0))
+            direction = replace(direction, laws=laws)
+        line = ParameterLine(whole, start, direction, weight)
+        if not direction.sectors.any():
+            return line
+
+        def at(s: float) -> Any:
+            problem: Any = line.at(s)
+            return problem.shaped(first.sectors + (s - low) * direction.sectors)
+
+        return GeometryLine(whole, at, length, weight)
 
     def _problem_at(self, s: float) -> PatternProblem:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
@@ -171,51 +184,26 @@ class Plane:
                     "law_scale[1] and law_shift[1] can be"
                 )
 
-    def family(self, value: float, axis: int = 0) -> Family:
+    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
         along, other = self.parameters[axis], self.parameters[1 - axis]
         made = family_of(family_of(self.scene, other).scene_of(value), along)
-        return replace(made, like=self._like)
+        return replace(made, like=self._like, samples=samples)
 
     @cached_property
     def _like(self) -> PatternProblem:
         """Whose scale and numbers of contacts all problems of the plane take."""
         return pose(self.scene)
 
-    @cached_property
-    def corner(self) -> np.ndarray:
-        """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
-        return np.array([parameter.ends[0] for parameter in self.parameters])
+    def share(self, s: float, axis: int) -> float:
+        """Return which share of its range a parameter is at, as it is followed (logarithms of ratios)."""
+        low, high = self.parameters[axis].ends
+        return (s - low) / (high - low)
 
-    @cached_property
-    def size(self) -> np.ndarray:
-        """Lengths of both ranges, [2]."""
-        return np.array([parameter.ends[1] for parameter in self.parameters]) - self.corner
-
-    def values(self, point: np.ndarray) -> tuple[float, float]:
-        """Return both parameters in their units at a point [2] of the plane of s."""
-        a, b = (p.t_of(float(s)) for p, s in zip(self.parameters, point, strict=True))
-        return a, b
-
-    @cached_property
-    def _linear(self) -> tuple[np.ndarray, np.ndarray]:
-        """The numbers of the lower corner, and their change with s, [2, .]."""
-        shares = np.array([(0, 0), (1, 0), (0, 1), (1, 1), (0.5, 0.5)])
-        places = map(self.values, self.corner + self.size * shares)
-        scenes = [self.family(u).scene_of(t) for t, u in places]
-        made = [(self.scene, self._like), *((scene, pose(scene)) for scene in scenes)]
-        both = " and ".join(parameter.name for parameter in self.parameters)
-        numbers = [linear_numbers(p.parameters) for p in same_problem(made, both)[1:]]
-        edges = np.array(numbers[1:3]) - numbers[0]
-        if np.abs(numbers[0] + shares @ edges - numbers).max() > RESOLVED:
-            raise OptionError(f"the scenes over {both} do not change smoothly")
-        return numbers[0], edges / self.size[:, None]
-
-    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
-        """Return the problems along a direction [2] from a point [2] of the plane of s."""
-        origin, slopes = self._linear
-        at = origin + (point - self.corner) @ slopes
-        return line_along(self._like, at, direction @ slopes, weight)
+    def value(self, share: float, axis: int) -> float:
+        """Return a parameter at a share of its range, exact at both ends."""
+        low, high = self.parameters[axis].ends
+        return self.parameters[axis].t_of(high if share == 1.0 else low + share * (high - low))
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:
@@ -229,50 +217,17 @@ def linear_numbers(p: Parameters) -> np.ndarray:
     return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
 
 
-def line_along(
-    whole: PatternProblem,
-    numbers: np.ndarray,
-    slope: np.ndarray,
-    weight: float,
-    ends: tuple[float, float] = (0.0, 1.0),
-    course: LawCourse | None = None,
-) -> Line:
-    """Return the problems whose `linear_numbers` change with s from where `ends` begin.
-
-    whole: has their structure.  course: a hinge law that s is a number of.
-    """
-    p, low = whole.parameters, ends[0]
-    cut = np.cumsum([len(p.sectors), *(len(p.stiffness),) * 3])
-    sectors, k, rest, load, dead = np.split(numbers - low * slope, cut)
-    d_sectors, d_k, d_rest, d_load, d_dead = np.split(slope, cut)
-    k, laws, d_laws = np.exp(k), p.laws, p.laws
-    if laws is not None:  # in the places of their springs, see `linear_numbers`
-        has = laws.weight != 0
-        laws = replace(laws, weight=np.where(has, k, 0.0), shift=np.where(has, rest, 0.0))
-        moving = None if course is None else LawChange(course, 0.0)
-        d_laws = replace(laws, weight=has * d_k, shift=has * d_rest, moving=moving)
-        k, rest = np.where(has, p.stiffness, k), np.where(has, p.rest, rest)
-        d_k, d_rest = np.where(has, 0.0, d_k), np.where(has, 0.0, d_rest)
-    forces = d_forces = p.dead
-    if p.dead is not None:  # `DeadLoads.vector` and back
-        tables = (v.reshape(-1, 5) for v in (dead, d_dead))
-        forces, d_forces = (replace(p.dead, points=v[:, :2], forces=v[:, 2:]) for v in tables)
-    first = numbers[: cut[0]]
-    shaped = whole.shaped(first) if (first != p.sectors).any() else whole
-    line = ParameterLine(
-        shaped,
-        Parameters(sectors, k, rest, load, forces, laws),
-        Parameters(d_sectors, d_k, d_rest, d_load, d_forces, d_laws),
-        weight,
+def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
+    """Return the direction (`ParameterLine`) that leads from parameters to others over a length."""
+    springs = 1.0 if p.laws is None else p.laws.weight == 0
+    return Parameters(
+        (q.sectors - p.sectors) / length,
+        springs * np.log(q.stiffness / p.stiffness) / length,
+        springs * (q.rest - p.rest) / length,
+        (q.load - p.load) / length,
+        None if p.dead is None else q.dead.moved(p.dead, -1.0).divided(length),
+        None if p.laws is None or q.laws is None else p.laws.towards(q.laws, length),
     )
-    if not d_sectors.any():
-        return line
-
-    def at(s: float) -> Any:
-        problem: Any = line.at(s)
-        return problem.shaped(first + (s - low) * d_sectors)
-
-    return GeometryLine(shaped, at, ends[1] - low, weight)
 
 
 def same_problem(

@@ -114,7 +114,7 @@ def test_the_depth_of_wells_against_scans():
     folds = [e.t for e in atlas.events if "fold" in e.type]
     assert folds
     for t in (0.11, *(f * share for f in folds for share in (0.97, 1.03)), 3.9):
-        assert sum(s.kind is not None for s in atlas.at(t)) == count(t), t
+        assert sum(bool(s.kind) for s in atlas.at(t)) == count(t), t
 
 
 def test_stops_along_a_path_and_what_is_refused():

@@ -92,7 +92,7 @@ def folds_against_scans(law, number, low, high, energy, seed=2):
     ]
     for t in values:
         if low < t < high and min((abs(t - f) for f in folds), default=1.0) > 0.005 * size:
-            assert sum(s.kind is not None for s in atlas.at(t)) == count(t), t
+            assert sum(bool(s.kind) for s in atlas.at(t)) == count(t), t
     return folds
 
 
