@@ -91,8 +91,6 @@ class FollowedDiagram(BifurcationDiagram):
         The parameter, or load, and its range.
     across
         Eigenvalue across the symmetry.
-    ends
-        Whether arcs are judged beside their ends too, not in the middle alone.
     functions, options
         As of `BifurcationDiagram`.
     """
@@ -103,13 +101,12 @@ class FollowedDiagram(BifurcationDiagram):
         parameter: ParameterRange,
         across: Across,
         *,
-        ends: bool = True,
         functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
         **options: Any,
     ) -> None:
         broken = [("breaks-symmetry", across)] if across.line else []
         super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
-        self.parameter, self.across, self._ends, self.cut = parameter, across, ends, False
+        self.parameter, self.across, self.cut = parameter, across, False
         self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
@@ -136,7 +133,7 @@ class FollowedDiagram(BifurcationDiagram):
         meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
             if k not in self._parts:
-                self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
+                self._parts[k] = parts_of(arc, judged=not self.cut)
             for node in (arc.start, arc.end):
                 meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
@@ -145,14 +142,14 @@ class FollowedDiagram(BifurcationDiagram):
         events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
         return tuple(self._branch(k, c) for k, c in enumerate(chains, start=1)), events
 
-    def point(self, frame: Equilibrium, of: Equilibrium | None = None) -> r.PathPoint:
-        """Return a state in the scene's units; of: a state of its arc that says whether its multipliers are unique."""
+    def point(self, frame: Equilibrium) -> r.PathPoint:
+        """Return a state in the scene's units."""
         if frame in self._points:
             return self._points[frame]
         p, forces = frame.problem, []
         phi = p.expand(frame.state) + 0.0
         if frame.hold.contacts:
-            spread = _spread(frame.seen) if _spread((of or frame).seen) else {}
+            spread = _spread(frame.seen)
             for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
                 unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
@@ -260,7 +257,7 @@ class FollowedDiagram(BifurcationDiagram):
             last = len(frames) - 1
             # positions in the whole branch
             begin = len(points) - bool(points)  # arcs share the point at which they meet
-            points += [self.point(f, arc.frames[last // 2]) for f in frames[bool(points) :]]
+            points += [self.point(f) for f in frames[bool(points) :]]
             for part in self._parts[k] if forward else reversed(self._parts[k]):
                 a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
                 t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
@@ -286,15 +283,15 @@ def least_eigenvalue(frame: Equilibrium) -> float:
     return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
 
 
-def parts_of(arc: BranchSegment, ends: bool = True, judged: bool = True) -> list[Part]:
-    """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
+def parts_of(arc: BranchSegment, judged: bool = True) -> list[Part]:
+    """Return what the states of an arc are, judged in the middle and beside its ends."""
     last = len(arc.frames) - 1
     if arc.index:
         return [Part(0, last, "saddle", "")]
     if not judged:
         return [Part(0, last, "undecided", "interrupted before it was judged")]
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
-    if last == 1 or not ends:
+    if last == 1:
         inner = [arc.middle]
     known = {k: _judged(arc.frames[k]) for k in inner}
     cuts = [0]

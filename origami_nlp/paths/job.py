@@ -72,10 +72,9 @@ class FollowedLoad(Ways):
         symmetric = full and driver.elements != IDENTITY
         across = Across(driver.keeping(IDENTITY).line() if symmetric else None, driver.origami)
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
-        ends = not of and driver.scene is not None and not hinges
         options: Any = {"steps": driver.steps(steps), "lazy": True, "until": until}
         stops = [type for type, _ in yields]
-        super().__init__(line, over, across, ends=ends, functions=yields, stops=stops, **options)
+        super().__init__(line, over, across, functions=yields, stops=stops, **options)
 
     @property
     def problem(self) -> Any:

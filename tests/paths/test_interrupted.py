@@ -72,11 +72,11 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
     """Arcs that were not judged by then are undecided: no state is called stable that nobody looked at."""
     judged, own = [], followed.parts_of
 
-    def second(arc, ends, *, judged=True, seen=judged):
+    def second(arc, *, judged=True, seen=judged):
         seen.append(arc)
         if len(seen) == 2:
             raise KeyboardInterrupt
-        return own(arc, ends, judged=judged)
+        return own(arc, judged=judged)
 
     monkeypatch.setattr(followed, "parts_of", second)
     with pytest.raises(Interrupted) as stop:
