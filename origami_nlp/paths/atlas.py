@@ -137,7 +137,7 @@ class Atlas(Path):
         Scene or Pattern
             Whose states those at t are.
         """
-        return self.family.sampled(t)
+        return self.family.scene_of(t)
 
     @property
     def panels(self) -> list[Plot]:

@@ -10,7 +10,7 @@ import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -70,17 +70,6 @@ class Family:
     like: PatternProblem | None = field(default=None, repr=False)
     example: str = ""
 
-    def scene(self, t: float) -> Any:
-        """Return the scene at t, named after it."""
-        made = self.scene_of(t)
-        label = f"{label}, " if (label := getattr(made, "label", made.name)) else ""
-        return replace(made, name=f"{label}{self.parameter.name} = {t:.10g}")
-
-    @cached_property
-    def sampled(self) -> Callable[[float], Any]:
-        """`scene_of`, each scene made once: those that are posed here, and without their symmetry."""
-        return lru_cache(maxsize=SAMPLES)(self.scene_of)
-
     @property
     def still(self) -> bool:
         """Whether the paper stays as it is along `line`."""
@@ -90,7 +79,7 @@ class Family:
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
         values = np.linspace(*self.parameter.ends, self.samples).tolist()
-        stated = [self.sampled(self.parameter.t_of(s)) for s in values]
+        stated = [self.scene_of(self.parameter.t_of(s)) for s in values]
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
@@ -144,11 +133,6 @@ class Family:
 
     def _problem_at(self, s: float) -> PatternProblem:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
-
-    @cached_property
-    def preloaded(self) -> bool:
-        """Whether energies of its scenes count what it took to wind springs, which states on the line do not."""
-        return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))
 
     @property
     def symmetric(self) -> bool:

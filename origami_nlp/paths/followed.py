@@ -17,12 +17,11 @@ from origami_nlp.continuation import (
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
-    Hold,
     Line,
 )
 from origami_nlp.kkt import State
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
+from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.pattern import Scene
@@ -54,8 +53,6 @@ class Across:
     def __init__(self, line: Line | None, scene: Scene) -> None:
         self.line, self._scene = line, scene
         self._known = dict[Equilibrium, float]()
-        # what closes in that space where contacts are held
-        self._touching = dict[Hold, Pieces]()
 
     def __call__(self, frame: Equilibrium) -> float:
         """Return that of a state."""
@@ -67,12 +64,7 @@ class Across:
 
     def _stiffness(self, line: Line, frame: Equilibrium) -> float:
         full = State(line.at(frame.s), frame.problem.expand(frame.state))
-        pieces = self._touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
-        # what closed together at another state of these contacts, and is closed here, leaves the same pieces
-        closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
-        open_now = closed and np.abs(full.local.openings(closed)[0]).max() > CONTACT_TOL
-        if pieces is None or open_now:
-            pieces = self._touching[frame.hold] = tuple(full.pieces)
+        pieces = full.pieces if frame.hold.contacts else ((),)
         one = len(pieces) == 1
         found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
         return min(found, default=math.inf)
@@ -110,8 +102,8 @@ class FollowedDiagram(BifurcationDiagram):
         self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
-        """Return fields of the point of a state, at all fold angles, beside those of its problem."""
-        return {"energy": frame.problem.energy(frame.state)}
+        """Return the energy of a state at all fold angles, and what else its point has."""
+        raise NotImplementedError
 
     def pack(self) -> Any:
         """Judge what was followed, and return the result."""

@@ -23,7 +23,7 @@ from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import search_minima
-from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
+from origami_nlp.paths.family import Family, family_of, with_generic_symmetry
 from origami_nlp.paths.followed import Across, FollowedDiagram, nearest
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import SearchCheck
@@ -163,9 +163,8 @@ class _Survey(FollowedDiagram):
     ) -> None:
         self._say, self.family, line = say, family, None
         if full and family.symmetric:
-            few = 2 if family.still else SAMPLES
-            line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
-        across = Across(line, family.scene(family.parameter.low))
+            line = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2).line
+        across = Across(line, family.scene_of(family.parameter.low))
         options: Any = {"steps": steps or family.steps, "until": until, "progress": self._followed}
         super().__init__(family.line, family.parameter, across, **options)
         self.checks: list[SearchCheck] = []
@@ -193,7 +192,7 @@ class _Survey(FollowedDiagram):
         """Search at some values at once; follow what is new at one after the other, and compare."""
         until = self.steps.until
         self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
-        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene, values)
+        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene_of, values)
         found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
         self.checks += [self._compared(*one) for one in zip(values, found, strict=True)]
 
@@ -231,9 +230,7 @@ class _Survey(FollowedDiagram):
         return self.frames_at(s, lambda frame: not frame.index)
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
-        """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
-        if not self.family.preloaded:
-            return super().seen_as(frame, phi)
+        """Return the energy of the scene: it counts what it took to wind preloaded springs."""
         return {"energy": float(self.family.scene_of(self.parameter.t_of(frame.s)).energy(phi))}
 
     def pack(self) -> Atlas:

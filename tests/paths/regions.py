@@ -92,7 +92,7 @@ def find_regions(
             at = np.unravel_index(int(depth.argmax()), depth.shape)
             t, u = _middle(plane, at)
             quick: dict[str, Any] = {"full": False, "prove": False, "escape": False}
-            result = find_minima(plane.family(u).scene(t), effort=effort, seed=seed, **quick)
+            result = find_minima(plane.family(u).scene_of(t), effort=effort, seed=seed, **quick)
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))

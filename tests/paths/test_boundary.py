@@ -98,7 +98,7 @@ def test_two_folds_end_at_a_cusp_and_counts_change_across_them():
         r, a = point.t
         counts = []
         for shift in (-0.3, 0.3):
-            scene = plane.family(a + math.radians(shift)).scene(r)
+            scene = plane.family(a + math.radians(shift)).scene_of(r)
             near = [
                 m
                 for m in o.find_minima(scene, prove=False, effort="thorough", escape=False).minima

@@ -66,7 +66,7 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
         makers = (linear, well, double_well, detent, one_sided)
         other = next(m for m in makers if m.__name__ == re.sub(r"\W", "_", kind))(**numbers)
     angles = np.linspace(-3, 3, 301)
-    mine = family.scene(t).laws[0].torque(angles)
+    mine = family.scene_of(t).laws[0].torque(angles)
     theirs = 0.7 * (angles - 0.1) + 1.5 * other.torque(angles)
     assert mine == pytest.approx(theirs, abs=1e-5 * np.abs(theirs).max())
 
@@ -130,7 +130,7 @@ def test_wells_of_a_pattern_are_moved():
     moved, _ = line.drift(line.at(t), t, x, np.zeros(line.problem.equation_count), ())
     ends = [line.at(t + s).parameters.torque(x) for s in (-h, h)]
     assert moved == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
-    posed = pose(family.scene(t))
+    posed = pose(family.scene_of(t))
     scale = line.problem.scale / posed.scale
     there = posed.parameters.torque(x)
     assert line.at(t).parameters.torque(x) * scale == pytest.approx(there, rel=1e-12)

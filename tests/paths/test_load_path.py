@@ -49,7 +49,7 @@ def searched(path, parameter, snap):
     over = parse_parameter_range(f"{parameter}=-99:99")
     family = family_of(replace(path.driver.origami, symmetry=path.driver.origami.group.name), over)
     for t in (snap.t - onward, snap.t + onward):
-        yield find_minima(family.scene(t), prove=False, escape=False).minima
+        yield find_minima(family.scene_of(t), prove=False, escape=False).minima
 
 
 def nearest(minima, state):
