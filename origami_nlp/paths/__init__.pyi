@@ -24,7 +24,6 @@ from .records import (
     EVENT_WORDS as EVENT_WORDS,
     KindRange as KindRange,
     Leg as Leg,
-    Multiplier as Multiplier,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,

@@ -147,7 +147,7 @@ class Atlas(Path):
         k = int(np.ptp(angles, axis=0).argmax()) if points else 0
 
         def moment(p: PathPoint) -> float:
-            return max((m.value for m in p.multipliers), default=math.nan)
+            return max((m.multiplier for m in p.multipliers), default=math.nan)
 
         panels = [
             Plot(over.axis, "energy [J]", lambda p: (over.drawn(p.t), p.energy)),
@@ -163,38 +163,15 @@ class Atlas(Path):
             panels.append(Plot(over.axis, label, lambda p: (over.drawn(p.t), moment(p))))
         return panels
 
-    def summary(self) -> str:
-        """Return one line: how many minima there are, and where their number changes."""
-        found, over = self.intervals, self.parameter
-        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
-        counts = sorted({i.minima for i in found})
-        many = " to ".join(str(c) for c in dict.fromkeys((counts[0], counts[-1])))
-        said = (
-            f"{self.scene.title}: {many} {'symmetric ' * kept}minim{'um' if counts == [1] else 'a'}"
-        )
-        said += f" over {over.name} = {over.shown(over.low)} to {over.shown(over.high)}"
-        changes = [over.shown(b.t[0]) for a, b in itertools.pairwise(found) if a.minima != b.minima]
-        said += f"; their number changes at {', '.join(changes)}" if changes else ""
-        said += f"; {self._ended}" if self.interrupted else ""
-        return said + (f"; {len(self.alarms)} alarms" if self.alarms else "")
-
-    @property
-    def _ended(self) -> str:
-        return "interrupted" if self.stopped else OUT_OF_TIME
-
-    def table(self) -> Table:
-        """Return one row an interval."""
+    def report_sections(self) -> Iterator[Section]:
+        """Return counts, events, what is not known, and the details: fold angles, branches and checks."""
         over, rows = self.parameter, []
         for i in self.intervals:
             kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
             where = f"{over.shown(i.t[0])} to {over.shown(i.t[1])}"
             rows.append({over.name: where, "minima": str(i.minima), "kinds": kinds})
-        return listed(self.summary(), rows)
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return counts, events, what is not known, and the details: fold angles, branches and checks."""
-        over = self.parameter
-        yield self.table()
+        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
+        yield listed(f"{self.scene.title}: {'symmetric ' * kept}minima over {over.name}", rows)
         if self.events:
             yield self.events_table()
         at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
@@ -205,7 +182,7 @@ class Atlas(Path):
         yield from bold([f"alarm: {line}" for line in self.alarms])
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
-            yield from bold([f"{self._ended}: {what}"])
+            yield from bold([f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}"])
         angles = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
         ranges = [
             {

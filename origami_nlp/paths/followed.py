@@ -19,7 +19,7 @@ from origami_nlp.continuation import (
     Equilibrium,
     Line,
 )
-from origami_nlp.kkt import State
+from origami_nlp.kkt import ContactForce, State
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
@@ -144,9 +144,12 @@ class FollowedDiagram(BifurcationDiagram):
             spread = _spread(frame.seen)
             for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
-                unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
-                low, high = spread.get(contact, (value, value))
-                forces.append(r.Multiplier(words, value * unit, (low * unit, high * unit)))
+                unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
+                low, high = (unit * v for v in spread.get(contact, (value, value)))
+                touching = who.creases, who.facets, who.corners, who.side, who.place
+                forces.append(
+                    ContactForce(who.type, value * unit, (low, high), who.text, *touching)
+                )
         found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),

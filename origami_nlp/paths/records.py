@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from origami_nlp.io import ShortRepr, Unbounded
+from origami_nlp.kkt import ContactForce
 
 EVENT_WORDS = {
     "fold": "limit point",
@@ -29,25 +30,6 @@ STOPPED = "interrupted: the path goes on from where it ends here"
 """What an alarm says where the user (Ctrl-C) ended a path."""
 COLLAPSE = "collapses"
 """Why a leg ends where hinges yield and nothing stable goes on."""
-
-
-@dataclass(frozen=True)
-class Multiplier:
-    """What a closed contact carries on a branch.
-
-    Attributes
-    ----------
-    contact
-        In words.
-    value
-        Moment at each single contact [N m], positive where it pushes.
-    range
-        Smallest and largest value over the set of multipliers; inf where unbounded.
-    """
-
-    contact: str
-    value: float
-    range: tuple[float, Unbounded]
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,7 +57,7 @@ class PathPoint(ShortRepr):
     t: float
     fold_angles: tuple[float, ...]
     energy: float
-    multipliers: tuple[Multiplier, ...]
+    multipliers: tuple[ContactForce, ...]
     eigenvalue: float
     full_space_eigenvalue: float
     angle: float = math.nan
