@@ -85,7 +85,6 @@ def test_places_of_a_pattern(tmp_path):
             "whole",
         ),
         ({"axes": [{"set": "beta", "values": [2.5]}]}, "beta"),
-        ({"search": {"full": True}}, "full"),
         ({"search": {"starts": -1}}, "starts"),
         ({"search": {"contact": 1}}, "contact"),
         ({"scene": {}}, "scene"),
