@@ -29,7 +29,7 @@ starts = 0                     # random starts in a row that find nothing new; 0
 seed = 0
 max_starts = 0                 # random starts at most; 0: as the effort says
 full = false                   # also decide each state of a scene without its symmetry
-contact = true                 # whether facets must not cross
+contact = true                 # of patterns: whether facets must not cross
 ```
 
 With ``[pattern]`` in place of ``[scene]`` it is of sheets:
@@ -298,7 +298,10 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": _SEARCH}
+    own = [
+        key for key in _SEARCH if key != "contact" or of == "pattern"
+    ]  # a scene states it itself
+    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
     if not isinstance(data.get(of), Mapping):
         raise SweepError("a sweep needs [scene] or [pattern]: example = ..., or file = ...")
