@@ -176,27 +176,24 @@ class _Survey(FollowedDiagram):
         self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
 
     def run(self, checks: int, search: dict[str, Any]) -> None:
-        """Search at some values at once, then in the widest gaps; follow what is new."""
+        """Search at both ends and in the middle, then in the widest gaps; follow what is new."""
         self.add_flat()
         over, middle = self.parameter, 0.5 * sum(self.parameter.ends)
         todo = [middle] if checks == 1 else [*over.ends, middle][:checks]
         while todo and not self.late:
-            self._check([over.t_of(float(s)) for s in todo], search)
-            # the middle of the widest interval between events and checks
-            taken = [over.s_of(c.t) for c in self.checks]
-            cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
-            k = int(np.diff(cuts).argmax())
-            todo = [0.5 * (cuts[k] + cuts[k + 1])] * (len(taken) < checks)
+            t, now = over.t_of(todo[0]), time.monotonic()
+            self._say(f"search at {over.name} = {t:.4g}")
+            until = now + (self.steps.until - now) / len(todo)
+            self._compare(t, search_minima(self.family.scene_of(t), until, **search))
+            todo = todo[1:]
+            if not todo and len(self.checks) < checks:
+                # the middle of the widest interval between events and checks
+                taken = [over.s_of(c.t) for c in self.checks]
+                cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
+                k = int(np.diff(cuts).argmax())
+                todo = [float(0.5 * (cuts[k] + cuts[k + 1]))]
 
-    def _check(self, values: list[float], search: dict[str, Any]) -> None:
-        """Search at some values at once; follow what is new at one after the other, and compare."""
-        until = self.steps.until
-        self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
-        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene_of, values)
-        found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
-        self.checks += [self._compared(*one) for one in zip(values, found, strict=True)]
-
-    def _compared(self, t: float, result: MinimaResult) -> SearchCheck:
+    def _compare(self, t: float, result: MinimaResult) -> None:
         """Follow what is new among the minima of a search, and note what does not fit."""
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
         missed, met, followed = 0, list[np.ndarray](), self._minima(s)
@@ -223,7 +220,7 @@ class _Survey(FollowedDiagram):
                     self.alarms.append(f"{at}: {said}")
         known = "" if result.completeness is None else result.completeness.status
         complete = OUT_OF_TIME if result.search.left_out else known
-        return SearchCheck(t, len(result.minima), len(followed), missed, complete)
+        self.checks.append(SearchCheck(t, len(result.minima), len(followed), missed, complete))
 
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
