@@ -185,9 +185,11 @@ class LoadPath(Path):
             if first.t == 0.0:
                 said = f"state #{self.state}" if self.state else "the state that was given"
                 yield row(0.0, said + " again, loaded the other way" * bool(number), first.angle)
-            # the last one of a leg that snaps or branches is told by its end
-            for p in leg.points[1 : -1 if leg.why in ("snap", r.PITCHFORK) else None]:
-                if event := at.get((p.t, p.fold_angles)):
+            # the event at the end of a leg that snaps or branches is told by its end
+            told = self.snaps[leg.snap - 1].event if leg.snap else None
+            for p in leg.points[1 : -1 if leg.why == r.PITCHFORK else None]:
+                event = at.get((p.t, p.fold_angles))
+                if event and event.id != told:
                     yield row(p.t, event.words(growing=last.t >= first.t), p.angle)
             if leg.snap is not None:
                 snap = self.snaps[leg.snap - 1]
