@@ -300,15 +300,13 @@ class FollowedLoad(Ways):
         """
         if self.full is None:
             return "", None
-        frames, first, own = run.frames, int(run.branches_off), self.across.line
+        frames, first, full = run.frames, int(run.branches_off), self.full
         last = max(len(frames) - 1 - (run.why != "range"), first)
 
         @cache
         def verdict(k: int) -> str:
             frame = frames[k]
-            if own is None:
-                return frame.judged.verdict
-            return classify(State(own.at(frame.s), frame.problem.expand(frame.state))).verdict
+            return classify(State(full.at(frame.s), frame.problem.expand(frame.state))).verdict
 
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
