@@ -27,7 +27,6 @@ FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
 """Events that are followed over two parameters, besides those at the flat state."""
 FLAT = "flat"
 """Type of a curve along which states come out of the flat one."""
-MOST_LINES = 100
 
 
 @dataclass(frozen=True)
@@ -222,8 +221,8 @@ def find_bifurcation_set(
     BifurcationSet(1 curves of events over ratio and alpha)
     """
     scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
-    check_whole("lines", lines, 1, MOST_LINES)
-    check_whole("across", across, 0, MOST_LINES)
+    check_whole("lines", lines, 1)
+    check_whole("across", across, 0)
     begin, until = time.perf_counter(), check_until(seconds)
     a = parse_parameter_range(event) if isinstance(event, str) else event
     b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter

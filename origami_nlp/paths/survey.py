@@ -30,8 +30,6 @@ from origami_nlp.paths.records import SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
 
-MOST_CHECKS = 100
-
 
 def follow(
     origami: Stated,
@@ -135,7 +133,7 @@ def follow_family(
 
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
-    check_whole("checks", checks, 1, MOST_CHECKS)
+    check_whole("checks", checks, 1)
     check_flag("full", full)
     check_prove("prove", prove)
     check_type("options", STEPS if options is None else options, ContinuationOptions)
