@@ -22,8 +22,6 @@ from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, o
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
-STEPS = ContinuationOptions(longest=0.2, growth=3.0)
-"""Of vertices: such that curves look smooth, by how far they turn."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
@@ -163,26 +161,21 @@ class Driver:
         return replace(self, scene=full if len(kept.windings) > 1 else kept)
 
     def line(self) -> ParameterLine:
-        """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
-        problem, work = self.problem, self.work
+        """Return the problems over t; a load that could turn all springs is one [rad] long."""
+        problem, work, k = self.problem, self.work, np.array(self.origami.stiffness)
         p, none = problem.parameters, np.zeros(problem.size)
-        length: dict[str, Any] = {}
-        if self.scene is None:
-            k = self.origami.stiffness
-            length["weight"] = math.sqrt(len(k)) * work.arm / float(k.sum())
+        weight = math.sqrt(len(k)) * work.arm / float(k.sum())
         if isinstance(work, Torque):
             load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
-            return load_line(problem, load, **length)
+            return load_line(problem, load, weight)
         dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
         still = dead.times(0.0)  # over t only forces change: their points stay
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
-        return ParameterLine(problem, replace(p, dead=still), change, **length)
+        return ParameterLine(problem, replace(p, dead=still), change, weight)
 
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
-        """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""
-        if self.scene:
-            return steps or STEPS
-        rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
+        """Return the steps of the tracer; lengths are stated as root mean squares over creases."""
+        rms, size = steps or ContinuationOptions(), math.sqrt(len(self.origami.stiffness))
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
     def begin(

@@ -68,7 +68,7 @@ def load_path(
     effort, seed, max_starts, starts
         Of the search for the state, see `find_minima`.
     options
-        Of the continuation; of a pattern lengths are root mean squares over creases.
+        Of the continuation; lengths are root mean squares over creases.
     seconds
         Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
         limit.

@@ -54,7 +54,7 @@ class LoadPath(Path):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=-0.15)
     >>> [round(snap.t, 6) for snap in path.snaps], [leg.why for leg in path.legs]
     ([-0.13815], ['snap', 'range'])
     >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(0.01, 1.2)

@@ -1,6 +1,5 @@
 """Snap loads of bistable vertices: through the flat state, beyond a pitchfork, and at one; by hand and by SciPy."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from origami_nlp import draw, examples, load_path
-from origami_nlp.paths.driver import STEPS
+from origami_nlp.continuation import ContinuationOptions
 from tests.independent.rotations import fold
 
 
@@ -169,7 +168,7 @@ def test_the_snap_is_drawn():
 @pytest.mark.parametrize("growth", [1.5, 3.0])
 def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(growth):
     """Branchings are roots of a system that is regular there: steps of the tracer do not show (they did: 1e-5 rad)."""
-    scene, steps = examples.waterbomb_base(), replace(STEPS, growth=growth)
+    scene, steps = examples.waterbomb_base(), ContinuationOptions(growth=growth)
     found = load_path(scene, 1, to=0.14, options=steps)
     usual = path("waterbomb_base", 1, 0.14)
     rows = {row[0]: row for row in found.events_table().rows}
