@@ -160,14 +160,6 @@ class Plane:
     scene: Scene
     parameters: tuple[ParameterRange, ParameterRange]
 
-    def __post_init__(self) -> None:
-        for parameter in self.parameters:
-            if LAW_NUMBER.fullmatch(parameter.name):
-                raise OptionError(
-                    f"{parameter.name}: a number within a hinge law is followed over alone; of two parameters "
-                    "law_scale[1] and law_shift[1] can be"
-                )
-
     def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
         along, other = self.parameters[axis], self.parameters[1 - axis]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,9 +155,18 @@ def test_what_is_no_number_of_a_law_is_refused():
     twice = random_scene((double_well(1.0, 1.0), double_well(2.0, 1.0), None, None))
     with pytest.raises(OptionError, match="2 different laws are called 'double-well'"):
         o.follow(twice, "laws.double-well.at=0.5:1")
-    with pytest.raises(OptionError, match="followed over alone"):
-        o.find_bifurcation_set(
-            replace(plain, laws=(law, None, None, None)),
-            "laws.snap.sum[3].energy=0.5:1",
-            "stiffness[2]=0.5:2",
-        )
+
+
+@pytest.mark.slow  # two maps
+def test_a_map_over_the_energy_of_wells_is_that_over_their_factor():
+    scene, few = random_scene((double_well(1.0, 1.0),) * 4), {"across": 1, "effort": "quick"}
+    factor = "+".join(f"law_scale[{i}]" for i in range(1, 5))
+    energy, scale = (
+        o.find_bifurcation_set(scene, f"{over}=0.1:4", "torque[1]=-1:1", **few).curves
+        for over in ("laws.double-well.energy", factor)
+    )
+    assert len(energy) == len(scale) == 2
+    for one, other in zip(energy, scale, strict=True):
+        assert one.type == other.type == "fold" and one.ends == other.ends == ("range", "range")
+        for k in (0, -1):
+            assert one.points[k].t == pytest.approx(other.points[k].t, rel=1e-9)
