@@ -76,7 +76,7 @@ def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     pattern = o.examples.pattern("metasheet", 2, 2) if whole else scene_pattern(scene)
     (tmp_path / "a.toml").write_text(o.format_scene(scene))
     given = ("metasheet:2x2" if whole else tmp_path / "a.toml", "--crease", 1, "--to", 0.02)
-    done = run("load", *given, "--no-confirm", "-o", target)
+    done = run("load", *given, "-o", target)
     assert done.code == 0 and f"written: {target}" in done.out
     area = 0.0
     for polygon in pattern.polygons:

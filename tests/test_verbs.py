@@ -48,16 +48,14 @@ def test_what_a_scene_does_not_take_is_named():
         o.find_minima(PATTERN, effort="much")
 
 
-def test_load_path_takes_the_same_arguments_of_both_and_names_the_others(found):
+def test_load_path_takes_the_same_arguments_of_both(found):
     (folded, *_) = [m for m in found.minima if np.any(m.fold_angles)]
-    path = o.load_path(PATTERN, 1, to=0.01, confirm=False, effort="quick", max_starts=2)
+    path = o.load_path(PATTERN, 1, to=0.01, effort="quick", max_starts=2)
     assert path.legs[0].points[-1].t == pytest.approx(0.01)
-    path = o.load_path(found.pattern, 1, to=0.01, state=folded, confirm=False)
+    path = o.load_path(found.pattern, 1, to=0.01, state=folded)
     assert path.legs[0].points[-1].t == pytest.approx(0.01)
-    with pytest.raises(o.OrigamiError, match=r"^full = False is not for a pattern: "):
-        o.load_path(PATTERN, 1, full=False)
-    with pytest.raises(o.OrigamiError, match=r"^starts = 3 is not for a scene: "):
-        o.load_path(o.examples.degree6("5*pi/12"), 1, starts=3)
+    path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.01, starts=3)
+    assert path.legs[0].points[-1].t == pytest.approx(0.01)
     for wrong in ({"effort": "much"}, {"starts": -1}, {"max_starts": 0}, {"seed": 0.5}):
         (name,) = wrong
         with pytest.raises(o.OrigamiError, match=f"^{name} = "):

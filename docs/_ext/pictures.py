@@ -125,7 +125,7 @@ def by_command(*words: str) -> None:
 
 def drawn_load(name: str) -> None:
     """Draw the load path of the tutorial: a torque on the straight mountain of a waterbomb."""
-    path = o.load_path(o.examples.waterbomb(), 1, to=0.09, confirm=False)
+    path = o.load_path(o.examples.waterbomb(), 1, to=0.09)
     o.draw(path, FOLDER / f"{name}.png")
 
 

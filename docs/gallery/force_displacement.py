@@ -4,7 +4,7 @@ import numpy as np
 
 import origami_nlp as o
 
-path = o.load_path(o.examples.waterbomb(), 2, to=-0.06, confirm=False)
+path = o.load_path(o.examples.waterbomb(), 2, to=-0.06)
 figure = o.draw(path)
 angle = np.array([95, 80, 60, 40, 20, 5])  # made up: yours come from a test rig
 torque = np.array([-0.002, -0.011, -0.023, -0.034, -0.043, -0.049])

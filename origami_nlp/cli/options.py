@@ -162,7 +162,7 @@ PARAMETER = _option(
     "--parameter",
     usual=...,
 )
-EVENT = _option("NAME=FROM:TO", "Where events are looked for; NAME=VALUE: those nearby.", usual=...)
+EVENT = _option("NAME=FROM:TO", "Where events are looked for.", usual=...)
 CHECKS = _option("N", "Searches: both ends, the middle, then the widest gaps.", usual=3)
 LINES = _option("N", "Values of the second at which the first is followed.", usual=3)
 CREASE = _option("K", "Torque on crease K, from 1, and its images; of a pattern repeatable.")
@@ -171,7 +171,6 @@ FORCE = _option("V,X,Y,Z", "Of a pattern: a force (X, Y, Z) on V, seen from --fi
 FIXED_FACET = _option("F", "Of --force: the facet that stays, from 1 (default 1).", "--fixed-facet")
 TO = _option("LOAD|snap", "Where it ends: N m, N or a factor; snap: either way.", usual="snap")
 UNLOAD = _flag("Take the load back to 0 afterwards.", "--unload")
-CONFIRM = _flag("Confirm each snap by a search beside it.", "--confirm/--no-confirm", usual=True)
 YIELDS = _option("T|K=T", "Torque at which creases yield [N m]; repeatable.", "--yield")
 SEGMENTS = _flag("Also follow the contact boundaries (metastability).", "--segments")
 SPACE = _flag("In place of the map: components, holes and pinch points of the space.", "--space")

@@ -28,7 +28,6 @@ def load(
     to: str = o.TO,
     state: int | None = o.STATE,
     unload: bool = o.UNLOAD,
-    confirm: bool = o.CONFIRM,
     yields: list[str] | None = o.YIELDS,
     full: bool | None = o.FULL,
     effort: str = o.EFFORT,
@@ -64,7 +63,7 @@ def load(
         count, bears = what.degree, crease[0] if crease else None
     else:
         count, bears = what.creases, _work(what, crease, pulled, forced, fixed_facet)
-    options: dict[str, Any] = {"to": end, "unload": unload, "confirm": confirm, "full": full}
+    options: dict[str, Any] = {"to": end, "unload": unload, "full": full}
     options |= {"effort": effort, "seed": seed, "starts": starts, "state": state}
     options["yield_torque"] = _yields(yields, count)
     with progress(f"{origami.name} under load"):

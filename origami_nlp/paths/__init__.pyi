@@ -4,7 +4,6 @@ from .boundary import (
     CurvePoint as CurvePoint,
     EventCurve as EventCurve,
     find_bifurcation_set as find_bifurcation_set,
-    smooth as smooth,
 )
 from .driver import Driver as Driver, OwnForces as OwnForces
 from .family import (
@@ -23,18 +22,14 @@ from .parameter_range import (
 )
 from .records import (
     EVENT_WORDS as EVENT_WORDS,
-    BranchEnd as BranchEnd,
-    ConfirmedSnap as ConfirmedSnap,
     KindRange as KindRange,
     Leg as Leg,
-    Multiplier as Multiplier,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,
     Residuals as Residuals,
     SearchCheck as SearchCheck,
     Snap as Snap,
-    StateAt as StateAt,
 )
 from .result import Path as Path
 from .survey import follow as follow, follow_family as follow_family

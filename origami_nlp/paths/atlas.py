@@ -11,17 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.display import Section, Table, Words
+from origami_nlp.display import Details, Section, Table, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, STATIONARY
 from origami_nlp.paths.family import Family, family_of
 from origami_nlp.paths.followed import FollowedDiagram
-from origami_nlp.paths.records import Interval, SearchCheck, StateAt
-from origami_nlp.paths.result import Path, Plot, Track, bold, degrees_listed, details, listed
+from origami_nlp.paths.records import Interval, PathPoint, SearchCheck
+from origami_nlp.paths.result import Path, Plot, bold, degrees_listed, listed
 from origami_nlp.pattern import Pattern, Scene
-
-MOST_NAMED = 4
-"""Values at which the number of minima changes that the verdict names."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,8 +34,8 @@ class Atlas(Path):
         All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
     alarms
         What does not fit together, in words; empty where everything does.
-    cost
-        What it took.
+    steps
+        Of the continuation, that were accepted.
     interrupted
         Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
     scene
@@ -48,9 +46,6 @@ class Atlas(Path):
         The scenes.
     web
         What was followed, for `at`; None where the atlas was read from a file.
-    others
-        Atlases of the symmetric states that wind more often round their axis (`Scene.windings`), one for each winding:
-        branches, events and intervals of this one are about states that wind once.
     example
         Of patterns over an option of an example, its name; "" elsewhere.
 
@@ -66,7 +61,6 @@ class Atlas(Path):
     checks: tuple[SearchCheck, ...]
     family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
     web: FollowedDiagram | None = field(default=None, metadata={"plain": False})
-    others: tuple[Atlas, ...] = ()
     example: str = field(default="", metadata={"omit": True})
 
     ALSO = ("intervals",)
@@ -100,7 +94,7 @@ class Atlas(Path):
             out.append(found)
         return tuple(out)
 
-    def at(self, value: float) -> tuple[StateAt, ...]:
+    def at(self, value: float) -> tuple[JudgedState, ...]:
         """Return the states of all branches at one value, polished and judged there.
 
         Parameters
@@ -110,8 +104,8 @@ class Atlas(Path):
 
         Returns
         -------
-        tuple of StateAt
-            Minima and saddles, in order of energy, those of `others` among them.
+        tuple of JudgedState
+            Minima and saddles, in order of energy.
 
         Raises
         ------
@@ -128,10 +122,7 @@ class Atlas(Path):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        here = self.web.listed_at(value)
-        more = (state for other in self.others for state in other.at(value))
-        every = sorted((*here, *more), key=lambda state: state.energy)
-        return tuple(every) if self.others else here
+        return self.web.listed_at(value)
 
     def origami_at(self, t: float) -> Any:
         """Return what is folded at a value of the parameter.
@@ -146,69 +137,43 @@ class Atlas(Path):
         Scene or Pattern
             Whose states those at t are.
         """
-        return self.family.sampled(t)
-
-    @property
-    def curves(self) -> list[Track]:
-        """The branches, those of other windings after them."""
-        label, winding = (getattr(self.scene, name, None) for name in ("label", "winding"))
-        more = {"scene": label or self.scene.name, "winding": winding or 1}
-        own = [track._replace(more=more) for track in super().curves]
-        return own + [track for other in self.others for track in other.curves]
+        return self.family.scene_of(t)
 
     @property
     def panels(self) -> list[Plot]:
         """Energy, the fold angle that separates branches best, and contact moments where there are any."""
-        over = self.parameter
-        points = [p for b in self.branches for p in b.points]
+        over, points = self.parameter, [p for b in self.branches for p in b.points]
         angles = np.array([p.fold_angles for p in points])
         k = int(np.ptp(angles, axis=0).argmax()) if points else 0
-        values = {
-            "energy [J]": lambda p: p.energy,
-            f"fold angle {k + 1} [deg]": lambda p: math.degrees(p.fold_angles[k]),
-        }
+
+        def moment(p: PathPoint) -> float:
+            return max((m.multiplier for m in p.multipliers), default=math.nan)
+
+        panels = [
+            Plot(over.axis, "energy [J]", lambda p: (over.drawn(p.t), p.energy)),
+            Plot(
+                over.axis,
+                f"fold angle {k + 1} [deg]",
+                lambda p: (over.drawn(p.t), math.degrees(p.fold_angles[k])),
+            ),
+        ]
         least = STATIONARY * max(self.scene.stiffness)  # below, moments are rounding
-        if any(m.value > least for p in points for m in p.multipliers):
-            values["largest moment [N m]"] = lambda p: max(
-                (m.value for m in p.multipliers), default=math.nan
-            )
-        return [Plot(over.axis, y, lambda p: over.drawn(p.t), of) for y, of in values.items()]
+        if any(moment(p) > least for p in points):
+            label = "largest moment [N m]"
+            panels.append(Plot(over.axis, label, lambda p: (over.drawn(p.t), moment(p))))
+        return panels
 
-    def summary(self) -> str:
-        """Return one line: how many minima there are, and where their number changes."""
-        found, over = self.intervals, self.parameter
-        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
-        counts = sorted({i.minima for i in found})
-        many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-        noun = f"minim{'um' if counts == [1] else 'a'}"
-        said = f"{self.scene.title}: {many} {'symmetric ' * kept}{noun}"
-        said += f" over {over.name} = {over.shown(over.low)} to {over.shown(over.high)}"
-        changes = [over.shown(b.t[0]) for a, b in itertools.pairwise(found) if a.minima != b.minima]
-        if changes:
-            where = ", ".join(changes) if len(changes) <= MOST_NAMED else f"{len(changes)} values"
-            said += f"; their number changes at {where}"
-        said += f"; {self._ended}" if self.interrupted else ""
-        return said + (f"; {len(self.alarms)} alarms" if self.alarms else "")
-
-    @property
-    def _ended(self) -> str:
-        return "interrupted" if self.stopped else OUT_OF_TIME
-
-    def table(self) -> Table:
-        """Return one row an interval."""
+    def report_sections(self) -> Iterator[Section]:
+        """Return counts, events, what is not known, and the details: fold angles, branches and checks."""
         over, rows = self.parameter, []
         for i in self.intervals:
             kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
             where = f"{over.shown(i.t[0])} to {over.shown(i.t[1])}"
             rows.append({over.name: where, "minima": str(i.minima), "kinds": kinds})
-        return listed(self.summary(), rows)
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return counts, events, what is not known, and the details: branches, checks and what they cost."""
-        over = self.parameter
-        yield self.table()
+        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
+        yield listed(f"{self.scene.title}: {'symmetric ' * kept}minima over {over.name}", rows)
         if self.events:
-            yield self.events_table("Events")
+            yield self.events_table()
         at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
         missed = sum(c.missed for c in self.checks)
         more = f", which missed {missed} of the states on branches" if missed else ""
@@ -217,25 +182,20 @@ class Atlas(Path):
         yield from bold([f"alarm: {line}" for line in self.alarms])
         if self.interrupted:
             what = "branches and checks are those until then; intervals count what was followed"
-            yield from bold([f"{self._ended}: {what}"])
-        yield details(self._details(), "Branches, fold angles, checks")
-        for other in self.others:
-            stated: Any = other.scene
-            yield f"states that wind {stated.winding} times round the axis of {stated.group.name}"
-            yield from other.report_sections()
-
-    def _details(self) -> Iterator[Table | Words]:
-        """Return fold angles at events, branches, checks, and what they cost."""
-        over = self.parameter
+            yield from bold([f"{'interrupted' if self.stopped else OUT_OF_TIME}: {what}"])
         angles = [(str(e.id), degrees_listed(e.fold_angles)) for e in self.events]
-        yield listed("", [{"event": k, "fold angles [deg]": phi} for k, phi in angles])
-        rows = []
-        for b in self.branches:
-            for r in b.kind_ranges:
-                span = f"{over.shown(r.t[0])} to {over.shown(r.t[1])}"
-                rows.append({"branch": str(b.id), over.name: span, "kind": r.kind})
-            rows[-1]["ends"] = ", ".join(end.why for end in b.ends)
-        yield listed("", rows)
-        yield listed("", [{over.name: over.shown(c.t), **c.row()} for c in self.checks])
-        took = f"{self.cost.seconds:.2f} s, and {self.cost.checks:.2f} s for {len(self.checks)} searches"
-        yield Words(f"{self.cost.steps} steps, {took}", "dim")
+        ranges = [
+            {
+                "branch": str(b.id),
+                over.name: f"{over.shown(r.t[0])} to {over.shown(r.t[1])}",
+                "kind": r.kind,
+                "ends": ", ".join(b.ends) if r is b.kind_ranges[-1] else "",
+            }
+            for b in self.branches
+            for r in b.kind_ranges
+        ]
+        pieces: list[Table | Words] = [
+            listed("", [{"event": k, "fold angles [deg]": phi} for k, phi in angles]),
+            listed("", ranges),
+        ]
+        yield Details([*pieces, Words(f"{self.steps} steps", "dim")], "Fold angles, branches")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -11,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_until, check_whole
-from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
+from origami_nlp.continuation import Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, ROUNDED, SAMPLED, STATIONARY
-from origami_nlp.paths.event_curve import MEETS, EventPoint, EventTracer
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, NONZERO, SAMPLED, STATIONARY
+from origami_nlp.paths.event_curve import EventPoint, EventTracer
 from origami_nlp.paths.family import Plane, with_generic_symmetry
-from origami_nlp.paths.parameter_range import ParameterRange, parse_nearby, parse_parameter_range
+from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import Interval
 from origami_nlp.paths.result import bold, listed
 from origami_nlp.paths.survey import follow_family
@@ -28,13 +27,6 @@ FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
 """Events that are followed over two parameters, besides those at the flat state."""
 FLAT = "flat"
 """Type of a curve along which states come out of the flat one."""
-MOST_LINES, MOST_CURVES = 100, 200
-CORNER = 0.4
-"""Turns between points [rad] beyond which a curve has a cusp or a corner there: its own steps turn by less."""
-BETWEEN = 12
-"""Places between two points."""
-AROUND = 0.03
-"""Of a point where two events meet: share of the ranges, and fold angles [rad]."""
 
 
 @dataclass(frozen=True)
@@ -196,8 +188,7 @@ def find_bifurcation_set(
     scene
         One vertex; or a pattern that equals one.
     event
-        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
-        ``"ratio=1.79"``, for a range around it.
+        The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``.
     parameter
         The second parameter and its range.
     lines
@@ -230,10 +221,10 @@ def find_bifurcation_set(
     BifurcationSet(1 curves of events over ratio and alpha)
     """
     scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
-    check_whole("lines", lines, 1, MOST_LINES)
-    check_whole("across", across, 0, MOST_LINES)
+    check_whole("lines", lines, 1)
+    check_whole("across", across, 0)
     begin, until = time.perf_counter(), check_until(seconds)
-    a = parse_nearby(event) if isinstance(event, str) else event
+    a = parse_parameter_range(event) if isinstance(event, str) else event
     b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
     if a.name == b.name:
         raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
@@ -241,7 +232,6 @@ def find_bifurcation_set(
     found, stopped = _Map(Plane(scene, (a, b)), until), False
     try:
         found.follow_lines(lines, across, seed=seed, effort=effort)
-        found.follow_ends()
     except KeyboardInterrupt:
         if not found.lines:
             raise
@@ -258,95 +248,79 @@ class _Map:
         self.plane, self.until, self.tally = plane, until, Tally()
         self.curves: list[EventCurve] = []
         self.lines: list[CountedLine] = []
+        # of each curve its points: shares of the ranges, and states
+        self._traced: list[np.ndarray] = []
 
     def follow_lines(self, lines: int, across: int, **search: object) -> None:
         """Follow each parameter at some values of the other one, and the events that are met."""
-        plane, ends = self.plane, (self.plane.corner, self.plane.corner + self.plane.size)
-        up, right = zip(*ends, strict=True)
-        where = np.linspace(*right, lines) if lines > 1 else [np.mean(right)]
-        inside = np.linspace(*up, across + 2)[1:-1]
-        for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+        plane = self.plane
+        where = np.linspace(0.0, 1.0, lines) if lines > 1 else [0.5]
+        inside = np.linspace(0.0, 1.0, across + 2)[1:-1]
+        for axis, share in [*((0, u) for u in where), *((1, u) for u in inside)]:
             if time.monotonic() > self.until:
                 return
-            t = plane.parameters[1 - axis].t_of(u)
+            t = plane.value(share, 1 - axis)
             family = plane.family(t, axis)
             atlas = follow_family(family, full=False, until=self.until, **search)  # type: ignore[arg-type]
-            assert atlas.web is not None  # of one that was just followed
             if atlas.stopped:
                 raise KeyboardInterrupt
-            met = self._follow_events(atlas.web, axis, u)
+            met = sorted(self._events(atlas.web, axis, share))
             counts = () if atlas.interrupted else atlas.intervals
-            self.lines.append(CountedLine(plane.parameters[axis].name, t, counts, met))
+            self.lines.append(CountedLine(plane.parameters[axis].name, t, counts, tuple(met)))
 
-    def _follow_events(
-        self, web: BifurcationDiagram, axis: int, u: float
-    ) -> tuple[tuple[float, int], ...]:
-        """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
-        met, plane, curves = list[tuple[float, int]](), self.plane, self.curves
+    def _events(self, web: Any, axis: int, other: float) -> Iterator[tuple[float, int]]:
+        """Follow the events of a line that lie on no curve yet; yield where events are, and on which curves."""
+        plane = self.plane
         for number, node in enumerate(web.nodes):
             flat = node.type == "singular" and not node.point[:-1].any()
             if not (flat or node.type in FOLLOWED) or not node.located:
                 continue
-            point, normal = np.full(2, u), np.eye(2)[axis]
-            point[axis] = node.s
-            known = 0
+            share, state, known = np.full(2, other), node.point[:-1], 0
+            share[axis] = plane.share(node.s, axis)
             systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
             for hold, contact in systems:
-                tracer = EventTracer(plane, hold, contact, self.tally)
-                first = tracer.at(point, normal, node.point[:-1])
-                if first is None or abs(first.point[axis] - node.s) > NEAR_SINGULAR_TOL:
+                tracer = EventTracer(plane, hold, contact, self.tally, len(state), axis)
+                first = tracer.at(share, state)
+                if first is None or abs(first.x[axis] - share[axis]) > NEAR_SINGULAR_TOL:
                     continue
-                # one curve meets a line more than once, and every other line as well
-                known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
-                if not known:
-                    points, ends = tracer.follow(first, self.until)
-                    known = len(curves) + 1
-                    good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
-                    found, kind = tuple(map(self._point, good)), FLAT if flat else node.type
-                    curves.append(EventCurve(known, kind, _contact(tracer, first), found, ends))
+                words = first.frame.problem.words(contact, state).text if contact else ""
+                known = self._known(first, words) or self._traced_from(
+                    tracer, first, FLAT if flat else node.type, words
+                )
                 break
-            met.append((plane.parameters[axis].t_of(node.s), known))
-        return tuple(sorted(met))
+            yield plane.parameters[axis].t_of(node.s), known
 
-    def follow_ends(self) -> None:
-        """Follow the events that begin where a curve meets another one: on short lines from its last state."""
-        looked: list[CurvePoint] = []
-        for curve in self.curves:  # grows
-            for why, point in zip(curve.ends, (curve.points[0], curve.points[-1]), strict=True):
-                if why != MEETS or any(self._same(point, p) for p in looked):
-                    continue
-                looked.append(point)
-                for axis in (0, 1):
-                    if time.monotonic() > self.until or len(self.curves) >= MOST_CURVES:
-                        return
-                    self._follow_events(*self._short_line(point, axis))
+    def _known(self, first: EventPoint, contact: str) -> int:
+        """Return the number of the curve on which an event lies, between two of its points; 0 of none.
 
-    def _same(self, a: CurvePoint, b: CurvePoint) -> bool:
-        over = zip(self.plane.parameters, a.t, b.t, strict=True)
-        apart = [abs(p.s_of(s) - p.s_of(t)) for p, s, t in over]
-        angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
-        return bool((apart <= AROUND / 10 * self.plane.size).all() and angles <= AROUND)
+        One curve meets a line more than once, and every other line as well.
+        """
+        for curve, x in zip(self.curves, self._traced, strict=True):
+            # rays that lie on each other close with either of their openings
+            if contact.split(" (")[0] == curve.contact.split(" (")[0]:
+                step, apart = np.diff(x, axis=0), first.x - x[:-1]
+                along = (step * apart).sum(axis=1) / np.maximum((step * step).sum(axis=1), NONZERO)
+                nearest = x[:-1] + along.clip(0.0, 1.0)[:, None] * step
+                if np.linalg.norm(nearest - first.x, axis=1).min(initial=np.inf) <= SAMPLED:
+                    return curve.id
+        return 0
 
-    def _short_line(self, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, int, float]:
-        """Return what is followed from an event over one parameter nearby, and the value of the other."""
-        plane, parameter = self.plane, self.plane.parameters[axis]
-        s, room, ends = parameter.s_of(point.t[axis]), AROUND * plane.size[axis], parameter.ends
-        low, high = (parameter.t_of(float(np.clip(v, *ends))) for v in (s - room, s + room))
-        near = replace(parameter, low=low, high=high)
-        family = replace(plane.family(point.t[1 - axis], axis), parameter=near)
-        web = BifurcationDiagram(family.line, *near.ends)
-        web.add(family.line.problem.reduce(np.array(point.fold_angles)), s)
-        return web, axis, plane.parameters[1 - axis].s_of(point.t[1 - axis])
-
-    def _point(self, p: EventPoint) -> CurvePoint:
-        angles = p.frame.problem.expand(p.frame.state)
-        return CurvePoint(self.plane.values(p.point), tuple(angles.tolist()), p.kkt, p.event)
+    def _traced_from(self, tracer: EventTracer, first: EventPoint, kind: str, contact: str) -> int:
+        """Trace a new curve, and return its number."""
+        points, ends = tracer.follow(first, self.until)
+        good = [p for p in points if max(p.kkt, abs(p.event)) <= STATIONARY]
+        found = []
+        for p in good:
+            angles = p.frame.problem.expand(p.frame.state).tolist()
+            t, u = (self.plane.value(float(p.x[k]), k) for k in (0, 1))
+            found.append(CurvePoint((t, u), tuple(angles), p.kkt, p.event))
+        self._traced.append(np.array([p.x for p in good]))
+        self.curves.append(EventCurve(len(self.curves) + 1, kind, contact, tuple(found), ends))
+        return len(self.curves)
 
 
-def _systems(
-    web: BifurcationDiagram, number: int, node: SpecialPoint
-) -> Iterator[tuple[Hold, Contact | None]]:
+def _systems(web: Any, number: int, node: SpecialPoint) -> Iterator[tuple[Hold, Contact | None]]:
     """Yield what is held at an event on the side that holds less, and a contact that closes there.
 
     Several contacts may close together, and not all of them to first order.
@@ -362,82 +336,3 @@ def _systems(
     more = (c for hold in holds for c in hold.contacts if c not in rest.contacts)
     for contact in dict.fromkeys((node.contact, *more)):
         yield rest, contact
-
-
-def _contact(tracer: EventTracer, at: EventPoint) -> str:
-    """Return the contact of an event in words; "" where it has none."""
-    contact = tracer.contact
-    return "" if contact is None else at.frame.problem.words(contact, at.frame.state).text
-
-
-def _lies_on(tracer: EventTracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
-    """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
-    plane = tracer.plane
-    if _contact(tracer, first).split(" (")[0] != curve.contact.split(" (")[0]:
-        return False  # rays that lie on each other close with either of their openings
-    # a change of sign: the curve passes the value between two of its points
-    at = [plane.parameters[axis].s_of(p.t[axis]) - first.point[axis] for p in curve.points]
-    angles = first.frame.problem.expand(first.frame.state)
-    room = plane.size[axis] * NEAR_SINGULAR_TOL
-    for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
-        if min(da, db) > room or max(da, db) < -room:
-            continue
-        share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
-        there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
-        s, t = (plane.parameters[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
-        near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
-        if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
-            return True
-    return False
-
-
-def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange]) -> np.ndarray:
-    """Return a curve of events with places between its points, where cubics join them.
-
-    Parameters
-    ----------
-    curve
-        Of `find_bifurcation_set`.
-    parameters
-        Both parameters with their ranges.
-
-    Returns
-    -------
-    numpy.ndarray
-        Both parameters as they are followed (logarithms of ratios), shape [m, 2]; its points are among them.
-
-    Examples
-    --------
-    >>> from origami_nlp.paths import CurvePoint, EventCurve, parse_parameter_range, smooth
-    >>> arc = [(0.0, 1.0), (0.3, 0.95), (0.6, 0.8), (0.8, 0.6)]
-    >>> points = tuple(CurvePoint(t, (), 0.0, 0.0) for t in arc)
-    >>> curve = EventCurve(1, "fold", "", points, ("range", "range"))
-    >>> smooth(curve, (parse_parameter_range("torque[1]=0:1"), parse_parameter_range("torque[2]=0:1"))).shape
-    (37, 2)
-    """
-    from scipy.interpolate import CubicSpline
-
-    s = np.array([[o.s_of(t) for o, t in zip(parameters, p.t, strict=True)] for p in curve.points])
-    size = np.array([np.ptp(o.ends) for o in parameters])
-    apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
-    s = s[np.append(True, apart > ROUNDED)]
-    if len(s) < 3:
-        return s
-    chords = np.diff(s / size, axis=0)
-    lengths = np.linalg.norm(chords, axis=1)
-    along = chords / lengths[:, None]
-    # in shares of the ranges, so that units do not decide what is a corner
-    turns = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1.0, 1.0))
-    cuts = [0, *(np.flatnonzero(turns > CORNER) + 1), len(s) - 1]
-    at = np.append(0.0, np.cumsum(lengths))
-    out = [s[:1]]
-    for a, b in itertools.pairwise(cuts):
-        if b - a < 2:
-            out.append(s[b : b + 1])
-            continue
-        places = np.concatenate(
-            [np.linspace(at[k], at[k + 1], BETWEEN + 1)[1:] for k in range(a, b)]
-        )
-        joined = CubicSpline(at[a : b + 1], s[a : b + 1])
-        out.append(joined(places))
-    return np.concatenate(out)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
 
-from origami_nlp.arguments import check_whole, refuse
+from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
-from origami_nlp.errors import NothingInTime, OptionError, OutOfTime
+from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
 from origami_nlp.paths.family import at_places
@@ -22,29 +22,9 @@ from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, o
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Parameters
 
-STEPS = ContinuationOptions(longest=0.2, growth=3.0)
-"""Of vertices: such that curves look smooth, by how far they turn."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 IDENTITY = ((0, False),)
 """The symmetry that every state keeps."""
-Search: TypeAlias = Callable[[Scene | Pattern], tuple[JudgedState, ...]]
-"""Returns the minima of an origami, or raises `OutOfTime`."""
-
-
-ONLY = {
-    "scene": {"starts": "the effort says how many starts a vertex gets"},
-    "pattern": {
-        "full": "states of a pattern keep no symmetry",
-        "prove": "lists along a parameter are not proved for patterns",
-    },
-}
-"""What only the other one takes, and why."""
-
-
-def refuse_other(origami: Scene | Pattern, **given: object) -> None:
-    """Raise an error for an argument that is not for such an origami."""
-    kind = "scene" if isinstance(origami, Scene) else "pattern"
-    refuse(kind, ONLY[kind], **given)
 
 
 def search_minima(origami: Scene | Pattern, until: float, **asked: Any) -> MinimaResult:
@@ -113,8 +93,12 @@ class Driver:
     @cached_property
     def unloaded(self) -> Any:
         """The origami without what drives the path."""
-        own = isinstance(self.work, OwnForces)
-        return replace(self.origami, loads=()) if own else self.origami
+        own = self.origami.loads if isinstance(self.work, OwnForces) else ()
+        return (
+            at_places(self.origami, [("loads", k) for k in range(len(own))], 0.0)
+            if own
+            else self.origami
+        )
 
     @property
     def name(self) -> str:
@@ -177,51 +161,40 @@ class Driver:
         return replace(self, scene=full if len(kept.windings) > 1 else kept)
 
     def line(self) -> ParameterLine:
-        """Return the problems over t; on a sheet a load that could turn all springs is one [rad] long."""
-        problem, work = self.problem, self.work
+        """Return the problems over t; a load that could turn all springs is one [rad] long."""
+        problem, work, k = self.problem, self.work, np.array(self.origami.stiffness)
         p, none = problem.parameters, np.zeros(problem.size)
-        length: dict[str, Any] = {}
-        if self.scene is None:
-            k = self.origami.stiffness
-            length["weight"] = math.sqrt(len(k)) * work.arm / float(k.sum())
+        weight = math.sqrt(len(k)) * work.arm / float(k.sum())
         if isinstance(work, Torque):
             load = problem.gathered(work.gradient(np.empty(0))) / problem.scale
-            return load_line(problem, load, **length)
+            return load_line(problem, load, weight)
         dead: Any = p.dead if isinstance(work, OwnForces) else Worked(work, 1 / problem.scale)
         still = dead.times(0.0)  # over t only forces change: their points stay
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
-        return ParameterLine(problem, replace(p, dead=still), change, **length)
-
-    def at(self, t: float) -> Any:
-        """Return the origami under the load t, its energy but for a constant; None under forces on a sheet."""
-        scene, work = self.scene, self.work
-        if scene is None:
-            return self.origami if not t else work.loaded(t) if isinstance(work, Torque) else None
-        loads = [("loads", k) for k in range(len(scene.loads))]
-        places = [("torque", crease - 1) for crease in self.creases] or loads
-        label = f"{scene.label}, " if scene.label else ""
-        return replace(at_places(scene, places, t), name=f"{label}{self.name} = {t:.10g}")
+        return ParameterLine(problem, replace(p, dead=still), change, weight)
 
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
-        """Return the steps of the tracer; of sheets lengths are stated as root mean squares over creases."""
-        if self.scene:
-            return steps or STEPS
-        rms, size = steps or ContinuationOptions(), math.sqrt(self.origami.creases)
+        """Return the steps of the tracer; lengths are stated as root mean squares over creases."""
+        rms, size = steps or ContinuationOptions(), math.sqrt(len(self.origami.stiffness))
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+    def begin(
+        self, state: Any, until: float, asked: dict[str, Any]
+    ) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
-        The path keeps the winding of its first state.
+        The path keeps the winding of its first state.  asked: of the search.
         """
         number, driver = 0, self
         if not isinstance(state, JudgedState):
             number = check_whole("state", state, 1)
             try:
-                found = search(self.at(0.0))
-            except OutOfTime:
-                raise NothingInTime(CUT) from None
-            if not found:
+                result = search_minima(self.unloaded, until, **asked)
+            except Interrupted:  # what it found is no path
+                raise KeyboardInterrupt from None
+            if result.search.stopped_by == "time":
+                raise NothingInTime(CUT)
+            if not (found := result.minima):
                 raise OptionError("no stable state was found at load 0")
             state = found[check_whole("state", state, 1, len(found)) - 1]
         which, phi = f"state = {number}" if number else "state", np.array(state.fold_angles)

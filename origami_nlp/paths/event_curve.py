@@ -1,20 +1,24 @@
 """Curves of events over two parameters: where a contact closes or leaves, and limit points (folds).
 
 A contact event is one system on either side of it: without the contact its opening is zero; a fold is a zero of ds/dl;
-where equilibria pass the flat state one equation says when.
-Along the normal of the curve in the plane of parameters both are events over one parameter, so that the curve may turn
-in either of them.
+where equilibria pass the flat state one equation says when.  Along a line across the curve in the plane of parameters
+both are events over one parameter.  The curve is traced in the plane and the states together, so that it may turn in
+either parameter; at a cusp, where two curves of folds meet tangentially, no line across it meets it, and it ends.
 """
 
 from __future__ import annotations
 
-import math
-import time
-from dataclasses import dataclass
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.continuation import (
+    SINGULAR,
+    ContinuationOptions,
+    End,
     Equilibrium,
     EquilibriumCurve,
     Hold,
@@ -23,22 +27,21 @@ from origami_nlp.continuation import (
     flat_event,
     flat_roots,
     is_equilibrium,
+    trace,
 )
-from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.numerics import ROUNDED, SAMPLED, STATIONARY
+from origami_nlp.numerics import ROUNDED, STATIONARY
 from origami_nlp.paths.family import Plane
 from origami_nlp.problem import Contact
 
-FIRST, LONGEST, SHORTEST = 2e-3, 0.05, 1e-4
-"""Steps along a curve, as shares of the ranges."""
+STEPS = ContinuationOptions(
+    first=2e-3, longest=0.05, shortest=1e-4, growth=1.5, aside=0.5, most=1000
+)
+"""Along a curve: shares of the ranges, and `STATES` times fold angles [rad]."""
+STATES = 0.1
+AHEAD = 2e-4
+"""Step of the difference that is the tangent."""
 SHARPEST = 0.3
-"""A step that turns the curve by more [rad] is halved."""
-CUSP, REACHES = (5e-4, 1e-3, 2e-3), (0.02, 0.05, 0.1, 0.2)
-"""Steps back in the plane [shares], and on in the states [rad], with which a fold is looked for beyond a cusp."""
-MOST_CUSPS = 4
-"""Of a curve, one way."""
-MOST = 1000
-"""Points of a curve, one way."""
+"""Longest step to a fold over one parameter."""
 MEETS = "meets another event"
 """Why a curve ends where beyond it there are no states; what is met follows."""
 FOLD_STEPS = 12
@@ -47,50 +50,71 @@ FOLD_STEPS = 12
 
 @dataclass(frozen=True, eq=False)
 class EventPoint:
-    """An event in the plane of two parameters: point of s [2], state [n], and both residuals."""
+    """An event in the plane of two parameters, a frame of the curve.
 
-    point: np.ndarray
+    x: shares of both ranges, and the state, [2 + n].  kkt, event: residuals.
+    """
+
+    x: np.ndarray
     frame: Equilibrium
     kkt: float
     event: float
+    tangent: np.ndarray
+
+    @property
+    def bend(self) -> np.ndarray:
+        """Not known: steps are straight."""
+        return 0.0 * self.tangent
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class EventTracer:
-    """Follows one kind of event through a plane.
+    """One kind of event in a plane, as a curve to trace (`tracer.CurveProblem`).
 
     hold: without the contact that closes; None where equilibria pass the flat state.  contact: None for a fold.
+    states: variables of a state.  axis: the parameter over which events are looked for at values of the other one.
     """
 
     plane: Plane
     hold: Hold | None
     contact: Contact | None
     tally: Tally
+    states: int
+    axis: int
+    known: EventPoint | None = None
 
-    def at(self, point: np.ndarray, normal: np.ndarray, state: np.ndarray) -> EventPoint | None:
-        """Return the event on the line through a point of the plane, from a state nearby."""
-        line = self.plane.line(point, normal * self.plane.size, 1.0)
+    def at(self, share: np.ndarray, state: np.ndarray) -> EventPoint | None:
+        """Return the event over one parameter near a point of the plane, in shares, from a state nearby."""
+        plane, axis, other = self.plane, self.axis, 1 - self.axis
+        # outside the ranges there may be no scenes
+        share = np.where(np.arange(2) == other, share.clip(0.0, 1.0), share)
+        family = plane.family(plane.value(share[other], other), axis, 2)
+        near = family.parameter.s_of(plane.value(share[axis], axis))
+        # steps count shares of the range
+        length = float(np.ptp(family.parameter.ends))
+        line: Any = replace(family.line, weight=1.0 / length)
         if self.hold is None:
-            roots = [s for s, _ in flat_roots(line, -LONGEST, LONGEST)]
+            room = STEPS.longest * length
+            roots = [s for s, _ in flat_roots(line, near - room, near + room)]
             if not roots:
                 return None
-            s = min(roots, key=abs)
-            found, value = flat_event(line, s)
+            found, value = flat_event(line, min(roots, key=lambda s: abs(s - near)))
             kkt = float(np.abs(found.system.values).max())
         else:
-            there = self._on(line, self.hold, state)
+            there = self._on(line, self.hold, np.append(state, near))
             if there is None:
                 return None
-            found, s, kkt, value = there, there.s, there.system.residual, there.ahead
+            found, kkt, value = there, there.system.residual, there.ahead
             if self.contact is not None:
                 value = float(found.problem.local(found.state).openings((self.contact,))[0][0])
-        return EventPoint(point + s * normal * self.plane.size, found, kkt, value)
+        x = np.append(share, found.state)
+        x[axis] = plane.share(found.s, axis)
+        return EventPoint(x, found, kkt, value, 0.0 * x)
 
-    def _on(self, line: Line, hold: Hold, state: np.ndarray) -> Equilibrium | None:
-        """Return the fold, or where the contact closes, on a line."""
-        curve, along = EquilibriumCurve(line, hold, self.tally), np.append(0.0 * state, 1.0)
-        begin = np.append(state, 0.0)
-        a = curve.at(begin, 0.0, along)
+    def _on(self, line: Line, hold: Hold, begin: np.ndarray) -> Equilibrium | None:
+        """Return the fold, or where the contact closes, on a line, from (x, s) nearby."""
+        curve, along = EquilibriumCurve(line, hold, self.tally), np.append(0.0 * begin[:-1], 1.0)
+        a = curve.at(begin, float(begin[-1]), along)
         if a is None:  # where no state has just this parameter: beyond a fold
             x = curve.correct(begin)
             a = None if x is None else curve.frame(x, along)
@@ -99,7 +123,7 @@ class EventTracer:
         if self.contact is not None:
             return curve.where_closed(a, self.contact, a.tangent)
         # the limit point near a point by the secant method in the arclength
-        b = curve.beside(a, SHORTEST)
+        b = curve.beside(a, STEPS.shortest)
         for _ in range(FOLD_STEPS):
             if b is None or abs(b.ahead) <= ROUNDED or b.ahead == a.ahead:
                 break
@@ -112,102 +136,61 @@ class EventTracer:
             a, b = b, curve.beside(b, h)
         return b if b is not None and abs(b.ahead) <= STATIONARY else None
 
+    @property
+    def root(self) -> np.ndarray:
+        """Metric of shares and states."""
+        return np.append(np.ones(2), np.full(self.states, STATES))
+
+    def correct(self, x: np.ndarray) -> np.ndarray | None:
+        """Move x onto the curve."""
+        self.known = self.at(x[:2], x[2:])
+        return None if self.known is None else self.known.x
+
+    def frame(self, x: np.ndarray, along: np.ndarray) -> EventPoint | None:
+        """Return the event at x with its tangent on the side of `along`; None where it has none."""
+        here = self.known if self.known and self.known.x is x else self.at(x[:2], x[2:])
+        step = AHEAD * along / self.root
+        side = 1.0 if 0.0 <= (x + step)[:2].min() and (x + step)[:2].max() <= 1.0 else -1.0
+        there = self.at((x + side * step)[:2], (x + side * step)[2:])
+        if here is None or there is None:
+            return None
+        way = side * self.root * (there.x - here.x)
+        length = float(np.linalg.norm(way))
+        if not 0.0 < length < 10 * AHEAD:
+            return None
+        self.axis = int(np.abs(way[:2]).argmin())
+        return replace(here, tangent=way / length)
+
     def follow(
-        self, first: EventPoint, until: float = math.inf
-    ) -> tuple[list[EventPoint], tuple[str, str]]:
+        self, first: EventPoint, until: float
+    ) -> tuple[Sequence[EventPoint], tuple[str, str]]:
         """Follow an event both ways through the plane; return its points in order, and why they end.
 
         until: when the time is over (`time.monotonic`).
         """
-        along = self._direction(first)
-        if along is None:
-            return [first], ("no second point",) * 2
-        back, why_back = self._one_way(first, -along, until)
-        ahead, why = self._one_way(first, along, until)
-        return [*reversed(back), first, *ahead], (why_back, why)
 
-    def _direction(self, first: EventPoint) -> np.ndarray | None:
-        """Return the unit direction of the curve in shares of the ranges, from a second point."""
-        size = self.plane.size
-        for normal, step in np.eye(2)[[[0, 1], [1, 0]]]:
-            for sign in (1.0, -1.0):
-                ahead = first.point + sign * FIRST / 10 * step * size
-                there = self.at(ahead, normal, first.frame.state)
-                along = None if there is None else sign * (there.point - first.point) / size
-                if along is not None and np.linalg.norm(along) <= FIRST:
-                    return np.asarray(along / np.linalg.norm(along))
-        return None
+        def run(good: Callable[[EventPoint], bool]) -> Callable[[Sequence[EventPoint]], int]:
+            return lambda points: sum(1 for _ in itertools.takewhile(good, points))
 
-    def _one_way(
-        self, first: EventPoint, along: np.ndarray, until: float
-    ) -> tuple[list[EventPoint], str]:
-        size, out = self.plane.size, list[EventPoint]()
-        here, h, moved, cusps = first, FIRST, np.zeros(len(first.frame.state)), 0
-        while len(out) < MOST:
-            if time.monotonic() > until:
-                return out, OUT_OF_TIME
-            # pseudo-arclength in the plane: the next point is looked for on a line across the direction
-            normal = np.array([-along[1], along[0]])
-            there = self.at(here.point + h * along * size, normal, here.frame.state + h * moved)
-            if there is None or not self._is_near(here, there, along, h):
-                h /= 2
-                if h >= SHORTEST:
-                    continue
-                # at a cusp of folds two fold curves meet tangentially: steps in the plane cannot turn by pi
-                there = self._past_cusp(here, along, moved)
-                if there is None or cusps == MOST_CUSPS:
-                    return out, "singular, or no such event beyond"
-                cusps, h = cusps + 1, FIRST
-            share = (there.point - self.plane.corner) / size
-            if (share < 0).any() or (share > 1).any():
-                edge = self._at_edge(here, there)
-                return ([*out, edge] if edge else out), "range"
-            if not is_equilibrium(there.frame):
-                h /= 2
-                if h < SHORTEST:
-                    return out, MEETS
-                continue
-            step = (there.point - here.point) / size
-            length = float(np.linalg.norm(step))
-            moved, along = (there.frame.state - here.frame.state) / length, step / length
-            out.append(there)
-            here, h = there, min(LONGEST, 1.5 * h)
-            back = float(np.linalg.norm((here.point - first.point) / size))
-            # a curve with cusps may cross itself in the plane, in other states
-            apart = float(np.abs(here.frame.state - first.frame.state).max())
-            if len(out) > 3 and back < 0.5 * length and apart <= SAMPLED:
-                return out, "closed curve"
-        return out, f"more than {MOST} points"
+        inside = run(lambda p: 0.0 < p.x[:2].min() and p.x[:2].max() < 1.0)
+        meets = End(run(lambda p: is_equilibrium(p.frame)), MEETS)
+        ends = End(inside, "range", self._at_edge), meets
 
-    def _is_near(self, here: EventPoint, there: EventPoint, along: np.ndarray, h: float) -> bool:
-        """Return whether a point is about a step further along the curve, which turns by little."""
-        step = (there.point - here.point) / self.plane.size
-        length = float(np.linalg.norm(step))
-        far = length > 1.5 * h or length == 0.0
-        return not far and float(np.arccos(np.clip(step @ along / length, -1, 1))) <= SHARPEST
-
-    def _past_cusp(
-        self, here: EventPoint, along: np.ndarray, moved: np.ndarray
-    ) -> EventPoint | None:
-        """Return a fold beyond a cusp: the curve comes back in the plane while the states go on."""
-        size = float(np.linalg.norm(moved))
-        if self.hold is None or self.contact is not None or size == 0.0:
-            return None
-        onward, normal = moved / size, np.array([-along[1], along[0]])
-        for back in CUSP:
-            for reach in REACHES:
-                guess = here.point - back * along * self.plane.size
-                there = self.at(guess, normal, here.frame.state + reach * onward)
-                if there is not None and is_equilibrium(there.frame):
-                    went = float((there.frame.state - here.frame.state) @ onward)
-                    if 0.3 * reach < went < 3 * reach:
-                        return there
-        return None
+        for self.axis in (0, 1):
+            begun = self.frame(first.x, np.eye(len(first.x))[1 - self.axis])
+            found = begun and trace(self, begun, replace(STEPS, until=until), ends)
+            if found:
+                points, whys = found.frames, (found.start, found.end)
+                at_edge = [bool(np.isin(points[k].x[:2], (0.0, 1.0)).any()) for k in (0, -1)]
+                a, b = ("range" if e else why for e, why in zip(at_edge, whys, strict=True))
+                return points, (a, b)
+        return [first], (SINGULAR,) * 2
 
     def _at_edge(self, a: EventPoint, b: EventPoint) -> EventPoint | None:
         """Return the event at the edge of the plane between two points."""
-        corner, size = self.plane.corner, self.plane.size
-        p, q = ((e.point - corner) / size for e in (a, b))
+        p, q = a.x, b.x
+        if 0.0 <= q[:2].min() and q[:2].max() <= 1.0:
+            return b
         shares = [
             ((0.0 if q[k] < 0 else 1.0) - p[k]) / (q[k] - p[k]) if not 0 <= q[k] <= 1 else 2.0
             for k in (0, 1)
@@ -215,6 +198,5 @@ class EventTracer:
         k = int(np.argmin(shares))
         at = p + shares[k] * (q - p)
         # on the edge to the last bit
-        at[k] = round(at[k])
-        state = a.frame.state + shares[k] * (b.frame.state - a.frame.state)
-        return self.at(corner + at * size, np.eye(2)[1 - k], state)
+        at[k], self.axis = round(at[k]), 1 - k
+        return self.at(at[:2], at[2:])

@@ -10,7 +10,7 @@ import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -38,8 +38,8 @@ from origami_nlp.problem import LawChange, Parameters
 
 CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
-SAMPLES, GRID = 17, 7
-"""Scenes of a family, and along each side of a plane, that are posed before it is followed: whether it is smooth."""
+SAMPLES = 17
+"""Scenes of a family that are posed before it is followed: whether it is smooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,17 +70,6 @@ class Family:
     like: PatternProblem | None = field(default=None, repr=False)
     example: str = ""
 
-    def scene(self, t: float) -> Any:
-        """Return the scene at t, named after it."""
-        made = self.scene_of(t)
-        label = f"{label}, " if (label := getattr(made, "label", made.name)) else ""
-        return replace(made, name=f"{label}{self.parameter.name} = {t:.10g}")
-
-    @cached_property
-    def sampled(self) -> Callable[[float], Any]:
-        """`scene_of`, each scene made once: those that are posed here, and without their symmetry."""
-        return lru_cache(maxsize=SAMPLES)(self.scene_of)
-
     @property
     def still(self) -> bool:
         """Whether the paper stays as it is along `line`."""
@@ -90,7 +79,7 @@ class Family:
     def _posed(self) -> list[PatternProblem]:
         """Problems of equally many values, with the scale of the first."""
         values = np.linspace(*self.parameter.ends, self.samples).tolist()
-        stated = [self.sampled(self.parameter.t_of(s)) for s in values]
+        stated = [self.scene_of(self.parameter.t_of(s)) for s in values]
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
@@ -110,11 +99,11 @@ class Family:
             If they are not posed alike, or their numbers jump.
         """
         (low, high), posed, weight = self.parameter.ends, self._posed, WEIGHT * self._size
-        whole = posed[0]
+        whole, length = posed[0], high - low
         corners = [p.pattern.corners for p in posed]
         moved = not all(np.array_equal(c, corners[0]) for c in corners)
         if moved and not len(whole.parameters.sectors):
-            return GeometryLine(whole, self._problem_at, high - low, weight)
+            return GeometryLine(whole, self._problem_at, length, weight)
         numbers = np.array([linear_numbers(p.parameters) for p in posed])
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff(numbers, axis=0)
@@ -126,16 +115,24 @@ class Family:
                 f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
                 "these are two families, follow each alone"
             )
-        slope = (numbers[-1] - numbers[0]) / (high - low)
-        return line_along(whole, numbers[0], slope, weight, (low, high), self.course)
+        first = whole.parameters
+        direction = change_of(first, posed[-1].parameters, length)
+        start = ParameterLine(whole, first, direction).at(-low).parameters
+        if self.course is not None and direction.laws is not None:
+            laws = replace(direction.laws, moving=LawChange(self.course, 0.0))
+            direction = replace(direction, laws=laws)
+        line = ParameterLine(whole, start, direction, weight)
+        if not direction.sectors.any():
+            return line
+
+        def at(s: float) -> Any:
+            problem: Any = line.at(s)
+            return problem.shaped(first.sectors + (s - low) * direction.sectors)
+
+        return GeometryLine(whole, at, length, weight)
 
     def _problem_at(self, s: float) -> PatternProblem:
         return pose(self.scene_of(self.parameter.t_of(s))).numbered_as(self._posed[0])
-
-    @cached_property
-    def preloaded(self) -> bool:
-        """Whether energies of its scenes count what it took to wind springs, which states on the line do not."""
-        return any(p.parameters.load.any() for p in (self._posed[0], self._posed[-1]))
 
     @property
     def symmetric(self) -> bool:
@@ -163,63 +160,26 @@ class Plane:
     scene: Scene
     parameters: tuple[ParameterRange, ParameterRange]
 
-    def __post_init__(self) -> None:
-        for parameter in self.parameters:
-            if LAW_NUMBER.fullmatch(parameter.name):
-                raise OptionError(
-                    f"{parameter.name}: a number within a hinge law is followed over alone; of two parameters "
-                    "law_scale[1] and law_shift[1] can be"
-                )
-
-    def family(self, value: float, axis: int = 0) -> Family:
+    def family(self, value: float, axis: int = 0, samples: int = SAMPLES) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
         along, other = self.parameters[axis], self.parameters[1 - axis]
         made = family_of(family_of(self.scene, other).scene_of(value), along)
-        return replace(made, like=self._like)
+        return replace(made, like=self._like, samples=samples)
 
     @cached_property
     def _like(self) -> PatternProblem:
         """Whose scale and numbers of contacts all problems of the plane take."""
         return pose(self.scene)
 
-    @cached_property
-    def corner(self) -> np.ndarray:
-        """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
-        return np.array([parameter.ends[0] for parameter in self.parameters])
+    def share(self, s: float, axis: int) -> float:
+        """Return which share of its range a parameter is at, as it is followed (logarithms of ratios)."""
+        low, high = self.parameters[axis].ends
+        return (s - low) / (high - low)
 
-    @cached_property
-    def size(self) -> np.ndarray:
-        """Lengths of both ranges, [2]."""
-        return np.array([parameter.ends[1] for parameter in self.parameters]) - self.corner
-
-    def values(self, point: np.ndarray) -> tuple[float, float]:
-        """Return both parameters in their units at a point [2] of the plane of s."""
-        a, b = (p.t_of(float(s)) for p, s in zip(self.parameters, point, strict=True))
-        return a, b
-
-    @cached_property
-    def _posed(self) -> tuple[PatternProblem, np.ndarray, np.ndarray]:
-        """A problem, the numbers of the lower corner, and their change with s, [2, .]."""
-        grid = np.linspace(0.0, 1.0, GRID)
-        shares = np.array([(a, b) for a in grid for b in grid])
-        places = map(self.values, self.corner + self.size * shares)
-        scenes = [self.family(u).scene_of(t) for t, u in places]
-        made = [(scene, pose(scene)) for scene in scenes]
-        made[0][1].numbered_as(self._like)
-        a, b = (parameter.name for parameter in self.parameters)
-        alike = same_problem(made, a)
-        posed = np.array([linear_numbers(m.parameters) for m in alike])
-        # what two edges of the plane say of its inside
-        edges = posed[[-GRID, GRID - 1]] - posed[0]
-        if np.abs(posed[0] + shares @ edges - posed).max() > RESOLVED:
-            raise OptionError(f"the scenes over {a} and {b} do not change smoothly")
-        return alike[0], posed[0], edges / self.size[:, None]
-
-    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> Line:
-        """Return the problems along a direction [2] from a point [2] of the plane of s."""
-        whole, origin, slopes = self._posed
-        at = origin + (point - self.corner) @ slopes
-        return line_along(whole, at, direction @ slopes, weight)
+    def value(self, share: float, axis: int) -> float:
+        """Return a parameter at a share of its range, exact at both ends."""
+        low, high = self.parameters[axis].ends
+        return self.parameters[axis].t_of(high if share == 1.0 else low + share * (high - low))
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:
@@ -233,50 +193,17 @@ def linear_numbers(p: Parameters) -> np.ndarray:
     return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
 
 
-def line_along(
-    whole: PatternProblem,
-    numbers: np.ndarray,
-    slope: np.ndarray,
-    weight: float,
-    ends: tuple[float, float] = (0.0, 1.0),
-    course: LawCourse | None = None,
-) -> Line:
-    """Return the problems whose `linear_numbers` change with s from where `ends` begin.
-
-    whole: has their structure.  course: a hinge law that s is a number of.
-    """
-    p, low = whole.parameters, ends[0]
-    cut = np.cumsum([len(p.sectors), *(len(p.stiffness),) * 3])
-    sectors, k, rest, load, dead = np.split(numbers - low * slope, cut)
-    d_sectors, d_k, d_rest, d_load, d_dead = np.split(slope, cut)
-    k, laws, d_laws = np.exp(k), p.laws, p.laws
-    if laws is not None:  # in the places of their springs, see `linear_numbers`
-        has = laws.weight != 0
-        laws = replace(laws, weight=np.where(has, k, 0.0), shift=np.where(has, rest, 0.0))
-        moving = None if course is None else LawChange(course, 0.0)
-        d_laws = replace(laws, weight=has * d_k, shift=has * d_rest, moving=moving)
-        k, rest = np.where(has, p.stiffness, k), np.where(has, p.rest, rest)
-        d_k, d_rest = np.where(has, 0.0, d_k), np.where(has, 0.0, d_rest)
-    forces = d_forces = p.dead
-    if p.dead is not None:  # `DeadLoads.vector` and back
-        tables = (v.reshape(-1, 5) for v in (dead, d_dead))
-        forces, d_forces = (replace(p.dead, points=v[:, :2], forces=v[:, 2:]) for v in tables)
-    first = numbers[: cut[0]]
-    shaped = whole.shaped(first) if (first != p.sectors).any() else whole
-    line = ParameterLine(
-        shaped,
-        Parameters(sectors, k, rest, load, forces, laws),
-        Parameters(d_sectors, d_k, d_rest, d_load, d_forces, d_laws),
-        weight,
+def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
+    """Return the direction (`ParameterLine`) that leads from parameters to others over a length."""
+    springs = 1.0 if p.laws is None else p.laws.weight == 0
+    return Parameters(
+        (q.sectors - p.sectors) / length,
+        springs * np.log(q.stiffness / p.stiffness) / length,
+        springs * (q.rest - p.rest) / length,
+        (q.load - p.load) / length,
+        None if p.dead is None else q.dead.moved(p.dead, -1.0).divided(length),
+        None if p.laws is None or q.laws is None else p.laws.towards(q.laws, length),
     )
-    if not d_sectors.any():
-        return line
-
-    def at(s: float) -> Any:
-        problem: Any = line.at(s)
-        return problem.shaped(first + (s - low) * d_sectors)
-
-    return GeometryLine(shaped, at, ends[1] - low, weight)
 
 
 def same_problem(

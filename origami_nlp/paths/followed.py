@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -17,12 +17,11 @@ from origami_nlp.continuation import (
     BifurcationDiagram,
     BranchSegment,
     Equilibrium,
-    Hold,
     Line,
-    SpecialPoint,
 )
-from origami_nlp.kkt import State
-from origami_nlp.numerics import CONTACT_TOL, SETTLED, rank
+from origami_nlp.kkt import ContactForce, State
+from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
 from origami_nlp.pattern import Scene
@@ -54,8 +53,6 @@ class Across:
     def __init__(self, line: Line | None, scene: Scene) -> None:
         self.line, self._scene = line, scene
         self._known = dict[Equilibrium, float]()
-        # what closes in that space where contacts are held
-        self._touching = dict[Hold, Pieces]()
 
     def __call__(self, frame: Equilibrium) -> float:
         """Return that of a state."""
@@ -67,12 +64,7 @@ class Across:
 
     def _stiffness(self, line: Line, frame: Equilibrium) -> float:
         full = State(line.at(frame.s), frame.problem.expand(frame.state))
-        pieces = self._touching.get(frame.hold, ((),) if not frame.hold.contacts else None)
-        # what closed together at another state of these contacts, and is closed here, leaves the same pieces
-        closed = tuple(dict.fromkeys(c for piece in pieces or () for c in piece))
-        open_now = closed and np.abs(full.local.openings(closed)[0]).max() > CONTACT_TOL
-        if pieces is None or open_now:
-            pieces = self._touching[frame.hold] = tuple(full.pieces)
+        pieces = full.pieces if frame.hold.contacts else ((),)
         one = len(pieces) == 1
         found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
         return min(found, default=math.inf)
@@ -91,8 +83,6 @@ class FollowedDiagram(BifurcationDiagram):
         The parameter, or load, and its range.
     across
         Eigenvalue across the symmetry.
-    ends
-        Whether arcs are judged beside their ends too, not in the middle alone.
     functions, options
         As of `BifurcationDiagram`.
     """
@@ -103,56 +93,63 @@ class FollowedDiagram(BifurcationDiagram):
         parameter: ParameterRange,
         across: Across,
         *,
-        ends: bool = True,
         functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
         **options: Any,
     ) -> None:
         broken = [("breaks-symmetry", across)] if across.line else []
         super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
-        self.parameter, self.across, self._ends, self.cut = parameter, across, ends, False
+        self.parameter, self.across, self.cut = parameter, across, False
         self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
-        """Return fields of the point of a state, at all fold angles, beside those of its problem."""
-        return {"energy": frame.problem.energy(frame.state)}
+        """Return the energy of a state at all fold angles, and what else its point has."""
+        raise NotImplementedError
 
-    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
-        """Return branches and events with their numbers."""
+    def pack(self) -> Any:
+        """Judge what was followed, and return the result."""
+        raise NotImplementedError
+
+    def result(self) -> Any:
+        """Return what `pack` makes; once the user (Ctrl-C) ends judging, what is left is undecided."""
         try:
-            return self._records()
+            return self.pack()
         except KeyboardInterrupt:
             self.stop()
             self.cut = True
-            return self._records()
+            return self.pack()
 
-    def _records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+    def records(self) -> tuple[tuple[r.PathBranch, ...], tuple[r.PathEvent, ...]]:
+        """Return branches and events with their numbers."""
         chains = self._chains()
-        self._begun = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
+        number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
             if k not in self._parts:
-                self._parts[k] = parts_of(arc, self._ends, judged=not self.cut)
+                self._parts[k] = parts_of(arc, judged=not self.cut)
             for node in (arc.start, arc.end):
-                meets.setdefault(node, set()).add(self._begun[k])
+                meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
         shown.sort(key=lambda k: self.nodes[k].s)
         ids = {k: i for i, k in enumerate(shown, start=1)}
         events = tuple(self._event(ids[k], k, tuple(sorted(meets.get(k, ())))) for k in shown)
-        return tuple(self._branch(k, c, ids) for k, c in enumerate(chains, start=1)), events
+        return tuple(self._branch(k, c) for k, c in enumerate(chains, start=1)), events
 
-    def point(self, frame: Equilibrium, of: Equilibrium | None = None) -> r.PathPoint:
-        """Return a state in the scene's units; of: a state of its arc that says whether its multipliers are unique."""
+    def point(self, frame: Equilibrium) -> r.PathPoint:
+        """Return a state in the scene's units."""
         if frame in self._points:
             return self._points[frame]
         p, forces = frame.problem, []
         phi = p.expand(frame.state) + 0.0
         if frame.hold.contacts:
-            spread = _spread(frame.seen) if _spread((of or frame).seen) else {}
+            spread = _spread(frame.seen)
             for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
-                unit, words = p.scale / p.weight(contact), p.words(contact, frame.state).text
-                low, high = spread.get(contact, (value, value))
-                forces.append(r.Multiplier(words, value * unit, (low * unit, high * unit)))
+                unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
+                low, high = (unit * v for v in spread.get(contact, (value, value)))
+                touching = who.creases, who.facets, who.corners, who.side, who.place
+                forces.append(
+                    ContactForce(who.type, value * unit, (low, high), who.text, *touching)
+                )
         found = r.PathPoint(
             self.parameter.t_of(frame.s),
             tuple(phi.tolist()),
@@ -163,23 +160,29 @@ class FollowedDiagram(BifurcationDiagram):
         )
         return self._points.setdefault(frame, found)
 
-    def listed_at(self, value: float) -> tuple[r.StateAt, ...]:
-        """Return the states of all branches at one value of the parameter; `records` come first."""
-        out: list[tuple[np.ndarray, r.StateAt]] = []
-        s, scale = self.parameter.s_of(value), self.line.problem.scale
-        for number, frame in (*self.states_at(s), *((-1, f) for f in self.alone_at(s))):
-            if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):
-                continue  # two arcs that meet there
-            what, branch, phi = frame.judged, self._begun.get(number, 0), frame.seen.fold_angles
-            found = r.StateAt(
-                branch, tuple(phi.tolist()), self.seen_as(frame, phi)["energy"], what.verdict, what.kind,
-                what.reason, what.local_dimension, what.contacts, least_eigenvalue(frame),
-                frame.system.residual, frame.seen.residual,
+    def frames_at(
+        self, s: float, wanted: Callable[[Equilibrium], bool] = lambda _: True
+    ) -> list[Equilibrium]:
+        """Return the states of all arcs at s, and those of s alone, each once where arcs meet."""
+        out: list[Equilibrium] = []
+        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
+            if wanted(frame) and nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def listed_at(self, value: float) -> tuple[JudgedState, ...]:
+        """Return the states of all branches at one value of the parameter, judged there."""
+        out, scale = list[JudgedState](), self.line.problem.scale
+        for frame in self.frames_at(self.parameter.s_of(value)):
+            what, phi = frame.judged, frame.seen.fold_angles
+            state = JudgedState(
+                self.seen_as(frame, phi)["energy"], tuple(phi.tolist()), what.verdict, what.reason,
+                what.kind or "", what.local_dimension, contacts=what.contacts,
+                closure_residual=frame.seen.residual, kkt_residual=frame.system.residual,
             )  # fmt: skip
-            out.append((frame.state, found))
+            out.append(state)
         # ties (mirror images of one another) in a fixed order
-        every = (state for _, state in out)
-        return tuple(sorted(every, key=lambda one: rank(one.energy / scale, one.fold_angles)))
+        return tuple(sorted(out, key=lambda one: rank(one.energy / scale, one.fold_angles)))
 
     def _chains(self) -> list[Chain]:
         """Join arcs at nodes where just two of them meet; others end there."""
@@ -241,7 +244,7 @@ class FollowedDiagram(BifurcationDiagram):
         named = named or [after for contacts, after in held if len(contacts) == most]
         return node.type if len(set(named)) != 1 else "closes" if named[0] else "leaves"
 
-    def _branch(self, number: int, chain: Chain, ids: dict[int, int]) -> r.PathBranch:
+    def _branch(self, number: int, chain: Chain) -> r.PathBranch:
         points, ranges = list[r.PathPoint](), list[r.KindRange]()
         for k, forward in chain:
             arc = self.arcs[k]
@@ -249,7 +252,7 @@ class FollowedDiagram(BifurcationDiagram):
             last = len(frames) - 1
             # positions in the whole branch
             begin = len(points) - bool(points)  # arcs share the point at which they meet
-            points += [self.point(f, arc.frames[last // 2]) for f in frames[bool(points) :]]
+            points += [self.point(f) for f in frames[bool(points) :]]
             for part in self._parts[k] if forward else reversed(self._parts[k]):
                 a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
                 t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
@@ -258,15 +261,16 @@ class FollowedDiagram(BifurcationDiagram):
         (a, forward), (b, onward) = chain[0], chain[-1]
         first = self.arcs[a].start if forward else self.arcs[a].end
         final = self.arcs[b].end if onward else self.arcs[b].start
+        both = (self.nodes[k] for k in (first, final))
+        begins, ends = (": ".join(filter(None, (node.type, node.why))) for node in both)
         if first == final and len(chain) > 1:
-            ends = (r.BranchEnd("closed curve", None),) * 2
-        else:
-            ends = _end(self.nodes[first], ids.get(first)), _end(self.nodes[final], ids.get(final))
-        return r.PathBranch(number, tuple(ranges), tuple(points), ends)
+            begins = ends = "closed curve"
+        return r.PathBranch(number, tuple(ranges), tuple(points), (begins, ends))
 
 
-def _end(node: SpecialPoint, event: int | None) -> r.BranchEnd:
-    return r.BranchEnd(": ".join(filter(None, (node.type, node.why))), event)
+def nearest(frames: Iterable[Equilibrium], x: np.ndarray) -> float:
+    """Return how far the nearest of some states is; inf of none."""
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=math.inf)
 
 
 def least_eigenvalue(frame: Equilibrium) -> float:
@@ -274,15 +278,15 @@ def least_eigenvalue(frame: Equilibrium) -> float:
     return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
 
 
-def parts_of(arc: BranchSegment, ends: bool = True, judged: bool = True) -> list[Part]:
-    """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
+def parts_of(arc: BranchSegment, judged: bool = True) -> list[Part]:
+    """Return what the states of an arc are, judged in the middle and beside its ends."""
     last = len(arc.frames) - 1
     if arc.index:
         return [Part(0, last, "saddle", "")]
     if not judged:
         return [Part(0, last, "undecided", "interrupted before it was judged")]
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
-    if last == 1 or not ends:
+    if last == 1:
         inner = [arc.middle]
     known = {k: _judged(arc.frames[k]) for k in inner}
     cuts = [0]
@@ -329,16 +333,13 @@ def joined(
             groups.append(same)
         same.append((which, e))
     groups.sort(key=lambda group: group[0][1].t)
-    ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
     events = []
     for k, g in enumerate(groups, start=1):
         own = sorted({b + shifts[which] for which, e in g for b in e.branches})
         events.append(replace(g[0][1], id=k, branches=tuple(own)))
     branches = []
     for which, (several, _) in enumerate(diagrams):
-        for b in several:
-            a, c = (replace(end, event=ids.get((which, end.event or 0))) for end in b.ends)
-            branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
+        branches += [replace(b, id=b.id + shifts[which]) for b in several]
     return branches, events
 
 

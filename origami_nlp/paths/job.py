@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -19,25 +19,21 @@ from origami_nlp.continuation import (
     EquilibriumCurve,
     Line,
     SpecialPoint,
-    find_one_sided_branches,
     is_equilibrium,
 )
-from origami_nlp.errors import OUT_OF_TIME, OutOfTime
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import EPS, INPUT_TOL, NEAR_SINGULAR_TOL, SETTLED, coarse
 from origami_nlp.paths import records as r
-from origami_nlp.paths.driver import IDENTITY, Driver, Search, image_of, kept_by
+from origami_nlp.paths.driver import IDENTITY, Driver, image_of, kept_by
 from origami_nlp.paths.followed import Across, joined
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.ways import BRANCHES, OFF_BRANCH, Fall, Run, Ways
+from origami_nlp.paths.ways import BRANCHES, Fall, Run, Ways
 from origami_nlp.pattern_problem import PopSigns
 
-T = TypeVar("T")
 STEP = EPS ** (1 / 3)
 """Of central differences [rad]: its square is their error."""
-SIDE = 0.01
-"""Torque over `scale`, or factor over that of the snap, between a snap and the loads beside it."""
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
@@ -47,22 +43,13 @@ class PathRecord:
     """What was followed of one load path.
 
     jobs: spaces, or stages of hinges that yield, in which something was.
-    ways: in order.  alarms: in words.  work: plastic [J].  cut: whether the user (Ctrl-C) ended judging.
+    ways: in order.  alarms: in words.  work: plastic [J].
     """
 
     jobs: list[FollowedLoad] = field(default_factory=list)
     ways: list[Run] = field(default_factory=list)
     alarms: list[str] = field(default_factory=list)
     work: float = 0.0
-    cut: bool = False
-
-    def unless_cut(self, make: Callable[..., T], *given: Any, otherwise: Any) -> T:
-        """Return what is made, or something else once the user has ended judging."""
-        try:
-            done: T = otherwise if self.cut else make(*given)
-        except KeyboardInterrupt:
-            self.cut, done = True, otherwise
-        return done
 
 
 class FollowedLoad(Ways):
@@ -77,17 +64,17 @@ class FollowedLoad(Ways):
         until: float,
         hinges: Any = None,
         of: FollowedLoad | None = None,
+        state: int = 0,
     ) -> None:
-        self.driver, self.hinges = driver, hinges
+        self.driver, self.hinges, self.state = driver, hinges, state
         self._given, self.origin = (over, full, steps, until), of or self
         self.record: PathRecord = of.record if of else PathRecord([] if hinges else [self])
         symmetric = full and driver.elements != IDENTITY
         across = Across(driver.keeping(IDENTITY).line() if symmetric else None, driver.origami)
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
-        ends = not of and driver.scene is not None and not hinges
         options: Any = {"steps": driver.steps(steps), "lazy": True, "until": until}
         stops = [type for type, _ in yields]
-        super().__init__(line, over, across, ends=ends, functions=yields, stops=stops, **options)
+        super().__init__(line, over, across, functions=yields, stops=stops, **options)
 
     @property
     def problem(self) -> Any:
@@ -239,21 +226,16 @@ class FollowedLoad(Ways):
         problem: Any = (self.full or self.line).at(t)
         return -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
 
-    def path(self, state: int, search: Search | None) -> LoadPath:
-        """Judge what was followed, and pack it; that takes as long as it takes, or until the user ends it.
+    def pack(self) -> LoadPath:
+        """Judge what was followed, and pack it.
 
         Of hinges that yield other states than those of the path belong to no path.
         """
         kept, falls = self.record, [run for run in self.record.ways if run.fall]
-        again: list[float | None] = [None] * len(falls)
-        for k, run in enumerate(falls if not self.hinges else ()):
-            ends = run.node, self._stable_end
-            again[k] = kept.unless_cut(run.job.restabilises, *ends, otherwise=None)
         diagrams = []
         for job in kept.jobs:
-            job.cut = kept.cut
+            job.cut = self.cut
             lines, met = job.records()
-            kept.cut = job.cut
             diagrams.append((lines, [job.hinges.named(e) for e in met] if job.hinges else met))
         legs, snapped = [], 0
         for run in kept.ways:
@@ -270,19 +252,18 @@ class FollowedLoad(Ways):
             self._one,
             lambda e: (e.fold_angles not in on_path, *(-coarse(np.array(e.fold_angles))).tolist()),
         )
-        snaps = [run.job._snap(run, k, events, search, again[k]) for k, run in enumerate(falls)]
+        snaps = [run.job._snap(run, events) for run in falls]
         if self.hinges:
             used = {snap.event for snap in snaps}
             events = [e for e in events if e.id in used or e.fold_angles in on_path]
             branches, events = [], [replace(e, branches=()) for e in events]
         kept.alarms += [line for branch in branches for line in branch.alarms()]
-        kept.alarms += [r.STOPPED] * kept.cut
-        alarms, tallies = tuple(dict.fromkeys(kept.alarms)), [job.tally for job in kept.jobs]
-        cost = r.Cost(sum(t.steps for t in tallies), sum(t.evaluations for t in tallies))
+        kept.alarms += [r.STOPPED] * self.stopped
+        alarms, steps = tuple(dict.fromkeys(kept.alarms)), sum(job.tally.steps for job in kept.jobs)
         return LoadPath(
-            self.parameter, tuple(branches), tuple(events), alarms, cost,
+            self.parameter, tuple(branches), tuple(events), alarms, steps,
             any(line.startswith((OUT_OF_TIME, r.STOPPED)) for line in alarms),
-            self.driver, state, tuple(legs), tuple(snaps), kept.work,
+            self.driver, self.state, tuple(legs), tuple(snaps), kept.work,
         )  # fmt: skip
 
     def _one(self, a: r.PathEvent, b: r.PathEvent) -> bool:
@@ -304,7 +285,7 @@ class FollowedLoad(Ways):
             more = self.seen_as(first, phi)
             at = tuple(phi.tolist())
             points.append(r.PathPoint(node.s, at, more["energy"], (), *none, more["angle"]))
-        judged = self.record.unless_cut(self._judged, run, otherwise=("", None))
+        judged = ("", None) if self.cut else self._judged(run)
         keeps = self.driver.scene.group.name if self.driver.scene else ""
         starts = not run.branches_off and len(run.frames) > 1
         stiff = self._stiffness(first) if starts else math.nan
@@ -319,15 +300,13 @@ class FollowedLoad(Ways):
         """
         if self.full is None:
             return "", None
-        frames, first, own = run.frames, int(run.branches_off), self.across.line
+        frames, first, full = run.frames, int(run.branches_off), self.full
         last = max(len(frames) - 1 - (run.why != "range"), first)
 
         @cache
         def verdict(k: int) -> str:
             frame = frames[k]
-            if own is None:
-                return frame.judged.verdict
-            return classify(State(own.at(frame.s), frame.problem.expand(frame.state))).verdict
+            return classify(State(full.at(frame.s), frame.problem.expand(frame.state))).verdict
 
         # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = first - 1
@@ -345,9 +324,7 @@ class FollowedLoad(Ways):
         moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
         return math.inf if abs(moved) <= INPUT_TOL * driver.work.arm else float(along[-1]) / moved
 
-    def _snap(
-        self, run: Run, k: int, events: Sequence[r.PathEvent], search: Any, again: float | None
-    ) -> r.Snap:
+    def _snap(self, run: Run, events: Sequence[r.PathEvent]) -> r.Snap:
         found, fall, alarms = self.nodes[run.node], run.fall, self.record.alarms
         assert fall is not None
         one = self.problem.expand(found.point[:-1]) + 0.0
@@ -358,34 +335,11 @@ class FollowedLoad(Ways):
         if self.hinges and (over := self.hinges.over(two)):
             why = f"{over} would bear more than they yield at: where it ends is not known"
             alarms.append(f"after the snap at load {found.s:.6g} {why}")
-        sure = search and self.record.unless_cut(self._confirmed, run, k, search, otherwise=None)
         type = {"singular": "flat state", START: event.type}.get(found.type, found.type)
         angle = float(self.driver.conjugate(one)), float(self.driver.conjugate(two))
         states, lost = (tuple(one.tolist()), tuple(two.tolist())), self._released(found.s, one, two)
         kind = str(fall.what.kind), fall.what.reason
-        return r.Snap(event.id, found.s, type, *states, angle, lost, *kind, again, sure)
-
-    def _stable_end(self, of: Any, node: SpecialPoint) -> float | None:
-        """Return the load at which stable states of more symmetry end at a node of a space of less."""
-        if self.full is None:
-            return None
-        at = of.problem.expand(node.point[:-1])
-        into = self.keeping(kept_by(self.driver.elements, at, NEAR_SINGULAR_TOL))
-        if into is of:
-            return None
-        point = into.seen_from(of, node)
-        for half in find_one_sided_branches(into.line, point, into.tally):
-            curve = EquilibriumCurve(into.line, half.frame.hold, into.tally)
-            aside = curve.beside(half.frame, OFF_BRANCH)
-            if aside is not None and not aside.index and into.across(aside) > 0:
-                into.begin(aside.state, aside.s, 0.0)
-                break
-        for k, other in enumerate(into.nodes):
-            apart = np.abs(other.point - point).max()
-            if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
-                stable = any(not into.arcs[arc].index for arc in into.meeting(k))
-                return other.s if stable else None
-        return None
+        return r.Snap(event.id, found.s, type, *states, angle, lost, *kind)
 
     def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
@@ -395,35 +349,8 @@ class FollowedLoad(Ways):
         same = self.arcs[on_path[0][0]].at(at, self.tally) if on_path else None
         frame = on_path[0][1] if on_path else self.nodes[begun or 0].halves[0].frame
         curve = EquilibriumCurve(self.line, frame.hold, self.tally)
-        same = same or curve.at(frame.x, at, frame.tangent)
+        if same is None and frame.ahead:
+            # where closure loses rank Newton at a load needs a state nearer than the last one
+            near = curve.beside(frame, (at - frame.s) * self.line.weight / frame.ahead) or frame
+            same = curve.at(near.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
-
-    def _confirmed(self, run: Run, k: int, search: Search) -> r.ConfirmedSnap | None:
-        """Search on both sides of a snap for the states that the path has there; None where that cannot be."""
-        fall = run.fall
-        assert fall is not None
-        both = set(self.driver.elements) & set(fall.into.driver.elements)
-        driver = (self if self is fall.into else self.keeping(tuple(sorted(both)))).driver
-        at = self.nodes[run.node].s
-        side = run.toward * SIDE * (driver.problem.scale if driver.creases else abs(at))
-        t, beyond = at - side, at + side
-        before, after = self.passed(run, t), fall.into.ahead(fall.state, fall.s, beyond)
-        if before is None:
-            # beside states where closure loses rank Newton knows those of the path alone
-            behind = (f for f in run.frames[::-1] if (t - f.s) * run.toward >= 0)
-            frame = next(behind, run.frames[0])
-            t, before = frame.s, np.asarray(frame.problem.expand(frame.state))
-        loaded = driver.at(t), driver.at(beyond)
-        if None in loaded:
-            return None
-        try:
-            found = [[m.phi for m in search(origami)] for origami in loaded]
-        except OutOfTime:
-            words = f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches"
-            self.record.alarms.append(words)
-            return None
-        there = [
-            state is not None and any(np.abs(x - state).max() <= SETTLED for x in own)
-            for own, state in zip(found, (before, after), strict=True)
-        ]
-        return r.ConfirmedSnap((t, beyond), (len(found[0]), len(found[1])), (there[0], there[1]))

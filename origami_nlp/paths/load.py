@@ -9,19 +9,17 @@ from origami_nlp.arguments import (
     check_number,
     check_type,
     check_until,
-    check_whole,
     shown,
 )
 from origami_nlp.continuation import ContinuationOptions
-from origami_nlp.errors import OUT_OF_TIME, Interrupted, OptionError, OutOfTime, unless_stopped
+from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
-from origami_nlp.paths.driver import IDENTITY, driver_of, refuse_other, search_minima
+from origami_nlp.paths.driver import IDENTITY, driver_of
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import STOPPED
 from origami_nlp.paths.yielding import YieldingHinges, go_yielding
-from origami_nlp.pattern import Pattern, Scene, Stated, as_origami
+from origami_nlp.pattern import Stated, as_origami
 from origami_nlp.pattern_problem import Work
 
 
@@ -32,8 +30,7 @@ def load_path(
     to: float | str = "snap",
     state: int | JudgedState = 1,
     unload: bool = False,
-    confirm: bool = True,
-    full: bool | None = None,
+    full: bool = True,
     yield_torque: float | Sequence[float | None] | Mapping[int, float] | None = None,
     effort: str = "normal",
     seed: int = 0,
@@ -61,22 +58,17 @@ def load_path(
         Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
     unload
         Whether the load then falls back to 0, also from where it snapped.
-    confirm
-        Whether each snap is confirmed by a search (`ConfirmedSnap`); of patterns under torques only.
     full
-        Whether states may break the symmetry; of scenes, where None is True.  Where a symmetric state loses stability
+        Whether states may break the symmetry.  Where a symmetric state loses stability
         without its symmetry the path goes on along what branches off there, or snaps.
     yield_torque
         Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
         (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
-        Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed);
-        snaps are not confirmed.
-    effort, seed, max_starts
-        Of the searches, see `find_minima`.
-    starts
-        Of the searches of patterns, see `find_minima`.
+        Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed).
+    effort, seed, max_starts, starts
+        Of the search for the state, see `find_minima`.
     options
-        Of the continuation; of a pattern lengths are root mean squares over creases.
+        Of the continuation; lengths are root mean squares over creases.
     seconds
         Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
         limit.
@@ -101,39 +93,24 @@ def load_path(
     [('closes', 0.042461)]
     """
     stated = as_origami(origami)
-    refuse_other(stated, starts=starts, full=full)
     driver = driver_of(stated, load)
-    counts = {"seed": seed, "max_starts": max_starts, "starts": starts}
-    asked = {k: v for k, v in {"effort": effort, **counts}.items() if v is not None}
-    for name in asked.keys() & counts.keys():
-        check_whole(name, asked[name], int(name == "max_starts"))
-    full = True if full is None else full
+    asked = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     if options is not None:
         check_type("options", options, ContinuationOptions)
-    for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
-        check_flag(name, flag)
+    check_flag("unload", unload)
+    check_flag("full", full)
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     until = check_until(seconds)
-
-    def search(one: Scene | Pattern) -> tuple[JudgedState, ...]:
-        try:
-            result = search_minima(one, until, **asked)
-        except Interrupted:  # what it found is no path
-            raise KeyboardInterrupt from None
-        if result.search.stopped_by == "time":
-            raise OutOfTime
-        return tuple(result.minima)
-
-    driver, number, x = driver.begin(state, search)
+    driver, number, x = driver.begin(state, until, asked)
     hinges = None
     if yield_torque is not None:
         x = driver.problem.expand(x)
         hinges = YieldingHinges.of(driver, yield_torque, x, number)
-        driver, full, confirm = driver.keeping(IDENTITY), False, False
+        driver, full = driver.keeping(IDENTITY), False
     over = ParameterRange(driver.name, min(0.0, *ends), max(0.0, *ends), driver.unit, False)
-    job = FollowedLoad(driver, over, full, options, until, hinges)
+    job = FollowedLoad(driver, over, full, options, until, hinges, state=number)
     kept = job.record
     try:
         for end in ends:
@@ -151,13 +128,12 @@ def load_path(
         kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     except KeyboardInterrupt:
         job.stop()
-    stopped = any(one.stopped for one in (job, *kept.jobs))
-    if stopped:
-        if not kept.ways:
-            raise KeyboardInterrupt
-        kept.alarms.append(STOPPED)
+    if any(one.stopped for one in kept.jobs):
+        job.stop()
+    if job.stopped and not kept.ways:
+        raise KeyboardInterrupt
     if not kept.ways and not hinges:
         late = f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         raise OptionError(kept.alarms[0] if seconds is None else late)
-    found = job.path(number, search if confirm and not stopped else None)
-    return unless_stopped(found, stopped or kept.cut)
+    found = job.result()
+    return unless_stopped(found, job.stopped)

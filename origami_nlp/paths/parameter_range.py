@@ -37,8 +37,6 @@ _DEGREES = re.compile(r"(.*?)\s*deg")
 _IN_DEGREES = re.compile(
     r"(rest_angles|sector_angles|law_shift|^laws\..*\.(?:at|width|centre|rest))_deg(\[|$)"
 )
-NEARBY = 1.3
-"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
 
 
 @dataclass(frozen=True)
@@ -159,18 +157,6 @@ def meant_by(name: str, options: Iterable[str] = ()) -> str:
     known = [*UNITS, *options]
     bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
     return "".join(did_you_mean(part, known) for part in bare if part not in known)
-
-
-def parse_nearby(text: str) -> ParameterRange:
-    """Read ``NAME=FROM:TO`` as `parse_parameter_range` does, or ``NAME=VALUE`` for a range around a value."""
-    name, _, value = text.partition("=")
-    if ":" in value or not value:
-        return parse_parameter_range(text)
-    name, (t,) = _stated(name.strip(), value)
-    low, high = t - 0.2, t + 0.2
-    if t and unit_of(kind_of(name)) != "rad":
-        low, high = sorted((t / NEARBY, t * NEARBY))
-    return parse_parameter_range(f"{name}={low!r}:{high!r}")
 
 
 def _stated(name: str, *ends: str) -> tuple[str, list[float]]:

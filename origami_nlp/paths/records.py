@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from origami_nlp.display import angle_columns
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import ContactForce, Kind
+from origami_nlp.kkt import ContactForce
 
 EVENT_WORDS = {
     "fold": "limit point",
@@ -31,25 +30,6 @@ STOPPED = "interrupted: the path goes on from where it ends here"
 """What an alarm says where the user (Ctrl-C) ended a path."""
 COLLAPSE = "collapses"
 """Why a leg ends where hinges yield and nothing stable goes on."""
-
-
-@dataclass(frozen=True)
-class Multiplier:
-    """What a closed contact carries on a branch.
-
-    Attributes
-    ----------
-    contact
-        In words.
-    value
-        Moment at each single contact [N m], positive where it pushes.
-    range
-        Smallest and largest value over the set of multipliers; inf where unbounded.
-    """
-
-    contact: str
-    value: float
-    range: tuple[float, Unbounded]
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,16 +57,10 @@ class PathPoint(ShortRepr):
     t: float
     fold_angles: tuple[float, ...]
     energy: float
-    multipliers: tuple[Multiplier, ...]
+    multipliers: tuple[ContactForce, ...]
     eigenvalue: float
     full_space_eigenvalue: float
     angle: float = math.nan
-
-    def row(self) -> dict[str, object]:
-        """Return the point as columns of a data frame, those with a unit and the fold angles."""
-        named: dict[str, object] = {"energy_J": self.energy}
-        named["eigenvalue_N_m_per_rad"] = self.eigenvalue
-        return named | angle_columns(self.fold_angles)
 
 
 @dataclass(frozen=True)
@@ -129,22 +103,6 @@ class KindRange:
         return self.kind in COUNTED
 
 
-@dataclass(frozen=True)
-class BranchEnd:
-    """Why a branch ends.
-
-    Attributes
-    ----------
-    why
-        ``range``, ``closed curve``, or the type of the event, with words.
-    event
-        Its number, or None.
-    """
-
-    why: str
-    event: int | None
-
-
 @dataclass(frozen=True, repr=False)
 class PathBranch(ShortRepr):
     """States that are followed one to the next, through events.
@@ -158,13 +116,13 @@ class PathBranch(ShortRepr):
     points
         Its states, in order.
     ends
-        Why it ends, first and last.
+        Why it ends, first and last: ``range``, ``closed curve``, or the type of the event, with words.
     """
 
     id: int
     kind_ranges: tuple[KindRange, ...]
     points: tuple[PathPoint, ...] = field(repr=False)
-    ends: tuple[BranchEnd, BranchEnd]
+    ends: tuple[str, str]
 
     def kind_at(self, k: int) -> str:
         """Return what the point at position k is, see `KindRange.kind`."""
@@ -260,16 +218,8 @@ class SearchCheck:
         Minima that the search found.
     followed
         Minima on branches there, once its own states were followed too.
-    new_branches
-        Branches that begin with its states.
     missed
         Minima on branches that the search did not find.
-    expected_undiscovered
-        Of the search.
-    starts
-        Of the search.
-    seconds
-        Of the search, wall time.
     complete
         ``proved`` (or ``proved-except-singular``, ``not-proved``) where a proof was asked for, ``traced`` where one
         degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
@@ -278,18 +228,8 @@ class SearchCheck:
     t: float
     states: int
     followed: int
-    new_branches: int
     missed: int
-    expected_undiscovered: Unbounded
-    starts: int
-    seconds: float
     complete: str = ""
-
-    def row(self) -> dict[str, str]:
-        """Return what it found, as columns of a table."""
-        counts = ("states", "followed", "new_branches", "missed")
-        own = {name.replace("_", " "): str(getattr(self, name)) for name in counts}
-        return {**own, "list is": self.complete}
 
 
 @dataclass(frozen=True)
@@ -309,86 +249,6 @@ class Interval:
     t: tuple[float, float]
     minima: int
     kinds: dict[str, int]
-
-
-@dataclass(frozen=True)
-class Cost:
-    """What following cost.
-
-    Attributes
-    ----------
-    steps
-        Accepted.
-    evaluations
-        Of the KKT system.
-    seconds
-        Wall time of following and judging, without the checks; nan of loads.
-    checks
-        Wall time of the checks.
-    """
-
-    steps: int
-    evaluations: int
-    seconds: float = math.nan
-    checks: float = 0.0
-
-
-@dataclass(frozen=True)
-class StateAt:
-    """A state of a branch at one value of the parameter, judged there.
-
-    Attributes
-    ----------
-    branch
-        Its number; 0 for a state of this value alone.
-    fold_angles
-        All N [rad].
-    energy
-        In the scene's units.
-    verdict, kind, certificate, local_dimension, contacts
-        As `kkt.classify` says.
-    eigenvalue
-        Smallest of the reduced Hessian [N m/rad]; nan where nothing can move.
-    kkt_residual, closure_residual
-        Largest entry of the KKT system, torques relative to the largest, and of closure.
-    """
-
-    branch: int
-    fold_angles: tuple[float, ...]
-    energy: float
-    verdict: str
-    kind: Kind | None
-    certificate: str
-    local_dimension: int
-    contacts: tuple[ContactForce, ...]
-    eigenvalue: float
-    kkt_residual: float
-    closure_residual: float
-
-
-@dataclass(frozen=True)
-class ConfirmedSnap:
-    """Searches before and after a snap, which know nothing of the path.
-
-    Attributes
-    ----------
-    t
-        Loads before the snap and after it, at which is searched.
-    minima
-        How many minima each search found.
-    found
-        Whether the state of the path before the snap, and the one after it, is among them.
-    """
-
-    t: tuple[float, float]
-    minima: tuple[int, int]
-    found: tuple[bool, bool]
-
-    def words(self) -> str:
-        """Say how many minima searches find on both sides, and whether the states of the path are among them."""
-        there = ["among them" if f else "NOT among them" for f in self.found]
-        each = zip(self.t, self.minima, there, strict=True)
-        return "; ".join(f"search at {t:.6g}: {n} minima, the path's is {f}" for t, n, f in each)
 
 
 @dataclass(frozen=True, repr=False)
@@ -411,11 +271,6 @@ class Snap(ShortRepr):
         Energy that is lost, load included [J].
     kind, certificate
         Of the state after.
-    restabilises
-        Load at which the unstable states that begin here become stable again; None where they do not, or were not
-        followed so far.
-    confirmed
-        By a search; None where it was not asked for.
     """
 
     event: int
@@ -427,8 +282,6 @@ class Snap(ShortRepr):
     released: float
     kind: str
     certificate: str
-    restabilises: float | None
-    confirmed: ConfirmedSnap | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -470,8 +323,3 @@ class Leg(ShortRepr):
     symmetry: str = ""
     stiffness: Unbounded = math.nan
     moved: tuple[float, ...] = ()
-
-    @property
-    def span(self) -> str:
-        """From which load to which."""
-        return f"{self.points[0].t:.6g} to {self.points[-1].t:.6g}"

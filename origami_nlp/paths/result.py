@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Cell, Content, Details, Report, Table, Viewable, Words
+from origami_nlp.display import Cell, Content, Report, Table, Viewable, Words, angle_columns
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.paths.records import COUNTED, Cost, PathBranch, PathEvent, PathPoint
+from origami_nlp.paths.records import COUNTED, PathBranch, PathEvent, PathPoint
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 
@@ -23,7 +22,6 @@ class Track(NamedTuple):
     id: int
     points: Sequence[PathPoint]
     kinds: Sequence[str]
-    more: Mapping[str, object] = MappingProxyType({})
 
 
 class Station(NamedTuple):
@@ -35,17 +33,15 @@ class Station(NamedTuple):
 
 
 class Plot(NamedTuple):
-    """Axes over which the states of a path are drawn: labels, and the value of a state along each."""
+    """Axes over which the states of a path are drawn: labels, and the place of a state."""
 
     x: str
     y: str
-    value_x: Callable[[PathPoint], float]
-    value_y: Callable[[PathPoint], float]
+    place: Callable[[PathPoint], tuple[float, float]]
 
-    def values(self, points: Sequence[PathPoint | None]) -> np.ndarray:
+    def values(self, points: Iterable[PathPoint | None]) -> np.ndarray:
         """Return the places of points, [m, 2], nan of those that are left out."""
-        nowhere = (math.nan, math.nan)
-        return np.array([(self.value_x(p), self.value_y(p)) if p else nowhere for p in points])
+        return np.array([self.place(p) if p else (math.nan, math.nan) for p in points])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,8 +56,8 @@ class Path(Report, Viewable):
         All equilibria that were followed, unstable ones included, and where they change, in order of their numbers.
     alarms
         What does not fit together, in words; empty where everything does.
-    cost
-        What it took.
+    steps
+        Of the continuation, that were accepted.
     interrupted
         Whether the time was over, or the user (Ctrl-C) ended it, before all was followed and judged.
     """
@@ -70,7 +66,7 @@ class Path(Report, Viewable):
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
     alarms: tuple[str, ...]
-    cost: Cost
+    steps: int
     interrupted: bool
 
     PICTURE, SCHEMA = "draw_path", "origami-nlp/path/1"
@@ -86,10 +82,10 @@ class Path(Report, Viewable):
     @property
     def stations(self) -> list[Station]:
         """The states that are shown by themselves: the events."""
-        shown = self.parameter.shown
-        titles = [f"event {e.id}: {e.words()} at {shown(e.t, 9)}" for e in self.events]
+        over = self.parameter
         return [
-            Station(t, self.point_of(e), e.note) for t, e in zip(titles, self.events, strict=True)
+            Station(f"event {e.id}: {e.words()} at {over.shown(e.t, 9)}", self.point_of(e), e.note)
+            for e in self.events
         ]
 
     @property
@@ -133,31 +129,15 @@ class Path(Report, Viewable):
         )
         return replace(near, t=event.t, fold_angles=event.fold_angles)
 
-    def events_table(self, title: str = "", on: frozenset[int] = frozenset()) -> Table:
-        """Return one row an event.
-
-        Parameters
-        ----------
-        title
-            Of the table.
-        on
-            Numbers of those that get a star.
-
-        Returns
-        -------
-        Table
-            With twelve digits of what is located.
-        """
+    def events_table(self) -> Table:
+        """Return one row an event, with twelve digits of what is located."""
         over, rows = self.parameter, []
         for e in self.events:
             t = f"{over.drawn(e.t):{'.12g' if e.located else '.6g'}}"
-            row = {"event": f"{e.id}{'*' * (e.id in on)}", "type": e.type, over.axis: t}
-            row |= {"contact": e.contact, **self._beside(e)}
+            row = {"event": str(e.id), "type": e.type, over.axis: t, "contact": e.contact}
+            row["branches"] = ", ".join(map(str, e.branches))
             rows.append({**row, "note": e.note or "not located" * (not e.located)})
-        return listed(title, rows)
-
-    def _beside(self, event: PathEvent) -> dict[str, str]:
-        return {"branches": ", ".join(map(str, event.branches))}
+        return listed("Events", rows)
 
     def view_content(self) -> Content:
         """Return curves and marks as plain data, see `view`."""
@@ -165,25 +145,31 @@ class Path(Report, Viewable):
         return content
 
     def _rows(self) -> Iterator[dict[str, object]]:
-        over = self.parameter
         for curve in self.curves:
             for p, kind in zip(curve.points, curve.kinds, strict=True):
-                row = {**curve.more, curve.word: curve.id, "parameter": over.name, "t": p.t}
-                broken = p.full_space_eigenvalue < 0
-                stable = kind in ("minimum", *COUNTED) and not broken
-                row |= {"unit": over.unit, "kind": kind, "stable": stable}
-                row |= {} if math.isnan(p.angle) else {"angle": p.angle}
-                yield row | p.row()
+                stable = kind in ("minimum", *COUNTED) and not p.full_space_eigenvalue < 0
+                yield {
+                    curve.word: curve.id,
+                    "parameter": self.parameter.name,
+                    "t": p.t,
+                    "unit": self.parameter.unit,
+                    "kind": kind,
+                    "stable": stable,
+                    **({} if math.isnan(p.angle) else {"angle": p.angle}),
+                    "energy_J": p.energy,
+                    "eigenvalue_N_m_per_rad": p.eigenvalue,
+                    **angle_columns(p.fold_angles),
+                }
 
     def to_fold(self) -> dict[str, Any]:
         """Return all points as FOLD data (spec 1.1), one frame each, in order."""
         frames, over = [], self.parameter
         for curve in self.curves:
             for p, kind in zip(curve.points, curve.kinds, strict=True):
-                at = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
+                title = f"{curve.word} {curve.id}, {over.name} = {p.t:.9g} {over.unit}".rstrip()
                 known: dict[str, Any] = {curve.word: curve.id, "parameter": p.t}
                 known |= {"energy": p.energy, "kind": kind}
-                whole = self.origami_at(p.t), p.fold_angles, f"{at}: {kind}"
+                whole = self.origami_at(p.t), p.fold_angles, f"{title}: {kind}"
                 frames.append(state_frame(*whole, **known))
         return states_to_fold(self.origami_at(over.low), frames)
 
@@ -196,11 +182,6 @@ def listed(title: str, rows: Sequence[Mapping[str, Cell]]) -> Table:
     cells = [[row.get(h, "") for h in heads] for row in rows]
     columns = "".join("r" if one else "L" for one in number)
     return Table(heads, cells, title, columns, framed=False, narrow=True)
-
-
-def details(pieces: Iterable[Table | Cell], title: str) -> Details:
-    """Return tables that have rows, and lines, for those who check a result."""
-    return Details([p for p in pieces if not isinstance(p, Table) or p.rows], title)
 
 
 def degrees_listed(fold_angles: Sequence[float], most: int = 24) -> str:

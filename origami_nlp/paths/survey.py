@@ -22,17 +22,13 @@ from origami_nlp.errors import OUT_OF_TIME, unless_stopped
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
-from origami_nlp.paths.driver import refuse_other, search_minima
-from origami_nlp.paths.family import SAMPLES, Family, family_of, with_generic_symmetry
-from origami_nlp.paths.followed import Across, FollowedDiagram
+from origami_nlp.paths.driver import search_minima
+from origami_nlp.paths.family import Family, family_of, with_generic_symmetry
+from origami_nlp.paths.followed import Across, FollowedDiagram, nearest
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
-from origami_nlp.paths.records import Cost, SearchCheck
+from origami_nlp.paths.records import SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.proof import ProofOptions
-
-MOST_CHECKS = 100
-JUDGING = 0.1
-"""Share of a time limit that is kept for judging what was followed."""
 
 
 def follow(
@@ -40,9 +36,8 @@ def follow(
     parameter: str | ParameterRange,
     *,
     checks: int = 3,
-    through_folds: bool = True,
-    full: bool | None = None,
-    prove: bool | float | ProofOptions | None = None,
+    full: bool = True,
+    prove: bool | float | ProofOptions = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int | None = None,
@@ -54,8 +49,8 @@ def follow(
     """Follow the minima of a vertex or a pattern over a parameter.
 
     Searches at a few values (the middle for one check, both ends for two, then the middles of the widest intervals
-    without events) give the states to begin with; every state that no branch explains begins a new one.  Each of
-    `Scene.windings` is followed by itself: `Atlas.others`.
+    without events) give the states to begin with; every state that no branch explains begins a new one.  Of several
+    `Scene.windings` the first, or the one that is stated, is followed.
 
     Parameters
     ----------
@@ -67,16 +62,12 @@ def follow(
         by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
-    through_folds
-        Whether branches are followed beyond limit points (folds), where the states are saddles.
     full
-        Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
-        is True.
+        Whether events at which a symmetric state loses its stability without the symmetry are located.
     prove
-        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds for it, as for
-        `find_minima`.
+        Whether it is proved at each check that no minimum is missing, or the seconds for it, as for `find_minima`.
     effort, seed, max_starts, starts
-        Of the searches, see `find_minima`; `starts` of patterns.
+        Of the searches, see `find_minima`.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
@@ -109,30 +100,28 @@ def follow(
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     check_callback("progress", progress)
-    given = {"full": full, "prove": prove, "max_starts": max_starts, "starts": starts}
-    asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
-    asked |= {"options": options, "checks": checks, "through_folds": through_folds}
-    asked |= {"effort": effort, "seed": seed, "until": until, "progress": progress}
+    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
+    asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
+    asked |= {"until": until, "progress": progress, **search}
     what: Any = as_origami(origami)
-    refuse_other(what, **given)
-    every = [origami if isinstance(origami, str) else what]
+    whole = origami if isinstance(origami, str) else what
+    others = ""
     if isinstance(what, Scene):
-        every = [*with_generic_symmetry(what, (stated,)).of_each_winding]
-    found = list[Atlas]()
-    for each in every:
-        found.append(follow_family(family_of(each, stated), **asked))
-        if found[-1].stopped:
-            break
-    late = any(atlas.interrupted for atlas in found)
-    whole = replace(found[0], others=tuple(found[1:]), interrupted=late)
-    return unless_stopped(whole, found[-1].stopped)
+        whole = with_generic_symmetry(what, (stated,))
+        others = " and ".join(map(str, whole.windings[1:]))
+    found = follow_family(family_of(whole, stated), **asked)
+    if others:  # each winding is a problem of its own
+        more = (
+            f"states that wind {others} times round the axis are not followed: state their winding"
+        )
+        found = replace(found, alarms=(*found.alarms, more))
+    return unless_stopped(found, found.stopped)
 
 
 def follow_family(
     family: Family,
     *,
     checks: int = 3,
-    through_folds: bool = True,
     full: bool = True,
     prove: bool | float | ProofOptions = False,
     options: ContinuationOptions | None = None,
@@ -144,19 +133,19 @@ def follow_family(
 
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
-    check_whole("checks", checks, 1, MOST_CHECKS)
-    check_flag("through_folds", through_folds)
+    check_whole("checks", checks, 1)
     check_flag("full", full)
     check_prove("prove", prove)
     check_type("options", STEPS if options is None else options, ContinuationOptions)
-    survey = _Survey(family, through_folds, full, options, until, progress or (lambda _: None))
+    survey = _Survey(family, full, options, until, progress or (lambda _: None))
     try:
         survey.run(checks, {**search, "prove": prove})
     except KeyboardInterrupt:
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
         survey.stop()
-    return survey.atlas()
+    atlas: Atlas = survey.result()
+    return atlas
 
 
 class _Survey(FollowedDiagram):
@@ -165,21 +154,16 @@ class _Survey(FollowedDiagram):
     def __init__(
         self,
         family: Family,
-        through_folds: bool,
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
         say: Callable[[str], object],
     ) -> None:
-        self._say, self._began, self.family, line = say, time.perf_counter(), family, None
+        self._say, self.family, line = say, family, None
         if full and family.symmetric:
-            few = 2 if family.still else SAMPLES
-            line = Family(family.parameter, lambda t: full_scene(family.sampled(t)), few).line
-        across = Across(line, family.scene(family.parameter.low))
-        # some of the time is for judging what was followed
-        turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
-        options: Any = {"through_folds": through_folds, "until": turn, "progress": self._followed}
-        options["steps"] = steps or family.steps
+            line = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2).line
+        across = Across(line, family.scene_of(family.parameter.low))
+        options: Any = {"steps": steps or family.steps, "until": until, "progress": self._followed}
         super().__init__(family.line, family.parameter, across, **options)
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
@@ -190,44 +174,38 @@ class _Survey(FollowedDiagram):
         self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
 
     def run(self, checks: int, search: dict[str, Any]) -> None:
-        """Search at some values at once, then in the widest gaps; follow what is new."""
+        """Search at both ends and in the middle, then in the widest gaps; follow what is new."""
         self.add_flat()
         over, middle = self.parameter, 0.5 * sum(self.parameter.ends)
         todo = [middle] if checks == 1 else [*over.ends, middle][:checks]
         while todo and not self.late:
-            self._check([over.t_of(float(s)) for s in todo], search)
-            # the middle of the widest interval between events and checks
-            taken = [over.s_of(c.t) for c in self.checks]
-            cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
-            k = int(np.diff(cuts).argmax())
-            todo = [0.5 * (cuts[k] + cuts[k + 1])] * (len(taken) < checks)
+            t, now = over.t_of(todo[0]), time.monotonic()
+            self._say(f"search at {over.name} = {t:.4g}")
+            until = now + (self.steps.until - now) / len(todo)
+            self._compare(t, search_minima(self.family.scene_of(t), until, **search))
+            todo = todo[1:]
+            if not todo and len(self.checks) < checks:
+                # the middle of the widest interval between events and checks
+                taken = [over.s_of(c.t) for c in self.checks]
+                cuts = np.unique([*over.ends, *(n.s for n in self.nodes), *taken])
+                k = int(np.diff(cuts).argmax())
+                todo = [float(0.5 * (cuts[k] + cuts[k + 1]))]
 
-    def _check(self, values: list[float], search: dict[str, Any]) -> None:
-        """Search at some values at once; follow what is new at one after the other, and compare."""
-        begin, until = time.perf_counter(), self.steps.until
-        self._say(f"search at {self.parameter.name} = {', '.join(f'{t:.4g}' for t in values)}")
-        share, scenes = (until - time.monotonic()) / len(values), map(self.family.scene, values)
-        found = [search_minima(one, time.monotonic() + share, **search) for one in scenes]
-        seconds = time.perf_counter() - begin
-        self._began += seconds
-        for t, result in zip(values, found, strict=True):
-            self.checks.append(self._compared(t, result, seconds / len(values)))
-
-    def _compared(self, t: float, result: MinimaResult, seconds: float) -> SearchCheck:
-        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+    def _compare(self, t: float, result: MinimaResult) -> None:
+        """Follow what is new among the minima of a search, and note what does not fit."""
         s, at = self.parameter.s_of(t), f"{self.parameter.name} = {t:.9g}"
-        new, missed, met, followed = 0, 0, list[np.ndarray](), self._minima(s)
+        missed, met, followed = 0, list[np.ndarray](), self._minima(s)
         for minimum in result.minima:
             if self.late:  # each of many states takes long to begin with
                 break
             x = self.line.problem.reduce(np.array(minimum.fold_angles))
             # not explained by any branch: it begins one
-            if _nearest(followed, x) > SETTLED:
+            if nearest(followed, x) > SETTLED:
                 # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
-                if _nearest([f for _, f in self.states_at(s)], x) <= SETTLED:
+                if nearest((f for _, f in self.states_at(s)), x) <= SETTLED:
                     self.alarms.append(f"{at}: a minimum lies on a branch of saddles")
                     continue
-                new += self.add(x, s, "minimum")
+                self.add(x, s, "minimum")
                 followed = self._minima(s)
             met.append(x)
         for frame in [] if self.late else followed:
@@ -238,38 +216,24 @@ class _Survey(FollowedDiagram):
                 else:
                     said = f"the state of a branch is {what.verdict}: {what.reason}"
                     self.alarms.append(f"{at}: {said}")
-        unseen = getattr(result.search, "expected_undiscovered", math.inf)
         known = "" if result.completeness is None else result.completeness.status
         complete = OUT_OF_TIME if result.search.left_out else known
-        counts = len(result.minima), len(followed), new, missed, unseen, result.search.starts
-        return SearchCheck(t, *counts, seconds, complete)
+        self.checks.append(SearchCheck(t, len(result.minima), len(followed), missed, complete))
 
     def _minima(self, s: float) -> list[Equilibrium]:
         """Return the states of branches at s that may be minima, each once."""
-        out: list[Equilibrium] = []
-        for frame in (*(f for _, f in self.states_at(s)), *self.alone_at(s)):
-            if not frame.index and _nearest(out, frame.state) > SETTLED:
-                out.append(frame)
-        return out
+        return self.frames_at(s, lambda frame: not frame.index)
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
-        """Return the energy that counts what it took to wind preloaded springs, as that of scenes does."""
-        if not self.family.preloaded:
-            return super().seen_as(frame, phi)
+        """Return the energy of the scene: it counts what it took to wind preloaded springs."""
         return {"energy": float(self.family.scene_of(self.parameter.t_of(frame.s)).energy(phi))}
 
-    def atlas(self) -> Atlas:
+    def pack(self) -> Atlas:
         """Judge what was followed, and pack it."""
         over, family, (branches, events) = self.parameter, self.family, self.records()
         self.alarms += [line for branch in branches for line in branch.alarms()]
-        took = time.perf_counter() - self._began, sum(c.seconds for c in self.checks)
         return Atlas(
-            over, branches, events, tuple(dict.fromkeys(self.alarms)),
-            Cost(self.tally.steps, self.tally.evaluations, *took),
+            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.tally.steps,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
             family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
         )  # fmt: skip
-
-
-def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:
-    return min((float(np.abs(f.state - x).max()) for f in frames), default=np.inf)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -184,45 +183,6 @@ class Ways(FollowedDiagram):
         finally:
             posed.until = math.inf
         return why or "no lower state was reached"
-
-    def restabilises(
-        self, node: int, ends: Callable[[Ways, SpecialPoint], float | None]
-    ) -> float | None:
-        """Return the load at which the unstable states that begin at a snap become stable again.
-
-        ends: the load at which stable states that are not in this diagram end at a node.
-        """
-        seen, todo = {node}, [node]
-        while todo:
-            here = todo.pop()
-            for arc in [self.arcs[k] for k in self.meeting(here) if self.arcs[k].index]:
-                other = arc.end if here == arc.start else arc.start
-                if other in seen:
-                    continue
-                found = self.nodes[other]
-                if found.left or any(not self.arcs[k].index for k in self.meeting(other)):
-                    return found.s
-                beyond = ends(self, found)
-                if beyond is not None:
-                    return beyond
-                seen.add(other)
-                todo.append(other)
-        return None
-
-    def ahead(self, x: np.ndarray, s: float, t: float) -> np.ndarray | None:
-        """Return all fold angles at load t of the stable states that lead on from x at s; None where none do."""
-        self.low, self.high = min(s, t), max(s, t)  # all else is packed by then
-        way = self.walk(x, s, t - s, t, kept=False)
-        return None if way is None else self.passed(way, t)
-
-    def passed(self, way: Run, t: float) -> np.ndarray | None:
-        """Return all fold angles of the state of a way at load t; None where Newton finds none on its arcs."""
-        on = {id(frame) for frame in way.frames}
-        arcs = [a for a in self.arcs if not a.index and any(id(f) in on for f in a.frames)]
-        states = [f for a in arcs if (f := a.at(t, self.tally)) is not None]
-        near = min(way.frames, key=lambda f: abs(f.s - t))
-        best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()), default=None)
-        return None if best is None else np.asarray(best.problem.expand(best.state))
 
 
 def _downhill(problem: Any, start: np.ndarray) -> tuple[np.ndarray, str]:

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import require
+from origami_nlp.display import KINDS
 from origami_nlp.errors import SweepError
 from origami_nlp.sweep.store import read_store, readable
 
 if TYPE_CHECKING:
     import pandas
     import xarray
-
-KINDS = ("interior", "contact-pinned", "contact-touching", "degenerate")
 
 
 def load_states(folder: str | Path) -> pandas.DataFrame:
@@ -94,7 +93,6 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
         axes = sweep["axes"]
         return {
             "axes": {name: np.array(values, float) for name, _, values, _ in axes},
-            "places": {name: list(places) for name, places, _, _ in axes},
             "log": {name: scale == "log" for name, _, _, scale in axes},
             "mode": sweep["search"]["mode"],
             "data": data,

@@ -27,8 +27,8 @@ mode = "grid"                  # every combination (default), or list: axes run 
 effort = "normal"              # quick, normal or thorough
 starts = 0                     # random starts in a row that find nothing new; 0: as the effort says
 seed = 0
-max_starts = 100000            # of scenes
-full = false                   # of scenes: also decide each state in the full space
+max_starts = 0                 # random starts at most; 0: as the effort says
+full = false                   # also decide each state of a scene without its symmetry
 contact = true                 # of patterns: whether facets must not cross
 ```
 
@@ -94,12 +94,9 @@ _STATED: dict[str, tuple[Any, Any]] = {
 """What a sweep may be of: by the name of its table, what reads the table, and what makes one with places set."""
 _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
-_SEARCH = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
-_OWN: dict[str, dict[str, Any]] = {
-    "scene": {"max_starts": 100_000, "full": False},
-    "pattern": {"contact": True},
-}
-"""Of [search], with what holds where they are left out: of all, and of one kind."""
+_SEARCH: dict[str, Any] = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
+_SEARCH |= {"max_starts": 0, "full": False, "contact": True}
+"""Of [search], with what holds where they are left out."""
 
 
 @dataclass(frozen=True)
@@ -189,7 +186,7 @@ class Sweep:
         from origami_nlp.pattern_states import find_states
 
         options = {key: value for key, value in self.search.items() if key != "mode"}
-        options["starts"] = options["starts"] or None
+        options |= {key: options[key] or None for key in ("starts", "max_starts")}
         return find_states(made, escape=False, prove=False, **options)
 
     @cached_property
@@ -301,8 +298,10 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    defaults: dict[str, Any] = {**_SEARCH, **_OWN[of]}
-    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": defaults}
+    own = [
+        key for key in _SEARCH if key != "contact" or of == "pattern"
+    ]  # a scene states it itself
+    known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
     if not isinstance(data.get(of), Mapping):
         raise SweepError("a sweep needs [scene] or [pattern]: example = ..., or file = ...")
@@ -310,7 +309,7 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
         raise SweepError("a sweep needs [[axes]] with set and values (or from, to, count)")
     axes = tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(data["axes"], 1))
     base = _STATED[of][0](data[of], Path(folder or ""))
-    sweep = Sweep(of, base, axes, _checked(defaults | data.get("search", {}), defaults))
+    sweep = Sweep(of, base, axes, _checked(_SEARCH | data.get("search", {})))
     sweep.scene(0)  # a mistake is found now, not in every worker
     return sweep
 
@@ -354,16 +353,16 @@ def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
     return numbers
 
 
-def _checked(search: dict[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
+def _checked(search: dict[str, Any]) -> dict[str, Any]:
     """Return a [search] table; its defaults say of what kind its values are."""
     for key, value in search.items():
-        what, least = f"search.{key} = {value!r} must be ", int(key == "max_starts")
+        what = f"search.{key} = {value!r} must be "
         if key in _MODES:
             if value not in _MODES[key]:
                 raise SweepError(what + " or ".join(_MODES[key]))
-        elif type(value) is not type(defaults[key]):
-            kind = "true or false" if type(defaults[key]) is bool else "a whole number"
+        elif type(value) is not type(_SEARCH[key]):
+            kind = "true or false" if type(_SEARCH[key]) is bool else "a whole number"
             raise SweepError(what + kind)
-        elif value < least:
-            raise SweepError(f"{what}at least {least}")
+        elif value < 0:
+            raise SweepError(f"{what}at least 0")
     return search

@@ -28,7 +28,7 @@ def test_events_are_followed_over_two_parameters(tmp_path):
     scene = scene_file(tmp_path, examples.degree6("pi/4"))
     out = tmp_path / "b.json"
     done = run(
-        "boundary", scene, "--event", "ratio=1", "--parameter", "alpha=50deg:51deg", "--lines", 1, "-o", out
+        "boundary", scene, "--event", "ratio=0.8:1.3", "--parameter", "alpha=50deg:51deg", "--lines", 1, "-o", out
     )  # fmt: skip
     assert done.code == 0
     (curve,) = json.loads(out.read_text())["curves"]

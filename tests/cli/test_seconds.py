@@ -95,7 +95,7 @@ def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path,
 
 def test_states_of_a_path_that_was_cut_are_those_of_the_whole_one(monkeypatch):
     """And where it was cut no event is: it is no limit point, and nothing snaps there."""
-    scene, few = examples.degree6("5*pi/12"), {"max_starts": 16, "confirm": False}
+    scene, few = examples.degree6("5*pi/12"), {"max_starts": 16}
     whole = load_path(scene, 1, to=-0.15, **few)
     clock_of_tracers(monkeypatch)
     cut = load_path(scene, 1, to=-0.15, seconds=1000.0, **few)

@@ -101,7 +101,7 @@ def test_a_minimum_that_comes_out_of_the_flat_state_is_followed_without_a_search
     ]
     assert [len(states) for states in near] == [0, 1, 1, 0]
     for s, (state,) in zip((born + 0.1, gone - 0.1), near[1:3], strict=True):
-        found = o.find_minima(family.scene(s), prove=False, max_starts=24, escape=False).minima
+        found = o.find_minima(family.scene_of(s), prove=False, max_starts=24, escape=False).minima
         apart = [np.abs(state - m.fold_angles).max() for m in found]
         assert min(apart) < 1e-8
 

@@ -32,7 +32,7 @@ def results():
     contacts = panel_contacts()
     found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=8)]
     found += [panel_barriers(), o.find_landscape(result, size=21)]
-    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
+    quick = {"full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     sheet = o.examples.pattern("metasheet:2x3")
     states = o.find_minima(sheet, starts=1, prove=False, escape=False)

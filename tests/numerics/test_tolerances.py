@@ -21,18 +21,14 @@ DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure 
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        paths/boundary.AROUND continuation/line.SHARE paths/event_curve.CUSP
-        paths/event_curve.FIRST paths/event_curve.LONGEST paths/event_curve.REACHES
-        paths/event_curve.SHORTEST barriers/passes.OFF
+        continuation/line.SHARE paths/event_curve.AHEAD paths/event_curve.STEPS barriers/passes.OFF
         chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
         cli/timed.SHORTEST contact/margin.ASIDE
         paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR
         pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
-        paper/landscape.PIECE paths/ways.OFF_BRANCH paths/job.SIDE
-        paths/ways.LEAST_SPAN
-        paths/load_result.SHIFT paths/ways.OVER
+        paper/landscape.PIECE paths/ways.OFF_BRANCH paths/ways.LEAST_SPAN paths/ways.OVER
         paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/branch_point.FAR pattern_states/judgement.FAR_ALONG

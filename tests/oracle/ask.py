@@ -97,14 +97,14 @@ def barriers(q: Answer) -> Answer:
 
 def events(q: Answer) -> Answer:
     """Where states appear, vanish, change or snap along a parameter, over two, or under a load: type, place."""
-    folded, options = origami(q["stated"]), q.get("options", {})
+    folded, options = origami(q["stated"]), dict(q.get("options", {}))
+    options.pop("confirm", None)  # a search beside each snap, off in all questions
     if q["along"] == "load":
         found: Any = o.load_path(folded, q["load"], **options)
     elif q["along"] == "boundary":
         curves = o.find_bifurcation_set(folded, *q["parameters"], **options).curves
-        return {
-            "events": sorted([c.type, *p.t] for c in curves for p in (c.points[0], c.points[-1]))
-        }
+        ends = ((c.type, c.points[k].t) for c in curves for k in (0, -1))
+        return {"events": sorted([kind, *t] for kind, t in ends)}
     else:
         found = o.follow(folded, q["parameters"][0], **options)
     return {"events": sorted([e.type, float(e.t)] for e in found.events)}

@@ -23,7 +23,7 @@ from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt
 
 import origami_nlp as o
-from origami_nlp.paths import BifurcationSet, EventCurve, find_bifurcation_set, smooth
+from origami_nlp.paths import BifurcationSet, EventCurve, find_bifurcation_set
 from tests.paths.regions import Region, find_regions, region_cells
 
 FIGURES = Path(__file__).parents[2] / "docs" / "figures"
@@ -108,8 +108,8 @@ def draw_map(
             said = f"{region.minima}\n{words(region.kinds)}"
             axes.text(place(region.t[1]), region.t[0], said, **NUMBERS)
     for curve in found.curves:
-        y, x = smooth(curve, found.parameters).T
-        axes.plot([place(v) for v in x], np.exp(y), **LINES[look_of(curve)][0])
+        y, x = zip(*(p.t for p in curve.points), strict=True)
+        axes.plot([place(v) for v in x], y, **LINES[look_of(curve)][0])
 
 
 def look_of(curve: EventCurve) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp import find_minima
 from origami_nlp.arguments import check_type, check_whole
-from origami_nlp.paths.boundary import BifurcationSet, smooth
+from origami_nlp.paths import BifurcationSet
 from origami_nlp.paths.family import Plane
 
 CELLS = 400
@@ -90,17 +90,16 @@ def find_regions(
         found = _on_lines(boundaries, plane, inside)
         for _ in range(1 + checks - len(found)):
             at = np.unravel_index(int(depth.argmax()), depth.shape)
-            point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
-            t, u = plane.values(point)
+            t, u = _middle(plane, at)
             quick: dict[str, Any] = {"full": False, "prove": False, "escape": False}
-            result = find_minima(plane.family(u).scene(t), effort=effort, seed=seed, **quick)
+            result = find_minima(plane.family(u).scene_of(t), effort=effort, seed=seed, **quick)
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
             # the next check goes where it is far from borders and from the checks before
             depth = np.minimum(depth, far)
         kinds, *seen = (dict(sorted(k.items())) for k in found)
-        where = plane.values(plane.corner + (np.array(deepest) + 0.5) / CELLS * plane.size)
+        where = _middle(plane, deepest)
         share = float(inside.mean())
         out.append(Region(where, share, sum(kinds.values()), kinds, tuple(seen)))
     return tuple(sorted(out, key=lambda r: -r.share))
@@ -124,8 +123,14 @@ def _on_lines(boundaries: BifurcationSet, plane: Plane, inside: np.ndarray) -> l
 
 
 def _cell(plane: Plane, axis: int, t: float) -> int:
-    share = (plane.parameters[axis].s_of(t) - plane.corner[axis]) / plane.size[axis]
+    share = plane.share(plane.parameters[axis].s_of(t), axis)
     return int(np.clip(share * CELLS, 0, CELLS - 1))
+
+
+def _middle(plane: Plane, cell: Any) -> tuple[float, float]:
+    """Return both parameters in the middle of a cell."""
+    t, u = (plane.value((cell[k] + 0.5) / CELLS, k) for k in (0, 1))
+    return t, u
 
 
 def region_cells(boundaries: BifurcationSet) -> np.ndarray:
@@ -142,7 +147,12 @@ def _walls(boundaries: BifurcationSet, plane: Plane) -> np.ndarray:
     """Return the cells that curves pass, [CELLS, CELLS]: first parameter along the rows."""
     walls = np.zeros((CELLS, CELLS), dtype=bool)
     for curve in boundaries.curves:
-        cells = (smooth(curve, plane.parameters) - plane.corner) / plane.size * CELLS
+        cells = CELLS * np.array(
+            [
+                [plane.share(plane.parameters[k].s_of(p.t[k]), k) for k in (0, 1)]
+                for p in curve.points
+            ]
+        )
         for a, b in itertools.pairwise(cells):
             many = int(np.ceil(4 * np.abs(b - a).max())) + 2
             at = np.floor(a + np.linspace(0, 1, many)[:, None] * (b - a)).astype(int)

@@ -1,6 +1,5 @@
 """Snap loads of bistable vertices: through the flat state, beyond a pitchfork, and at one; by hand and by SciPy."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,13 +7,13 @@ import pytest
 from scipy.optimize import minimize
 
 from origami_nlp import draw, examples, load_path
-from origami_nlp.paths.driver import STEPS
+from origami_nlp.continuation import ContinuationOptions
 from tests.independent.rotations import fold
 
 
 @cache
 def path(name, crease, to, state=1):
-    return load_path(getattr(examples, name)(), crease, to=to, state=state, confirm=False)
+    return load_path(getattr(examples, name)(), crease, to=to, state=state)
 
 
 def closure(scene, phi):
@@ -141,8 +140,7 @@ def test_a_pitchfork_is_one_event_and_its_two_branches_are_images():
     assert all(e.located for e in found.events)
     numbers = {b.id for b in found.branches}
     assert all(set(e.branches) <= numbers for e in found.events)
-    assert found.snaps[0].restabilises == pytest.approx(0.0811602327791, abs=1e-12)
-    again = next(e for e in found.events if abs(e.t - found.snaps[0].restabilises) < 1e-12)
+    again = next(e for e in found.events if abs(e.t - 0.0811602327791) < 1e-12)
     _, soft = stiffness(examples.waterbomb(), (1, 4), again.t, np.array(again.fold_angles))
     assert abs(soft[0]) < 1e-6
 
@@ -161,27 +159,19 @@ def test_the_stiffness_at_the_start_is_that_of_the_reduced_hessian(crease, creas
     assert after > 0 and np.isnan(found.legs[1].stiffness) == (crease == 1)
 
 
-def test_the_stiffness_at_the_start_is_drawn_through_the_start():
-    found = path("waterbomb", 1, 0.09)
-    figure = draw(found)
-    axes, labels = figure.axes[0], [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "snap at 0.0841 N m" in labels
-    assert f"stiffness at the start\n{found.start_stiffness:.4g} N m/rad" in labels
-    style = [line for line in axes.lines if line.get_color() == "#7b2d8b"]
-    (x, y) = style[0].get_data()
-    assert np.diff(y) / np.radians(np.diff(x)) == pytest.approx(found.start_stiffness)
-    start = found.legs[0].points[0]
-    assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
+def test_the_snap_is_drawn():
+    (legend,) = draw(path("waterbomb", 1, 0.09)).legends
+    assert "snap at 0.0841 N m" in [text.get_text() for text in legend.get_texts()]
 
 
 @pytest.mark.slow  # three load paths of a vertex with 8 creases
 @pytest.mark.parametrize("growth", [1.5, 3.0])
 def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed(growth):
     """Branchings are roots of a system that is regular there: steps of the tracer do not show (they did: 1e-5 rad)."""
-    scene, steps = examples.waterbomb_base(), replace(STEPS, growth=growth)
-    found = load_path(scene, 1, to=0.14, confirm=False, options=steps)
+    scene, steps = examples.waterbomb_base(), ContinuationOptions(growth=growth)
+    found = load_path(scene, 1, to=0.14, options=steps)
     usual = path("waterbomb_base", 1, 0.14)
-    rows = {row[0].rstrip("*"): row for row in found.table().rows}
+    rows = {row[0]: row for row in found.events_table().rows}
     assert [e.type for e in found.events] == [e.type for e in usual.events]
     assert [e.type for e in found.events].count("branching") >= 2
     passed = {p.fold_angles for leg in found.legs for p in leg.points}

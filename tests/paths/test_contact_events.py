@@ -18,10 +18,8 @@ def test_facets_that_touch_keep_a_crease_shut():
     beyond = [p for p in path.legs[-1].points if p.t > path.snaps[0].t + 0.01]
     opened = [math.pi - abs(p.fold_angles[13]) for p in beyond]
     assert len(beyond) > 5 and min(opened) >= 0.0 and max(opened) < 1e-13 and not path.alarms
-    shared = [
-        m for m in path.branches[-1].points[-1].multipliers if m.contact.endswith("crease 14")
-    ]
-    assert len(shared) == 1 and shared[0].range[0] < shared[0].range[1]
+    shared = [m for m in path.branches[-1].points[-1].multipliers if m.text.endswith("crease 14")]
+    assert len(shared) == 1 and not shared[0].unique
     assert by_small_steps(41, 8.0) == pytest.approx(np.array(beyond[-1].fold_angles), abs=1e-9)
 
 

@@ -114,7 +114,7 @@ def test_the_depth_of_wells_against_scans():
     folds = [e.t for e in atlas.events if "fold" in e.type]
     assert folds
     for t in (0.11, *(f * share for f in folds for share in (0.97, 1.03)), 3.9):
-        assert sum(s.kind is not None for s in atlas.at(t)) == count(t), t
+        assert sum(bool(s.kind) for s in atlas.at(t)) == count(t), t
 
 
 def test_stops_along_a_path_and_what_is_refused():
@@ -182,13 +182,13 @@ def same_path(one, two, atol=1e-9):
 @pytest.mark.parametrize("seed", [9, pytest.param(4, marks=pytest.mark.slow)])
 def test_a_linear_law_has_the_path_of_the_spring(seed):
     plain = random_scene(seed=seed, limits=((-1.5, 1.5),) * 4)
-    same_path(*(o.load_path(s, 1, confirm=False) for s in (plain, of_laws(plain))))
+    same_path(*(o.load_path(s, 1) for s in (plain, of_laws(plain))))
 
 
 @pytest.mark.slow  # seconds of curves or searches
 def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
     plain = o.examples.degree6("5*pi/12")
-    same_path(*(o.load_path(s, 1, to=0.05, confirm=False) for s in (plain, of_laws(plain))))
+    same_path(*(o.load_path(s, 1, to=0.05) for s in (plain, of_laws(plain))))
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
@@ -203,10 +203,6 @@ def test_a_snap_is_where_a_scan_loses_the_state():
     scene = replace(random_scene(seed=4), laws=(law,) * 4)
     path = o.load_path(scene, 1, to=4.0)
     (snap,) = path.snaps
-    assert snap.confirmed is not None and snap.confirmed.minima == (
-        snap.confirmed.minima[1] + 1,
-        snap.confirmed.minima[1],
-    )
     limits = np.tile([[-math.pi], [math.pi]], 4)
 
     def near(t, phi):
@@ -228,7 +224,7 @@ def test_stops_close_under_a_load_where_a_scan_reaches_them():
     scene = random_scene(
         seed=4, limits=((-1.5, 1.5),) * 4, laws=(None, double_well(0.3, 1.0), None, None)
     )
-    path = o.load_path(scene, 1, to=6.0, confirm=False)
+    path = o.load_path(scene, 1, to=6.0)
     reached = [e for e in path.events if e.type == "closes"]
     assert reached and all("stop" in e.contact for e in reached)
     limits = np.tile([[-1.5], [1.5]], 4)

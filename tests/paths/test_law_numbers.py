@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,7 +65,7 @@ def test_kkt_systems_change_as_differences_say(law, key, low, high):
         makers = (linear, well, double_well, detent, one_sided)
         other = next(m for m in makers if m.__name__ == re.sub(r"\W", "_", kind))(**numbers)
     angles = np.linspace(-3, 3, 301)
-    mine = family.scene(t).laws[0].torque(angles)
+    mine = family.scene_of(t).laws[0].torque(angles)
     theirs = 0.7 * (angles - 0.1) + 1.5 * other.torque(angles)
     assert mine == pytest.approx(theirs, abs=1e-5 * np.abs(theirs).max())
 
@@ -92,7 +91,7 @@ def folds_against_scans(law, number, low, high, energy, seed=2):
     ]
     for t in values:
         if low < t < high and min((abs(t - f) for f in folds), default=1.0) > 0.005 * size:
-            assert sum(s.kind is not None for s in atlas.at(t)) == count(t), t
+            assert sum(bool(s.kind) for s in atlas.at(t)) == count(t), t
     return folds
 
 
@@ -130,7 +129,7 @@ def test_wells_of_a_pattern_are_moved():
     moved, _ = line.drift(line.at(t), t, x, np.zeros(line.problem.equation_count), ())
     ends = [line.at(t + s).parameters.torque(x) for s in (-h, h)]
     assert moved == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
-    posed = pose(family.scene(t))
+    posed = pose(family.scene_of(t))
     scale = line.problem.scale / posed.scale
     there = posed.parameters.torque(x)
     assert line.at(t).parameters.torque(x) * scale == pytest.approx(there, rel=1e-12)
@@ -156,9 +155,18 @@ def test_what_is_no_number_of_a_law_is_refused():
     twice = random_scene((double_well(1.0, 1.0), double_well(2.0, 1.0), None, None))
     with pytest.raises(OptionError, match="2 different laws are called 'double-well'"):
         o.follow(twice, "laws.double-well.at=0.5:1")
-    with pytest.raises(OptionError, match="followed over alone"):
-        o.find_bifurcation_set(
-            replace(plain, laws=(law, None, None, None)),
-            "laws.snap.sum[3].energy=0.5:1",
-            "stiffness[2]=0.5:2",
-        )
+
+
+@pytest.mark.slow  # two maps
+def test_a_map_over_the_energy_of_wells_is_that_over_their_factor():
+    scene, few = random_scene((double_well(1.0, 1.0),) * 4), {"across": 1, "effort": "quick"}
+    factor = "+".join(f"law_scale[{i}]" for i in range(1, 5))
+    energy, scale = (
+        o.find_bifurcation_set(scene, f"{over}=0.1:4", "torque[1]=-1:1", **few).curves
+        for over in ("laws.double-well.energy", factor)
+    )
+    assert len(energy) == len(scale) == 2
+    for one, other in zip(energy, scale, strict=True):
+        assert one.type == other.type == "fold" and one.ends == other.ends == ("range", "range")
+        for k in (0, -1):
+            assert one.points[k].t == pytest.approx(other.points[k].t, rel=1e-9)

@@ -1,6 +1,8 @@
 """Load paths: snaps, hysteresis and contact events, confirmed by searches, by energy balance and from behind."""
 
 import json
+import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,14 +12,14 @@ from benchmarks.families import fold_limits, full_contact
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
-from origami_nlp.paths import OwnForces
+from origami_nlp.paths import OwnForces, family_of, parse_parameter_range
 from tests.command_line import run
 from tests.computed_once import thinned
 from tests.independent.rotations import fold, rotation_vector
 from tests.paths.test_sheet_loads import work_of
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
-QUICK = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
+QUICK = {"full": False, "effort": "quick", "max_starts": 24}
 SNAP, AGAIN = -0.138149523101, -0.123882378029
 """Found by another program, with other steps: N m on crease 1."""
 PUSHED = Scene(
@@ -35,20 +37,33 @@ def test_the_snap_and_where_it_becomes_stable_again():
     there, back = loop().snaps
     assert there.type == "fold" and there.t == pytest.approx(SNAP, abs=1e-10)
     assert back.type == "nonsmooth-fold" and back.t == pytest.approx(AGAIN, abs=1e-10)
-    assert there.restabilises == pytest.approx(AGAIN, abs=1e-10)
     assert [leg.why for leg in loop().legs] == ["snap", "range", "snap", "range"]
     assert all(leg.full_space == "stable" for leg in loop().legs) and not loop().alarms
     for event in loop().events:
         assert event.located and max(event.residuals.kkt, abs(event.residuals.event)) < 1e-11
 
 
+def searched(path, parameter, snap):
+    """Minima that searches find beside a snap, before it and after it."""
+    onward = math.copysign(1e-3 * abs(snap.t), snap.t)
+    over = parse_parameter_range(f"{parameter}=-99:99")
+    family = family_of(replace(path.driver.origami, symmetry=path.driver.origami.group.name), over)
+    for t in (snap.t - onward, snap.t + onward):
+        yield find_minima(family.scene_of(t), prove=False, escape=False).minima
+
+
+def nearest(minima, state):
+    """How far the nearest minimum is."""
+    return min(np.abs(np.subtract(m.fold_angles, state)).max() for m in minima)
+
+
 def test_searches_on_both_sides_confirm_it():
-    for snap in loop().snaps:
-        assert snap.confirmed.minima == (3, 2) and snap.confirmed.found == (True, True)
-    for t, count in zip(loop().snaps[0].confirmed.t, (3, 2), strict=True):
-        # as near as 4.4108 and 4.4308 times the mean stiffness's power of two
-        assert abs(t - SNAP) < 5e-4
-        assert count in loop().snaps[0].confirmed.minima
+    """They know nothing of the path."""
+    snap = loop().snaps[0]
+    before, after = searched(loop(), "torque[1]", snap)
+    assert len(before) == len(after) + 1 == 3
+    assert nearest(before, snap.before) < 0.1 < nearest(after, snap.before)
+    assert nearest(after, snap.after) < 0.01
 
 
 @pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.02], 3))
@@ -114,11 +129,12 @@ def test_vertices_that_only_touch_do_not_snap():
     assert path.legs[0].full_space_from > min(closes) - 1e-9
 
 
-def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
+def test_a_force_snaps_a_vertex_and_searches_on_both_sides_confirm_it():
     path = load_path(PUSHED, effort="quick")
     (snap,) = [s for s in path.snaps if s.type == "fold"]
-    before, after = snap.confirmed.minima
-    assert snap.confirmed.found == (True, True) and before == after + 1
+    before, after = searched(path, "loads", snap)
+    assert len(before) == len(after) + 1 and nearest(after, snap.after) < 0.01
+    assert nearest(before, snap.before) < 0.1
     leg = max(path.legs, key=lambda leg: len(leg.points))
     gained = leg.points[-1].energy - leg.points[0].energy
     force = np.linalg.norm(PUSHED.loads[0].force)
@@ -130,7 +146,7 @@ def test_a_force_snaps_a_vertex_and_both_sides_are_confirmed():
 def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(format_scene(SCENE))
-    args = ("--crease", "1", "--to", "-0.15", "--no-confirm", "--no-full", "--effort", "quick")
+    args = ("--crease", "1", "--to", "-0.15", "--no-full", "--effort", "quick")
     code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
     assert code == 0, err
     data = json.loads(out)
@@ -200,7 +216,7 @@ MANY = [pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3, 6, 9, 13, 14,
 @pytest.mark.parametrize("number", [12, *MANY])
 def test_a_snap_lands_where_slow_motion_comes_to_rest(number):
     scene = fold_limits(number)
-    snaps = [s for s in load_path(scene, 1, confirm=False).snaps if s.type == "fold"]
+    snaps = [s for s in load_path(scene, 1).snaps if s.type == "fold"]
     assert snaps
     for snap in snaps:
         torque = np.zeros(scene.degree)
@@ -210,10 +226,10 @@ def test_a_snap_lands_where_slow_motion_comes_to_rest(number):
         assert end == pytest.approx(np.array(snap.after), abs=2e-3)
 
 
-def test_a_search_confirms_the_state_of_the_path_itself():
-    """Beside the flat state, where closure loses rank."""
+def test_beside_the_flat_state_a_search_finds_the_state_of_the_path():
     path = load_path(full_contact(0), 1)
     (snap,) = path.snaps
-    assert snap.type == "flat state" and snap.confirmed.found == (True, True)
-    there = find_minima(path.driver.at(snap.confirmed.t[0]), prove=False, escape=False).minima
-    assert min(np.abs(m.fold_angles).max() for m in there) < 0.1 < np.abs(snap.after).max()
+    assert snap.type == "flat state"
+    before, after = searched(path, "torque[1]", snap)
+    assert nearest(before, 0.0 * np.array(snap.after)) < 0.1 < np.abs(snap.after).max()
+    assert nearest(after, snap.after) < 0.01

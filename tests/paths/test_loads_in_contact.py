@@ -182,7 +182,7 @@ def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
             if p.multipliers:
                 (force,) = p.multipliers
                 want = (load - p.t) * slope[i] / gap_slope
-                assert force.value == pytest.approx(want, rel=1e-6, abs=1e-9)
+                assert force.multiplier == pytest.approx(want, rel=1e-6, abs=1e-9)
                 assert np.array(p.fold_angles) == pytest.approx(phi, abs=1e-10)
                 pushed += 1
     assert pushed > 4
@@ -225,11 +225,11 @@ def sprung(seed, name="yoshimura", size=(3, 3)):
 @cache
 def loaded(seed, to, unload=False, **more):
     pattern, start, crease = sprung(seed)
-    return o.load_path(pattern, crease, state=start, to=to, unload=unload, confirm=False, **more)
+    return o.load_path(pattern, crease, state=start, to=to, unload=unload, **more)
 
 
 def pushes(point):
-    return [m for m in point.multipliers if "facet" in m.contact]
+    return [m for m in point.multipliers if "facet" in m.text]
 
 
 def test_springs_take_up_the_work_of_the_load_in_contact():
@@ -250,7 +250,7 @@ def test_a_contact_leaves_under_a_load_that_grows():
     assert event.type == "leaves" and event.located and not path.alarms
     points = path.branches[0].points
     before, after = [p for p in points if p.t < event.t], [p for p in points if p.t > event.t]
-    assert all(len(pushes(p)) == 1 and pushes(p)[0].value > 0 for p in before)
+    assert all(len(pushes(p)) == 1 and pushes(p)[0].multiplier > 0 for p in before)
     assert after and not any(pushes(p) for p in after)
 
 
@@ -263,7 +263,7 @@ def test_a_snap_lands_in_contact_and_goes_on():
     assert [leg.why for leg in path.legs] == ["snap", "range"]
     rigid = Turned(pattern)
     beyond = [p for p in path.branches[1].points if p.t > snap.t]
-    assert beyond and all(pushes(p)[0].value > 0 for p in beyond)
+    assert beyond and all(pushes(p)[0].multiplier > 0 for p in beyond)
     for phi in (snap.before, snap.after, beyond[-1].fold_angles):
         assert not rigid.crossing(np.array(phi))
 
@@ -304,7 +304,7 @@ def test_a_corner_slips_off_a_facet_where_it_comes_to_the_border():
     assert all(d * np.sign(sum(depth)) > -1e-11 for d in depth)
     # the force is there up to the border, and facets do not cross on either side
     pushed = pushes(path.branches[0].points[-1])
-    assert len(pushed) == 1 and pushed[0].value > 0.1
+    assert len(pushed) == 1 and pushed[0].multiplier > 0.1
     for p in (*path.legs[0].points, *path.legs[1].points):
         assert not rigid.crossing(np.array(p.fold_angles))
     assert by_small_steps(46, 2.0, 20) == pytest.approx(

@@ -110,7 +110,7 @@ def stiffened():
 def both_sides(event, atlas):
     """The minima that a search finds, and that the atlas lists, beside an event."""
     for t in (0.99 * event.t, 1.01 * event.t):
-        found = o.find_minima(atlas.family.scene(t), effort="quick", escape=False)
+        found = o.find_minima(atlas.family.scene_of(t), effort="quick", escape=False)
         yield t, found.minima, [s for s in atlas.at(t) if s.verdict == "minimum"]
 
 
@@ -136,7 +136,7 @@ def test_a_state_vanishes_where_its_contact_opens():
         energies = np.array([s.energy for s in listed])
         assert all(np.abs(energies - m.energy).min() < 1e-9 * m.energy for m in found)
         for s in listed:
-            assert o.classify(atlas.family.scene(t), s.fold_angles).verdict == "minimum"
+            assert o.classify(atlas.family.scene_of(t), s.fold_angles).verdict == "minimum"
         many.append(len(listed))
     assert abs(many[0] - many[1]) == 1
 
@@ -151,8 +151,3 @@ def test_a_vertex_that_moves_and_what_is_refused():
     ):
         with pytest.raises(OptionError, match=word):
             o.follow("miura:2x2", name, **FEW)
-    for option in ({"full": True}, {"prove": True}):
-        with pytest.raises(OptionError, match="is not for a pattern: "):
-            o.follow("miura:2x2", "ratio=1:2", **option)
-    with pytest.raises(OptionError, match="starts = 3 is not for a scene: "):
-        o.follow(o.examples.miura(), "ratio=1:2", starts=3)

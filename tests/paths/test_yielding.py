@@ -103,9 +103,7 @@ def test_a_pattern_yields_as_its_vertex():
 
 def test_torques_far_beyond_the_path_change_nothing():
     scene = random_scene(seed=4)
-    plain, path = (
-        o.load_path(scene, 1, to=2.0, confirm=False, **y) for y in ({}, {"yield_torque": 50.0})
-    )
+    plain, path = (o.load_path(scene, 1, to=2.0, **y) for y in ({}, {"yield_torque": 50.0}))
     ends = [p.legs[0].points[-1].fold_angles for p in (plain, path)]
     assert np.allclose(*ends, atol=1e-9) and not path.plastic_work and not any(path.legs[0].moved)
 
@@ -140,7 +138,7 @@ def test_a_law_that_is_not_known_so_far_ends_the_path():
 def test_a_path_that_begins_far_away_snaps_at_the_flat_state():
     """There the energy falls along the other curve that crosses: by samples of all closed states."""
     scene = random_scene(seed=13)
-    path = o.load_path(scene, 1, to=12.0, confirm=False)
+    path = o.load_path(scene, 1, to=12.0)
     assert np.linalg.norm(path.legs[0].points[0].fold_angles) > 1.0
     snap = path.snaps[0]
     assert snap.type == "flat state" and not any(snap.before)

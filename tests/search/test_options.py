@@ -55,16 +55,14 @@ def test_fields_of_continuation_have_their_effect():
     scene = o.examples.degree6("5*pi/12")
 
     def path(**changed):
-        return o.load_path(scene, 1, to=0.03, confirm=False, options=ContinuationOptions(**changed))
+        return o.load_path(scene, 1, to=0.03, options=ContinuationOptions(**changed))
 
     plain = path()
-    assert path(longest=0.005).cost.steps > 2 * plain.cost.steps
-    assert path(turn=0.002).cost.steps > plain.cost.steps
+    assert path(longest=0.005).steps > 2 * plain.steps
+    assert path(turn=0.002).steps > plain.steps
     assert path(longest=0.005).legs[-1].points[-1].t == pytest.approx(plain.legs[-1].points[-1].t)
     stopped = path(longest=0.005, most=2)
-    assert stopped.cost.steps < plain.cost.steps and stopped.legs[-1].points[-1].t != pytest.approx(
-        0.03
-    )
+    assert stopped.steps < plain.steps and stopped.legs[-1].points[-1].t != pytest.approx(0.03)
 
 
 def test_fields_of_a_proof_have_their_effect():

@@ -85,7 +85,6 @@ def test_places_of_a_pattern(tmp_path):
             "whole",
         ),
         ({"axes": [{"set": "beta", "values": [2.5]}]}, "beta"),
-        ({"search": {"full": True}}, "full"),
         ({"search": {"starts": -1}}, "starts"),
         ({"search": {"contact": 1}}, "contact"),
         ({"scene": {}}, "scene"),
@@ -208,7 +207,7 @@ def test_a_sector_angle_means_the_same_in_a_sweep_and_where_states_are_followed(
         others = np.delete(made - np.radians(sectors), 1)
         assert others == pytest.approx(np.full(3, np.radians(83.5 - degrees) / 3), abs=1e-14)
         t = np.radians(degrees)
-        assert made == pytest.approx(np.array(followed.scene(t).vertex.sector_angles), abs=1e-14)
+        assert made == pytest.approx(np.array(followed.scene_of(t).vertex.sector_angles), abs=1e-14)
     both = [{"set": f"vertex.sector_angles[{i}]", "values": [a]} for i, a in ((1, 1.7), (3, 1.3))]
     made = np.array(parse_sweep({"scene": scene, "axes": both}).scene(0).vertex.sector_angles)
     assert (made[0], made[2]) == (1.7, 1.3) and made.sum() == pytest.approx(2 * np.pi, abs=1e-14)
