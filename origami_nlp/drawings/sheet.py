@@ -101,25 +101,25 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         raise DrawingError(f"{name}: all its lines lie in one point")
     stated = "B" in lines.letters
     rungs = RUNGS if options.tolerance is None else (options.tolerance,)
-    best: tuple[int, float, Noded, Planar] | None = None
+    best: tuple[tuple[int, int], float, Noded, Planar] | None = None
     for rung in rungs:
         noded = node(lines.ends, lines.letters, lines.angles, rung * size)
         if not len(noded.edges):
             continue
         found = planar(noded.points, noded.edges)
         faults = _loose(noded, found).size + (_open(noded, found).size if stated else 0)
-        # ends that all but meet are one point at the next tolerance: stubs beyond a crossing, lines drawn twice so
-        faults += len(noded.clashes) + _short(noded, RESOLVES * rung * size)
         if noded.moved > CHAINED * rung * size:
             # chains of short lines shrink to points
             faults = len(noded.edges) + 2 * len(lines.ends)
-        if best is None or faults < best[0]:
-            best = (faults, rung, noded, found)
-        if not faults:
+        # ends that all but meet are one point at the next tolerance: stubs beyond a crossing, lines drawn twice so
+        stubs = len(noded.clashes) + _short(noded, RESOLVES * rung * size)
+        if best is None or (faults, stubs) < best[0]:
+            best = ((faults, stubs), rung, noded, found)
+        if not (faults or stubs):
             break
     if best is None:
         raise DrawingError(f"{name}: its lines are shorter than the tolerance")
-    faults, rung, noded, found = best
+    (faults, _), rung, noded, found = best
     how = "as asked"
     if options.tolerance is None:
         how = "the best, but at none is it whole" if faults else "the smallest at which it is whole"
