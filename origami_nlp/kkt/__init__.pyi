@@ -37,6 +37,7 @@ from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,
     combine as combine,
+    cone_of as cone_of,
     loop_modes as loop_modes,
     tangent_cone as tangent_cone,
 )

@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.kkt.choices import Choices
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
-from origami_nlp.kkt.tangent_cone import TangentCone, tangent_cone
+from origami_nlp.kkt.tangent_cone import TangentCone, cone_of
 from origami_nlp.numerics import (
     CONTACT_TOL,
     DEPENDENT,
@@ -155,9 +155,8 @@ class State:
     @cached_property
     def tangent_cone(self) -> TangentCone:
         """Subspaces, in the metric, that contain the directions which states follow, where closure loses rank."""
-        p = self.problem
-        cone = tangent_cone(p.loops(self.x), len(self.x), p.check_time)
-        return cone.within(p.root)
+        p: Any = self.problem
+        return cone_of(p, self.x).within(p.root)
 
     @cached_property
     def residual(self) -> float:

@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from typing import Any
 
 import numpy as np
 
@@ -155,6 +156,14 @@ def tangent_cone(
     ]
     split = all(m is not None for m in known)
     return combine([loop.variables for loop in loops], modes, n, check, split)
+
+
+def cone_of(problem: Any, x: np.ndarray) -> TangentCone:
+    """Return `tangent_cone` at a closed state [n] of a problem; kept, as states are judged and left along branches."""
+    cone: TangentCone = problem.kept(
+        "tangent cone", x, lambda: tangent_cone(problem.loops(x), len(x), problem.check_time)
+    )
+    return cone
 
 
 def combine(
@@ -331,11 +340,12 @@ def _largest(level: Sequence[np.ndarray], check: Callable[[], None]) -> list[np.
         inside = np.zeros(len(bases), bool)
         # entries off by SAME_DIRECTION move the shadow by no more than this
         most = SAME_DIRECTION * bases.shape[2] * float(np.linalg.norm(generic[0]))
-        for larger in (c for stack in kept for c in stack):
+        for stack in kept:
             check()
-            missing = np.abs(shadow - shadow @ larger @ larger.T).max(axis=1)
-            i = np.flatnonzero((missing < most) & ~inside)
-            inside[i] = _lie_in(bases[i], larger)
+            # what is missing of a shadow, squared, before the entries of that are looked at
+            left = (shadow**2).sum(axis=1) - ((shadow @ stack) ** 2).sum(axis=2)
+            larger, i = np.nonzero((left < bases.shape[1] * most**2) & ~inside)
+            inside[i[_lie_in(bases[i], stack[larger])]] = True
         seen = shadow @ generic.T
         bases, seen = bases[~inside], seen[~inside]
         if len(bases):

@@ -110,8 +110,7 @@ def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
     TangentCone
         Candidates: whether states follow is seen when they are walked.
     """
-    given = problem.pattern, phi, problem.check_time, problem.closure
-    return split(problem, phi, list_branches(*given))
+    return split(problem, phi, list_branches(problem, phi))
 
 
 def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> TangentCone:

@@ -15,46 +15,35 @@ import numpy as np
 
 from origami_nlp.errors import OrigamiError
 from origami_nlp.folding import check_admissible
-from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes, tangent_cone
+from origami_nlp.kkt import TangentCone, by_known, combine, cone_of, loop_modes
 from origami_nlp.numerics import CLOSURE_TOL, quaternion
 from origami_nlp.pattern import Loop, Pattern
 from origami_nlp.pattern_problem import Closure, PatternProblem, round_vertex
 
 
-def list_branches(
-    pattern: Pattern,
-    phi: np.ndarray | None = None,
-    check: Callable[[], None] = lambda: None,
-    closure: Closure | None = None,
-) -> TangentCone:
+def list_branches(problem: PatternProblem, phi: np.ndarray | None = None) -> TangentCone:
     """Enumerate the branch directions of a closed state.
 
     Parameters
     ----------
-    pattern
-        The pattern.
+    problem
+        Of a vertex or a sheet.
     phi
         The state [n] [rad]; the reference state without.
-    check
-        Called every now and then: may raise to end it.
-    closure
-        In whose variables; None: the fold angles of all creases.
 
     Returns
     -------
     TangentCone
         Candidates to second order at each vertex: whether states follow is seen when they are walked.
     """
-    closure = closure or Closure(pattern)
-    n = closure.variables
-    nothing = np.zeros((0, n))
+    pattern, nothing = problem.pattern, np.zeros((0, problem.size))
     if phi is None:
-        phi = pattern.reference
+        phi = problem.reduce(pattern.reference)
         if not pattern.lies_flat:
             return TangentCone(nothing, (), "the reference state is not flat")
     if pattern.holes:
         return TangentCone(nothing, (), "ways round holes are not enumerated")
-    cone = tangent_cone(closure.loops(phi), n, check)
+    cone = cone_of(problem, phi)
     if not cone.split:
         degree = max(len(loop.creases) for loop in pattern.vertices)
         why = f"vertices of degree {degree} have no modes to be enumerated"

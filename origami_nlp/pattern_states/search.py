@@ -114,10 +114,10 @@ class Search(Parts):
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
         for guess in guesses:
             self.part(GUESSES, self.judge_guess, guess)
-        if self.problem.pattern.lies_flat:
-            self.part("the flat state", self.add_flat)
         for name, states in self.question.starts:
             self.part(name, self._explore_each, states, name)
+        if self.problem.pattern.lies_flat:
+            self.part("the flat state", self.add_flat)
         if self.problem.pattern.lies_flat or len(self.problem.pattern.vertices) == 1:
             self.part(FLAT_FOLDED, self.from_flat_folded)
         self.part("random starts", self.draw, starts, most)
@@ -352,7 +352,7 @@ class Search(Parts):
         tally.flat_folded = len(states)
         rank = [(round(np.abs(x).sum(), 6), self.labels.key(x)) for x in states]
         states = states[sorted(range(len(states)), key=rank.__getitem__)]
-        flat = None if problem.orbits else list_branches(problem.pattern, None, problem.check_time)
+        flat = None if problem.orbits else list_branches(problem)
         if flat is not None and not flat.reason:
             tally.lines, tally.families = len(flat.lines), len(flat.families)
             self.part(ESCAPE_PATHS, self._leave_flat_folded, states)

@@ -85,7 +85,7 @@ def level_sheet(seed):
     rng = np.random.default_rng(seed)
     pattern, _ = metasheet(3)
     k = rng.uniform(0.5, 2.0, pattern.creases)
-    lines = list_branches(pattern).lines
+    lines = list_branches(PatternProblem(pattern)).lines
     z = PatternProblem(pattern).kernel(np.zeros(pattern.creases))
     torque = z @ (z.T @ rng.normal(size=pattern.creases))
     torque -= lines.T @ np.linalg.lstsq(lines.T, torque, rcond=None)[0]

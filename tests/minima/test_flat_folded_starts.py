@@ -69,7 +69,7 @@ def test_ways_across_a_shut_row():
     phi = np.where(row, math.pi, 0.0)
     problem = PatternProblem(pattern)
     assert problem.residual(phi) < 1e-13
-    ways = list_branches(pattern, phi)
+    ways = list_branches(PatternProblem(pattern), phi)
     across = [d for d in ways.lines if np.abs(d[row]).max() < 1e-6]
     assert across
     for d in across:
@@ -82,7 +82,7 @@ def test_all_wells_of_a_curve_in_long_steps():
     """As a fine scan of its energy sees them."""
     pattern = strip(0)
     problem = PatternProblem(pattern)
-    line = list_branches(pattern).lines[0]
+    line = list_branches(PatternProblem(pattern)).lines[0]
     phi, _ = problem.project(0.2 * line / np.abs(line).max())
     curve = interpolate(problem, follow_curve(problem, phi, tangents(problem, phi)[:, 0], 0.3))
     fine = np.array(
@@ -103,7 +103,7 @@ def test_all_wells_of_a_curve_in_long_steps():
 
 def curves(pattern, many, step):
     problem = PatternProblem(pattern)
-    for line in list_branches(pattern).lines[:many]:
+    for line in list_branches(PatternProblem(pattern)).lines[:many]:
         phi, _ = problem.project(0.4 * line / np.abs(line).max())
         yield (
             problem,
@@ -186,7 +186,7 @@ def test_the_unit_of_length_does_not_part_facets():
     for scale in (1.0, 2.0**-30):
         pattern, _ = metasheet(3)
         problem = PatternProblem(replace(pattern, corners=scale * pattern.corners))
-        line = list_branches(pattern).lines[1]
+        line = list_branches(PatternProblem(pattern)).lines[1]
         phi, _ = problem.project(0.2 * line / np.abs(line).max())
         curve = interpolate(problem, follow_curve(problem, phi, tangents(problem, phi)[:, 0], 0.3))
         seen.append(Clearance(problem).along(curve))

@@ -90,7 +90,7 @@ def test_metasheet_has_one_dof():
     for size, redundant in ((3, 1), (4, 4)):
         pattern, _ = metasheet(size)
         problem = PatternProblem(pattern)
-        line = list_branches(pattern).lines[0]
+        line = list_branches(PatternProblem(pattern)).lines[0]
         phi, residual = problem.project(line / np.abs(line).max())
         assert residual < 1e-12
         assert problem.rank(np.zeros(pattern.creases)) == 2 * len(pattern.vertices)

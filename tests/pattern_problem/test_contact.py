@@ -152,7 +152,7 @@ def driven():
     pattern, classes = metasheet(3)
     problem, driven = PatternProblem(pattern), classes == 2
     line = max(
-        (s * d for d in list_branches(pattern).lines for s in (1, -1)),
+        (s * d for d in list_branches(PatternProblem(pattern)).lines for s in (1, -1)),
         key=lambda d: -d[driven].mean(),
     )
     phi, _ = problem.project(0.2 * line / np.abs(line).max())

@@ -27,7 +27,7 @@ def distance(curve, x):
 def test_half_of_a_curve_says_what_the_whole_does(name):
     problem, asked = PatternProblem(as_pattern(name)), 0
     clearance = Clearance(problem)
-    for d in list_branches(problem.pattern).lines[:4]:
+    for d in list_branches(problem).lines[:4]:
         phi, residual = problem.project(0.2 * d / np.abs(d).max())
         z = tangents(problem, phi)
         if residual > 1e-12 or z.shape[1] != 1:
@@ -56,7 +56,7 @@ def test_half_of_a_curve_says_what_the_whole_does(name):
 def test_far_from_flat_or_with_limits_on_one_side_curves_are_followed_in_whole():
     pattern = as_pattern("miura:2x2")
     problem = PatternProblem(pattern)
-    (d, *_) = list_branches(pattern).lines
+    (d, *_) = list_branches(PatternProblem(pattern)).lines
     phi, _ = problem.project(0.2 * d / np.abs(d).max())
     assert follow_from_flat(problem, phi, LONG) is not None
     far, _ = problem.project(1.5 * d / np.abs(d).max())

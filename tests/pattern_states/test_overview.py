@@ -214,7 +214,7 @@ def test_concentric_squares_fold_along_a_diagonal_only():
             a, b = 4 * r - 3 + k, 4 * r - 3 + (k + 1) % 4
             polygons.append((a, a + 4, b + 4, b))
     pattern = make_pattern(corners, polygons)
-    ways = list_branches(pattern)
+    ways = list_branches(PatternProblem(pattern))
     assert not ways.families and len(ways.lines) == 2
     slant = pattern.directions[:, 0] * pattern.directions[:, 1]
     for line, sign in zip(
