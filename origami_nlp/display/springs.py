@@ -59,7 +59,7 @@ def springs_of(origami: Scene | Pattern) -> list[Spring]:
     [0.025, 0.025, 0.025, 0.025]
     """
     n = len(origami.stiffness)
-    rest = origami.rest_angles if isinstance(origami, Scene) else origami.rest.tolist()
+    rest = origami.rest.tolist()
     vertex = getattr(origami, "vertex", None)
     none: tuple[Any, ...] = (None,) * n
     preload = getattr(origami, "preload", ())

@@ -28,7 +28,7 @@ def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
 
 def is_symmetric(origami: Scene | Pattern) -> bool:
     """Return whether states are asked to keep a symmetry."""
-    return isinstance(origami, Scene) and not origami.group.is_trivial
+    return origami.is_symmetric
 
 
 def judged(origami: Scene | Pattern, minimum: JudgedState) -> str | None:

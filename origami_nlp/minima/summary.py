@@ -159,12 +159,10 @@ def _least_beside_flat(origami: Scene | Pattern) -> float:
     0 where it is not.  The flat state closes, so that no state of least energy has more than its energy U, and none of
     its springs is wound by more than sqrt(2 U / k).
     """
-    flat = origami.is_flat if isinstance(origami, Pattern) else origami.vertex.flat
     loaded = origami.laws or getattr(origami, "preload", ()) or getattr(origami, "loads", ())
     low, high = origami.limit_angles
-    if not flat or loaded or (low > 0).any() or (high < 0).any():
+    if not origami.is_flat or loaded or (low > 0).any() or (high < 0).any():
         return 0.0
-    rest = origami.rest if isinstance(origami, Pattern) else origami.rest_angles
-    k, rest = np.array(origami.stiffness), np.abs(rest)
+    k, rest = np.array(origami.stiffness), np.abs(origami.rest)
     bound = float((rest + np.sqrt((k * rest**2).sum() / k)).max())
     return bound if bound <= BESIDE_SINGULAR else 0.0

@@ -170,7 +170,7 @@ class Atlas(Path):
             kinds = ", ".join(f"{n} {kind}" for kind, n in i.kinds.items())
             where = f"{over.shown(i.t[0])} to {over.shown(i.t[1])}"
             rows.append({over.name: where, "minima": str(i.minima), "kinds": kinds})
-        kept = isinstance(self.scene, Scene) and not self.scene.group.is_trivial
+        kept = self.scene.is_symmetric
         yield listed(f"{self.scene.title}: {'symmetric ' * kept}minima over {over.name}", rows)
         if self.events:
             yield self.events_table()

@@ -243,7 +243,7 @@ class FollowedLoad(Ways):
             legs.append(run.job._leg(run, snapped if run.fall else None))
         on_path = {p.fold_angles for leg in legs for p in leg.points}
         if self.driver.scene is None:
-            pops = PopSigns(self.driver.origami)
+            pops = PopSigns(self.driver.problem.pattern)
             for number, leg in enumerate(legs, start=1):
                 found = pops.alarms(np.array([p.fold_angles for p in leg.points]))
                 kept.alarms += [f"leg {number}: {line}" for line in found]

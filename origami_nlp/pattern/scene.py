@@ -302,6 +302,26 @@ class Scene(PrettyRepr):
         """Number of creases N."""
         return self.vertex.degree
 
+    @property
+    def creases(self) -> int:
+        """The same."""
+        return self.vertex.degree
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Rest angles as an array, [N] [rad]."""
+        return np.array(self.rest_angles)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the paper lies flat."""
+        return self.vertex.flat
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether states are asked to keep a symmetry."""
+        return not self.group.is_trivial
+
     def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
 

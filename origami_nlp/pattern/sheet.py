@@ -132,6 +132,11 @@ class Pattern:
         return printable(self.source) or self.name or "pattern"
 
     @property
+    def is_symmetric(self) -> bool:
+        """Whether states are asked to keep a symmetry: of a pattern never."""
+        return False
+
+    @property
     def facets(self) -> int:
         """Number of rigid facets."""
         return int(self.facet_of.max()) + 1

@@ -23,7 +23,7 @@ from origami_nlp.numerics import (
     cross,
     unit_normals,
 )
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Pattern
 
 
 def angle_sums(pattern: Pattern) -> dict[int, float]:
@@ -64,7 +64,7 @@ class PopSigns:
     Parameters
     ----------
     origami
-        A pattern, or one vertex; facets that meet at a vertex must not cross.
+        A pattern; facets that meet at a vertex must not cross.
 
     Examples
     --------
@@ -75,14 +75,11 @@ class PopSigns:
     ((2,), '0', '+')
     """
 
-    origami: Pattern | Scene
+    origami: Pattern
 
     @cached_property
     def _loops(self) -> tuple[tuple[int, tuple[int, ...], float], ...]:
         """Number, creases and angle sum [rad] of each interior vertex."""
-        if isinstance(self.origami, Scene):
-            whole = float(sum(self.origami.vertex.sector_angles))
-            return ((0, tuple(range(self.origami.degree)), whole),)
         sums = angle_sums(self.origami)
         return tuple((at.vertex, at.creases, sums[at.vertex]) for at in self.origami.vertices)
 
@@ -104,8 +101,7 @@ class PopSigns:
     @cached_property
     def rows(self) -> np.ndarray:
         """What sums the fold angles round each of `vertices`, of 0 and 1, [v, n]."""
-        many = self.origami.degree if isinstance(self.origami, Scene) else self.origami.creases
-        rows = np.zeros((len(self.around), many))
+        rows = np.zeros((len(self.around), self.origami.creases))
         for row, creases in zip(rows, self.around, strict=True):
             np.add.at(row, list(creases), 1.0)
         return rows

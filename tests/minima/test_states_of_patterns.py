@@ -88,7 +88,11 @@ def _compare_strip(seed):
     assert _same([s for s in result.minima if s.kind == "interior"], expected)
     energies = [s.energy for s in result.minima if s.kind == "interior"]
     assert energies == pytest.approx([e for e, _ in expected], abs=1e-9)
-    assert result.search.ended == result.search.curves == len(list_branches(PatternProblem(pattern)).lines)
+    assert (
+        result.search.ended
+        == result.search.curves
+        == len(list_branches(PatternProblem(pattern)).lines)
+    )
 
 
 @pytest.mark.slow  # a second look at what other tests of the room say
