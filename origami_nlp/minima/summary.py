@@ -100,10 +100,10 @@ def verdict_words(
     known = Counter("shallow" if m.shallow else verdict(origami, m) for m in minima)
     shallow, status = known.pop("shallow", 0), completeness.status if completeness else ""
     parts = []
-    if known["stable"] or not known.total():
-        parts.append(f"{_many(known['stable'], 'stable state')}")
-        if not minima:
-            parts = [_none_words(origami, completeness, search)]
+    if known["stable"]:
+        parts.append(_many(known["stable"], "stable state"))
+    elif not minima:
+        parts.append(_none_words(origami, completeness, search))
     for key, words in (
         ("unstable", "stable only while the symmetry is kept"),
         ("undecided", "not decided without the symmetry"),
@@ -117,8 +117,9 @@ def verdict_words(
         if known[key]:
             parts.append(f"{known[key]} {one if known[key] == 1 else more}")
     if shallow:
-        ones = "ones" if shallow > 1 else "one"
-        parts[-1] += f", and {shallow} shallow {ones} (barrier below {LEAST} of sum k pi^2/2)"
+        ones = ("state" if not parts else "one") + "s" * (shallow > 1)
+        parts.append(f"{shallow} shallow {ones} (barrier below {LEAST} of sum k pi^2/2)")
+        parts[-2:] = [", and ".join(parts[-2:])]
     notes = [f"symmetry {origami.group.name} kept"] if is_symmetric(origami) else []  # type: ignore[union-attr]
     notes += [ASSUMED[search.contact], PROVED.get(status) or search.open_words]
     return f"{'; '.join(parts)} ({', '.join(notes)})"
