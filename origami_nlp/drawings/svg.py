@@ -51,6 +51,8 @@ def path_chains(d: str) -> tuple[list[list[Point]], int]:
     from fontTools.svgLib.path.parser import parse_path
 
     pen = _Pen()
+    if not re.search("[aA]", d):  # "010" is one number but among the flags of an arc
+        d = re.sub(r"(?<![\d.])0+(?=\d)", "", d)
     with suppress(ValueError, IndexError, TypeError):
         parse_path(d, pen)
     return [chain for chain in pen.chains if len(chain) > 1], pen.curves

@@ -125,6 +125,11 @@ def test_curves_are_refused_or_left_out():
     assert path_chains("M0 0 C1 1 2 2 3 3") == ([[(0.0, 0.0), (3.0, 3.0)]], 0)
 
 
+def test_numbers_of_a_path_may_begin_with_zeros():
+    found = svg('<path d="M010,00L05,5.05" stroke="red"/>')
+    np.testing.assert_array_equal(np.abs(found.ends), [[[10, 0], [5, 5.05]]])
+
+
 def test_paths_go_on_as_svg_says():
     path = "M0 0 C0 1 1 1 1 0 S2 -1 2 0 q.5 1 1 0 t1 0 h1"
     assert path_chains(path) == ([[(4.0, 0.0), (5.0, 0.0)]], 4)
