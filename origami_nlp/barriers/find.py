@@ -22,7 +22,7 @@ from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
 from origami_nlp.barriers.graph import PathDown, graph_of, passes_over, pattern_passes
 from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
-from origami_nlp.barriers.walks import Walks, number_of
+from origami_nlp.barriers.walks import Walks
 from origami_nlp.errors import OptionError, OutOfTime, unless_stopped
 from origami_nlp.escapes import (
     ALONE,
@@ -246,10 +246,7 @@ class _Paths:
     def _escapes(self) -> Iterator[PathDown]:
         """Go escape paths out of each minimum on to where they end, those of images under symmetries as these."""
         terrain, moves = self.terrain, self.posed.moves
-        alike = [
-            sorted({number_of(x, terrain.minima) for m in moves for x in [m(y)]})
-            for y in terrain.minima
-        ]
+        alike = [sorted({terrain.listed(m(y)) for m in moves}) for y in terrain.minima]
         # minima are in order of energy
         first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:MOST_STATES]
         for k, found in escape_paths_of_each(terrain, first):
@@ -263,7 +260,7 @@ class _Paths:
                         yield one
                         for move in moves:
                             whole = move(one.states)
-                            ends = [number_of(x, terrain.minima) for x in (whole[0], whole[-1])]
+                            ends = [terrain.listed(x) for x in (whole[0], whole[-1])]
                             if min(ends) >= 0 and ends != [k, down[1]]:
                                 whole[[0, -1]] = terrain.minima[ends]
                                 yield PathDown(whole, ends[1], ends[0], one.energy)

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.escapes import Move, Terrain, down_to
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, groups
+from origami_nlp.escapes import Move, Terrain, down_to, number_of
+from origami_nlp.numerics import OUTSIDE, groups
 
 NEAREST = 8
 """Other minima that walks from a minimum lead to, while no way to them is known."""
@@ -21,12 +21,6 @@ MOST_DESCENTS = 60
 """From where walks meet contact, in all."""
 PLACES = 6
 """Decimals of distances that are compared: more are rounding."""
-
-
-def number_of(x: np.ndarray, states: np.ndarray) -> int:
-    """Return which of some states [M, n] this is, -1 for none of them."""
-    apart = np.abs(states - x).max(axis=1)
-    return int(apart.argmin()) if apart.min() <= NEAR_SINGULAR_TOL else -1
 
 
 class Walks:

@@ -179,10 +179,8 @@ def _closing(
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
     last: list[tuple[float, LocatedEvent]] = []
-    candidates = tuple(_candidates(curve, good, bad, back))
-    before = a.problem.local(a.state).openings(candidates)[0]
-    for contact, opening in zip(candidates, before.tolist(), strict=True):
-        if opening <= CLOSURE_TOL:  # another gap of what is held
+    for contact in _candidates(curve, good, bad, back):
+        if _is_shut(a, contact):  # another gap of what is held
             continue
         frame = curve.where_closed(good, contact, a.tangent)
         # beside singular states Newton may fail before a limit that is passed all the same
@@ -210,6 +208,15 @@ def _closing(
     ]
     opening = frame.problem.local(frame.state).openings((contact,))[0][0]
     return frame, found_at("closes", frame, float(opening), contact)
+
+
+def _is_shut(at: Equilibrium, contact: Contact) -> bool:
+    """Return whether a contact is closed at an equilibrium."""
+    try:
+        opening = at.problem.local(at.state).openings((contact,))[0][0]
+    except ArithmeticError:  # where sides run along each other there is no gap between them
+        return False
+    return bool(opening <= CLOSURE_TOL)
 
 
 def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:

@@ -101,7 +101,7 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         raise DrawingError(f"{name}: all its lines lie in one point")
     stated = "B" in lines.letters
     rungs = RUNGS if options.tolerance is None else (options.tolerance,)
-    best: tuple[tuple[int, int], float, Noded, Planar] | None = None
+    best: tuple[tuple[int, bool], float, Noded, Planar] | None = None
     for rung in rungs:
         noded = node(lines.ends, lines.letters, lines.angles, rung * size)
         if not len(noded.edges):
@@ -111,8 +111,8 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
         if noded.moved > CHAINED * rung * size:
             # chains of short lines shrink to points
             faults = len(noded.edges) + 2 * len(lines.ends)
-        # ends that all but meet are one point at the next tolerance: stubs beyond a crossing, lines drawn twice so
-        stubs = len(noded.clashes) + _short(noded, RESOLVES * rung * size)
+        # ends that all but meet are one point at the next tolerance, if that leaves no stubs
+        stubs = _has_stubs(noded, RESOLVES * rung * size)
         if best is None or (faults, stubs) < best[0]:
             best = ((faults, stubs), rung, noded, found)
         if not (faults or stubs):
@@ -180,10 +180,10 @@ def _loose(noded: Noded, found: Planar) -> np.ndarray:
     return ends[found.degree[ends] == 1] if len(ends) else np.flatnonzero(found.degree == 1)
 
 
-def _short(noded: Noded, least: float) -> int:
-    """Return how many edges are shorter than a length."""
+def _has_stubs(noded: Noded, least: float) -> bool:
+    """Return whether an edge is shorter than a length, as beyond a crossing at which a line was to end."""
     a, b = noded.points[noded.edges].transpose(1, 0, 2)
-    return int((np.linalg.norm(b - a, axis=1) < least).sum())
+    return bool((np.linalg.norm(b - a, axis=1) < least).any())
 
 
 def _open(noded: Noded, found: Planar) -> np.ndarray:

@@ -23,4 +23,8 @@ from .paths import (
     highest as highest,
 )
 from .rays import rays as rays
-from .terrain import Terrain as Terrain, energy_scale as energy_scale
+from .terrain import (
+    Terrain as Terrain,
+    energy_scale as energy_scale,
+    number_of as number_of,
+)

@@ -163,13 +163,10 @@ def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
     k = part.k
     down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
     lower = terrain.is_lower(k, down[-1])
-    # gaps alone do not see that layers have no order
-    if lower and terrain.problem.refuses(down[-1]):
-        return None
     # lower than the state: any state that this descends to has been reached without climbing
     last = terrain.path_down(down[-1])[-1] if lower else down[-1]
     to = terrain.listed(last) if np.isfinite(last).all() else -1
-    if _jumps(down):
+    if not _is_shown(terrain, down):
         return None
     # beside the state itself what closure and contacts leave open to rounding may be lower: that is nowhere else
     if np.abs(down[-1] - terrain.minima[k]).max() <= SETTLED:
@@ -195,16 +192,20 @@ def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
     return EscapePath(max(height, rest[0]), top, -1 if to == k else to, way)
 
 
-def _jumps(path: np.ndarray) -> bool:
-    """Whether a step of a descent [S, n] is longer than its fold angles were told to go: it left its curve."""
-    return bool((np.abs(np.diff(path, axis=0)) > JUMP).any())
+def _is_shown(terrain: Terrain, path: np.ndarray) -> bool:
+    """Whether no step of a descent [S, n] is longer than it was told to be, and facets cross at none of its states.
+
+    Gaps alone do not see that layers have no order, nor facets that swing through each other about a common line.
+    """
+    jumps = bool((np.abs(np.diff(path, axis=0)) > JUMP).any())
+    return not (jumps or any(map(terrain.problem.refuses, path[1:])))
 
 
 def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
     """Go down carefully to a listed state: states [S, n], and its number; None where that fails, or a step is long."""
     down = terrain.path_down(state)
     to = terrain.listed(down[-1])
-    if to < 0 or _jumps(down):
+    if to < 0 or not _is_shown(terrain, down):
         return None
     return np.concatenate([down, terrain.minima[to][None]]), to
 

@@ -121,9 +121,8 @@ def _over_flat_vertices(terrain: Terrain, which: Sequence[int]) -> list[tuple[in
             down = terrain.path_down(beside)
             sides += [down] * (len(down) > 1)
         for down, other in itertools.permutations(sides, 2):
-            apart = np.abs(terrain.minima - down[-1]).max(axis=1)
-            j = int(apart.argmin())
-            if apart[j] <= NEAR_SINGULAR_TOL and (kept @ down[0]) * (kept @ other[0]) < 0:
+            j = terrain.listed(down[-1])
+            if j >= 0 and (kept @ down[0]) * (kept @ other[0]) < 0:
                 back = [terrain.minima[j], *down[-2::-1], flat, other[0]]
                 terrain.landed |= {y.tobytes(): terrain.minima[j] for y in down}
                 terrain.landed[other[0].tobytes()] = other[-1]

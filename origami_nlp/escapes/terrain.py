@@ -35,6 +35,7 @@ from origami_nlp.search import (
     StartState,
     at_limits,
     lower_beside,
+    side_of_saddles,
 )
 
 FIRST, LARGEST = 1e-3, 0.25
@@ -71,6 +72,12 @@ def energy_scale(stiffness: np.ndarray) -> float:
     return float(np.sum(stiffness)) * math.pi**2 / 2
 
 
+def number_of(x: np.ndarray, states: np.ndarray) -> int:
+    """Return which of some states [M, n] this is, -1 for none of them."""
+    apart = np.abs(states - x).max(axis=1)
+    return int(apart.argmin()) if apart.min() <= NEAR_SINGULAR_TOL else -1
+
+
 class Terrain:
     """Stable states of a problem with descents between them.
 
@@ -81,7 +88,7 @@ class Terrain:
     minima
         The states, by number, [M, n].
     aside
-        A direction [n] that labels do not change: to which side saddles are left; None: drawn in the problem's order.
+        Direction [n] that says to which side saddles are left; None: one that labels do not change.
     leaving
         Directions out of states, by number.
     around
@@ -123,8 +130,7 @@ class Terrain:
         self.floor, self.worth = FLOOR * scale, SHALLOW * scale
         self.noise = LEVEL * np.maximum(np.abs(problem.energies(minima)), problem.scale)
         self._go, self._most = Follower(problem), most
-        drawn = np.random.default_rng(0).normal(size=problem.size)
-        self._aside = drawn if aside is None else aside
+        self._aside = side_of_saddles(problem) if aside is None else aside
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
         self.leaving, self.around = leaving or {}, around or {}
         self.pops = PopSigns(problem.pattern)
@@ -291,9 +297,7 @@ class Terrain:
 
     def listed(self, x: np.ndarray) -> int:
         """Number of the stable state at x [n], -1 for none."""
-        apart = np.abs(self.minima - x).max(axis=1)
-        nearest = int(apart.argmin())
-        return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
+        return number_of(x, self.minima)
 
     def path_down(
         self, state: np.ndarray, until: Callable[[np.ndarray], bool] = lambda x: False

@@ -340,17 +340,23 @@ def _largest(level: Sequence[np.ndarray], check: Callable[[], None]) -> list[np.
         inside = np.zeros(len(bases), bool)
         # entries off by SAME_DIRECTION move the shadow by no more than this
         most = SAME_DIRECTION * bases.shape[2] * float(np.linalg.norm(generic[0]))
-        for stack in kept:
+        for larger in (c for stack in kept for c in _blocks(stack, shadow.size)):
             check()
             # what is missing of a shadow, squared, before the entries of that are looked at
-            left = (shadow**2).sum(axis=1) - ((shadow @ stack) ** 2).sum(axis=2)
-            larger, i = np.nonzero((left < bases.shape[1] * most**2) & ~inside)
-            inside[i[_lie_in(bases[i], stack[larger])]] = True
+            left = (shadow**2).sum(axis=1) - ((shadow @ larger) ** 2).sum(axis=2)
+            c, i = np.nonzero((left < bases.shape[1] * most**2) & ~inside)
+            inside[i[_lie_in(bases[i], larger[c])]] = True
         seen = shadow @ generic.T
         bases, seen = bases[~inside], seen[~inside]
         if len(bases):
             kept.append(bases[_distinct(bases, seen, check)])
     return kept or [level[0][:1]]
+
+
+def _blocks(stack: np.ndarray, each: int) -> list[np.ndarray]:
+    """Cut a stack such that a block times so many numbers each is at most `MOST_NUMBERS`."""
+    many = max(1, MOST_NUMBERS // max(each, 1))
+    return [stack[at : at + many] for at in range(0, len(stack), many)]
 
 
 def _lie_in(b: np.ndarray, c: np.ndarray) -> np.ndarray:

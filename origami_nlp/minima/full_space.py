@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt import State, classified
+from origami_nlp.kkt import State, classify
 from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem, pose
@@ -137,8 +137,9 @@ def judge_in_full_space(
     """
     model = pose(full_scene(scene))
     x = np.asarray(fold_angles, dtype=float)
-    eigenvalues, breaking = hessian_spectra(State(model, x), scene)
-    what = classified(model, x)
+    state = State(model, x)
+    eigenvalues, breaking = hessian_spectra(state, scene)
+    what = classify(state)
     if what.verdict == "minimum":
         return FullSpace(
             "stable",

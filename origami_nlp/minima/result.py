@@ -41,7 +41,7 @@ from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_tab
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.summary import find_images, verdict_words
 from origami_nlp.numerics import INPUT_TOL, rank
-from origami_nlp.pattern import Pattern, Relations, Scene
+from origami_nlp.pattern import Pattern, Relations, Scene, same_laws
 from origami_nlp.pattern_problem import MeshFaces, state_mesh, state_parts
 
 if TYPE_CHECKING:
@@ -423,7 +423,7 @@ def check_result(result: Any, stated: Scene | Pattern) -> None:
     result
         Of `find_minima`.
     stated
-        The origami: the same shape, springs and loads.
+        The origami: the same shape, springs, loads, fold limits and contact.
 
     Raises
     ------
@@ -431,16 +431,21 @@ def check_result(result: Any, stated: Scene | Pattern) -> None:
         If it is something else, or that of another origami.
     """
     check_type("result", result, MinimaResult)
-    for a, b in zip(*map(_folded, (pattern_problem.pose(stated), result.model)), strict=True):
-        if a.shape != b.shape or not np.allclose(a, b, rtol=INPUT_TOL, atol=INPUT_TOL):
-            raise OptionError(
-                f"result = minima of another origami, {result.title}: use those of {stated.title}"
-            )
+    one, other = pattern_problem.pose(stated), result.model
+    same = same_laws(one.pattern.laws, other.pattern.laws) and all(
+        a.shape == b.shape and np.allclose(a, b, rtol=INPUT_TOL, atol=INPUT_TOL)
+        for a, b in zip(_folded(one), _folded(other), strict=True)
+    )
+    if not same:
+        raise OptionError(
+            f"result = minima of another origami, {result.title}: use those of {stated.title}"
+        )
 
 
 def _folded(problem: Any) -> list[np.ndarray]:
-    """Return the shape of what is folded, its springs and loads."""
-    corners, springs = problem.pattern.corners, problem.springs
+    """Return the shape of what is folded, its springs, loads and limits."""
+    corners, springs, limits = problem.pattern.corners, problem.springs, problem.fold_limits
     zero, scale = np.zeros(problem.size), problem.scale
-    parts = (scale * springs.stiffness, springs.rest, scale * springs.load)
-    return [corners - corners.mean(axis=0), *(zero + part for part in parts)]
+    parts = (scale * springs.stiffness, springs.rest, scale * springs.load, limits.low, limits.high)
+    asked = np.array([problem.contact, problem.has_limits], dtype=float)
+    return [corners - corners.mean(axis=0), asked, *(zero + part for part in parts)]

@@ -13,7 +13,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import passing_moment
 from origami_nlp.minima import Completeness, JudgedState, full_scene, moves_of, with_full_space
 from origami_nlp.numerics import DUPLICATE_TOL, OUTSIDE
-from origami_nlp.pattern import Pattern, Scene, canonical_labels, winding_number
+from origami_nlp.pattern import Pattern, Relabelling, Scene, canonical_labels, winding_number
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, image, pose
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.pattern_states.vertex_proof import prove_each
@@ -116,19 +116,18 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
 
 
 def _of_vertex(scene: Scene) -> Question:
-    def named(scene: Scene) -> CanonicalLabelling:
-        labels = canonical_labels(scene)
-        return CanonicalLabelling(labels.creases, labels.sign, labels.backward, ())
+    def as_order(seen: Relabelling) -> CanonicalLabelling:
+        return CanonicalLabelling(seen.creases, seen.sign, seen.backward, ())
 
     # forces count from a facet
-    trivial = scene.group.is_trivial and not scene.loads
-    problem = pose(scene, named(scene) if trivial else None)
+    seen = None if scene.loads or not scene.group.is_trivial else canonical_labels(scene)
+    problem = pose(scene, as_order(seen) if seen else None)
     stated = CanonicalLabelling(np.arange(problem.size), 1.0, False, ())
-    labels = named(scene) if trivial else stated
+    labels = as_order(seen) if seen else stated
 
     def whole() -> tuple[PatternProblem, CanonicalLabelling]:
         full = full_scene(scene)
-        return pose(full), named(full)
+        return pose(full), as_order(canonical_labels(full))
 
     def winding(x: np.ndarray) -> int:
         # folds beyond whole turns are not modelled
@@ -156,6 +155,6 @@ def _of_vertex(scene: Scene) -> Question:
         whole,
         winding=winding,
         told=told,
-        canonical=pose(canonical_labels(scene).relabelled(scene)) if trivial else None,
+        canonical=pose(seen.relabelled(scene)) if seen else None,
         in_full_space=partial(with_full_space, scene, problem),
     )

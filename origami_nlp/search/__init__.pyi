@@ -12,6 +12,7 @@ from .descent_path import (
     DescentPath as DescentPath,
     descent_path as descent_path,
     lower_beside as lower_beside,
+    side_of_saddles as side_of_saddles,
 )
 from .draws import DEEP as DEEP, MOST_TRIED as MOST_TRIED, Draws as Draws
 from .follow import Follower as Follower

@@ -8,7 +8,6 @@ for what becomes of a state that is not stable.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +24,6 @@ MOST_REFUTED = 12
 """Refuted states that it goes on from."""
 TRIED = (1e-3, 3e-3, 1e-4)
 """Steps [rad] along a direction of descent."""
-KNOWN = Classification("minimum", None, "judged before", 0)
 RISE = 1e-7
 """Relative rise of the energy that is allowed to the end when it is polished."""
 
@@ -41,7 +39,7 @@ class DescentPath:
     energies
         Of them, [S], strictly decreasing.
     what
-        The last one, classified; `KNOWN` where the caller knows it.
+        The last one, classified.
     """
 
     states: np.ndarray
@@ -61,13 +59,7 @@ class DescentPath:
 
 
 def descent_path(
-    problem: PatternProblem,
-    start: np.ndarray,
-    *,
-    follower: Follower | None = None,
-    aside: np.ndarray | None = None,
-    longest: float = LONGEST,
-    is_known: Callable[[np.ndarray], bool] = lambda x: False,
+    problem: PatternProblem, start: np.ndarray, *, longest: float = LONGEST
 ) -> DescentPath:
     """Follow a state downhill to a stable one.
 
@@ -77,14 +69,8 @@ def descent_path(
         Of a vertex or a sheet.
     start
         A state, [n] [rad]; it is closed first.
-    follower
-        Of the problem, where there is one.
-    aside
-        Direction [n] that says to which side saddles are left; None: one that labels do not change.
     longest
         Step [rad].
-    is_known
-        Whether a state [n] is a minimum that is known: there it ends and asks no more.
 
     Returns
     -------
@@ -111,23 +97,26 @@ def descent_path(
     refused = f"closure {residual:.1e}" if residual > CLOSURE_TOL else problem.refuses(x)
     if refused:
         raise ValueError(f"the start is not a closed, admissible state: {refused}")
-    if aside is None:
-        drawn = np.random.default_rng(0).normal(size=problem.pattern.creases)
-        aside = problem.reduce(find_labels(problem.pattern).drawn(drawn))
-    follower = follower or Follower(problem)
-    states, what = [x], KNOWN
-    for _ in range(MOST_REFUTED):
+    follower, aside, states = Follower(problem), side_of_saddles(problem), [x]
+    for left in reversed(range(MOST_REFUTED)):
         states += _steps(problem, follower, states[-1], aside, longest)
-        what = KNOWN if is_known(states[-1]) else classified(problem, states[-1])
+        what = classified(problem, states[-1])
         if what.verdict == "undecided" and (end := _polished(problem, states[-1])) is not None:
             states[-1], what = end, classified(problem, end)
         lower = None if what.verdict == "minimum" else lower_beside(problem, states[-1], what)
-        if lower is None:
+        if lower is None or not left:
             break
         states.append(lower)
     path = _falling(problem, states)
     energies = problem.energy(x) + np.array([problem.energy_change(x, y) for y in path])
     return DescentPath(path, energies, what)
+
+
+def side_of_saddles(problem: PatternProblem) -> np.ndarray:
+    """Return a direction [n] that labels do not change: to which side descents leave saddles."""
+    drawn = np.random.default_rng(0).normal(size=problem.pattern.creases)
+    side: np.ndarray = problem.reduce(find_labels(problem.pattern).drawn(drawn))
+    return side
 
 
 def lower_beside(problem: PatternProblem, x: np.ndarray, what: Classification) -> np.ndarray | None:
@@ -158,7 +147,7 @@ def _polished(problem: PatternProblem, x: np.ndarray) -> np.ndarray | None:
     """Return the stationary state beside an end that no step leaves."""
     most = RISE * max(float(problem.energy(x)), float(problem.scale))
     ends = (p.x for p in polished_nearby(problem, x) if problem.energy_change(x, p.x) <= most)
-    return next(ends, None)
+    return next((y for y in ends if not problem.refuses(y)), None)
 
 
 def _noise(problem: PatternProblem, x: np.ndarray) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -58,8 +59,8 @@ class Relabelled:
     ) -> tuple[np.ndarray, str]:
         """Return where a start leads, and why it ends there, as `Follower`."""
         back = self._labels.drawn
-        x, why = self._way(self._start(start), self._to(aside), lambda y: known_end(back(y)))
-        return back(x), why
+        given = self._start(start), self._to(aside), lambda y: known_end(back(y))
+        return self._told(partial(self._way, *given))
 
     def each(
         self,
@@ -73,8 +74,8 @@ class Relabelled:
             [*map(self._start, starts)], self._to(asides), lambda y: known_end(back(y))
         )
 
-        def told(way: Callable[[], tuple[np.ndarray, str]]) -> tuple[np.ndarray, str]:
-            x, why = way()
-            return back(x), why
+        return [partial(self._told, way) for way in ways]
 
-        return [lambda way=way: told(way) for way in ways]  # type: ignore[misc]
+    def _told(self, way: Callable[[], tuple[np.ndarray, str]]) -> tuple[np.ndarray, str]:
+        x, why = way()
+        return self._labels.drawn(x), why

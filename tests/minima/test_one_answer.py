@@ -1,6 +1,7 @@
 """One answer: the list of stable states, the frame and the words of the report count the same."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,7 +47,14 @@ def test_without_contact_nothing_is_called_stable():
 
 def test_a_verb_takes_the_minima_of_its_own_origami_only():
     scene = examples.degree6("pi/4", ratio=0.01)
-    others = [examples.degree6("pi/4", ratio=2), examples.degree8(), "metasheet:2x3"]
+    stops = replace(scene, limits=((-3.0, 3.0),) * 6)
+    others = [
+        stops,
+        replace(scene, contact="fold-limits"),
+        examples.degree6("pi/4", ratio=2),
+        examples.degree8(),
+        "metasheet:2x3",
+    ]
     for other in others:
         result = find_minima(other, max_starts=4)
         with pytest.raises(OptionError):
