@@ -8,7 +8,6 @@ from .contact import (
 from .continuation import ContinuationOptions as ContinuationOptions
 from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
-from .folding import check_admissible as check_admissible
 from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
@@ -48,7 +47,7 @@ from .pattern import (
     read_pattern as read_pattern,
     read_scene as read_scene,
 )
-from .pattern_problem import pose as pose
+from .pattern_problem import check_admissible as check_admissible, pose as pose
 from .pattern_states import (
     Mobility as Mobility,
     Motion as Motion,

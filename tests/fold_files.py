@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex
-from origami_nlp.folding import fold_vertex
+from origami_nlp.chart import fold_vertex
 from tests.independent.rotations import project, spin_sign
 
 OTHERS = Path(__file__).resolve().parents[2] / "shared" / "fold"

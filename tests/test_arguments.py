@@ -123,17 +123,14 @@ CASES = [
     case(o.draw_minima, "result", (SCENE, *SCENES)),
     case(o.draw_minima, "path", PATHS, "result"),
     case(o.draw_minima, "size", (7, *WHOLES), "result"),
-    case(o.check_admissible, "vertex", SCENES, "fold_angles"),
-    case(o.check_admissible, "fold_angles", STATES, "vertex"),
-    case(
-        o.check_admissible, "tolerance", (None, True, [], 0.02, *NOTHING), "vertex", "fold_angles"
-    ),
+    case(o.check_admissible, "origami", (None, 0, True, []), "fold_angles"),
+    case(o.check_admissible, "fold_angles", STATES, origami=SCENE),
     case(
         o.check_admissible,
-        "elements",
-        (None, 0, True, [1], [(1, 1)], *NOTHING),
-        "vertex",
+        "tolerance",
+        (None, True, [], 0.02, *NOTHING),
         "fold_angles",
+        origami=SCENE,
     ),
     *(case(f, "alpha", ANGLES) for f in (o.examples.degree6, o.examples.degree8)),
     *(case(f, "ratio", (0, *NUMBERS)) for f in (o.examples.degree6, o.examples.degree8)),

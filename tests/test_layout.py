@@ -24,7 +24,7 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers io numerics closed_forms symbolic drawings pattern folding problem kkt "
+    "version errors arguments workers io numerics closed_forms symbolic drawings pattern problem kkt "
     "pattern_problem search escapes continuation display hinges chart proof "
     "minima pattern_states contact barriers paper paths inverse_design "
     "sweep validity results verbs cli __main__"

@@ -16,7 +16,7 @@ from origami_nlp.cli import app as command_line
 
 ROOMS = (
     "drawings pattern problem kkt search minima paths inverse_design proof contact "
-    "barriers continuation chart pattern_problem pattern_states validity sweep folding paper "
+    "barriers continuation chart pattern_problem pattern_states validity sweep paper "
     "paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""

@@ -31,10 +31,10 @@ from origami_nlp.chart.mesh import (
     several,
     straight_walls,
 )
-from origami_nlp.folding import check_admissible
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
+from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, groups
 from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import check_admissible
 
 ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
@@ -191,9 +191,7 @@ def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
         if not cover.chain.limits.inside(wedge[best]).all():
             continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
-        said = {
-            check_admissible(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best
-        }
+        said = {check_admissible(vertex, wedge[m][orbit]).admissible for m in best}
         if len(said) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[at[mine[0]]] = said.pop()
@@ -294,7 +292,7 @@ def check_lower_dimensional(cells: Cells) -> None:
             states = states[near][:, cover.chain.orbit]
             states = states[admissible(cover.chain.scene, states)]
             vertex = cover.chain.scene.vertex
-            if any(check_admissible(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
+            if any(check_admissible(vertex, phi).admissible for phi in states):
                 raise MeshError("a handle has a surface next to it: use a larger size")
 
 
@@ -310,10 +308,7 @@ def _stand_alone(cover: DoubleCover, wedge: np.ndarray) -> np.ndarray:
     good = chain.limits.inside(wedge, CONTACT_TOL).all(axis=1)
     phi = chain.limits.clip(wedge)[:, chain.orbit]
     good[good] = admissible(scene, phi[good])
-    elements = scene.group.elements
-    good[good] = [
-        check_admissible(scene.vertex, one, elements=elements).admissible for one in phi[good]
-    ]
+    good[good] = [check_admissible(scene, one).admissible for one in phi[good]]
     return np.asarray(good)
 
 

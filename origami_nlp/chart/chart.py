@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.chart.kinematics import fold_vertex, pair_depths
 from origami_nlp.closed_forms import degree6, wedge3
-from origami_nlp.folding import fold_vertex, pair_depths
 from origami_nlp.numerics import OUTSIDE, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
 

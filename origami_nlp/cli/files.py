@@ -33,7 +33,7 @@ class _Inspected:
     why: str = ""
 
     def print_to(self, console: Any, verbose: bool) -> None:
-        from origami_nlp.folding import print_vertices
+        from origami_nlp.validity import print_vertices
 
         print_vertices(self.lists, console)
         for one in filter(None, (self.seen, self.motion)):
@@ -42,7 +42,7 @@ class _Inspected:
             console.print(f"no sheet of rigid facets: {self.why}")
 
     def to_dict(self) -> dict[str, Any]:
-        from origami_nlp.folding import vertices_to_dict
+        from origami_nlp.validity import vertices_to_dict
 
         data = vertices_to_dict(self.lists) | (self.seen.to_dict() if self.seen else {})
         return data | ({"motion": self.motion.to_dict()} if self.motion else {})
@@ -83,8 +83,8 @@ def inspect(
     scene, or with --vertex: the springs of each crease, variables and constraints; -o FILE.toml is that vertex as a
     scene file.
     """
-    from origami_nlp.folding import list_vertices
     from origami_nlp.pattern_states import analyze_mobility, find_motion
+    from origami_nlp.validity import list_vertices
 
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)

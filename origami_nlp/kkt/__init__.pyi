@@ -15,7 +15,6 @@ from .large import smallest_curvature as smallest_curvature
 from .lower_dimensional import (
     lower_dimensional_at as lower_dimensional_at,
 )
-from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
 from .neighbourhood import GOES as GOES, sample_neighbourhood as sample_neighbourhood
 from .polishing import (

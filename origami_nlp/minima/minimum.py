@@ -99,7 +99,8 @@ class JudgedState(ShortRepr):
         What IPOPT says when it is started at the state with its multipliers; None where it was not asked.
     moment
         The constant internal moment m of a vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
-        frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where it is not determined.
+        frame of the facet between crease N and crease 1 (`pattern_problem.PassingMoment`); None where it is not
+        determined.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
     winding

@@ -22,14 +22,13 @@ import numpy as np
 from origami_nlp.chart import chart_of
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import check_admissible
 from origami_nlp.io import pick
 from origami_nlp.kkt import State, lower_dimensional_at, project, sample_neighbourhood
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import ENDPOINT_TOL, null_space
 from origami_nlp.paper.candidates import INDEPENDENT, PRINTED, Candidate
 from origami_nlp.pattern import Scene, Vertex, format_angle
-from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_problem import check_admissible, pose
 from origami_nlp.pattern_states import find_states
 from origami_nlp.search import descent_path
 
@@ -277,8 +276,7 @@ def _audit_one(
         return replace(base, cause="duplicate", twin=known)
     seen.append((x, c.number))
     if folded.admissible:
-        group = result.scene.group.elements
-        if check_admissible(vertex, phi, tolerance=PRINTED, elements=group).admissible:
+        if check_admissible(result.scene, phi, tolerance=PRINTED).admissible:
             return _descend(base, result, x, step)
         return replace(base, cause="isolated")  # no order of its layers has the symmetry
     sides = other_sides(vertex, c)

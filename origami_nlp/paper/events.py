@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart import HalfChain, chain_of, fold_wedge
-from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
+from origami_nlp.chart import HalfChain, chain_of, fold_vertex, fold_wedge, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import check_admissible
 
 STARTS = 12
 """Random starts for each set of walls."""
@@ -211,8 +211,7 @@ def _polished(
     # closed as the lift q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
-    elements = scene.group.elements
-    good = check_admissible(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
+    good = check_admissible(scene, phi, tolerance=SETTLED).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
     return Event(alpha, names, tuple(phi.tolist()), lam, residual, good)

@@ -1,3 +1,8 @@
+from .admissible import (
+    LARGEST_TOLERANCE as LARGEST_TOLERANCE,
+    Embedding as Embedding,
+    check_admissible as check_admissible,
+)
 from .borders import (
     Disjunction as Disjunction,
     choices as choices,
@@ -47,10 +52,11 @@ from .layers import (
     conflict as conflict,
     order_layers as order_layers,
     pose_stack as pose_stack,
-    round_vertex as round_vertex,
 )
 from .meeting_features import touches_at as touches_at
+from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .orbits import Image as Image, Orbits as Orbits, orbits_of as orbits_of
+from .orders import TRANSITIVE as TRANSITIVE, Orders as Orders, Rules as Rules
 from .pop_signs import (
     PopSigns as PopSigns,
     angle_sums as angle_sums,

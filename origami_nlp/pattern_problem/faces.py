@@ -19,12 +19,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.folding import Orders, Rules
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, cross
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
 from origami_nlp.pattern_problem.equations import PatternEquations
 from origami_nlp.pattern_problem.features import Features
 from origami_nlp.pattern_problem.layers import Layers, pose_layers
+from origami_nlp.pattern_problem.orders import Orders, Rules
 from origami_nlp.pattern_problem.stacks import Stack, Unclear
 
 Point: TypeAlias = tuple[float, float, float]

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.errors import FoldFileError, OrigamiError
-from origami_nlp.folding import MOST_NODES, Orders, check_admissible
-from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, NOISE
-from origami_nlp.pattern import Loop, Pattern, Vertex
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import CLOSURE_TOL, NOISE
+from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.equations import PatternEquations
+from origami_nlp.pattern_problem.orders import MOST_NODES, Orders
 from origami_nlp.pattern_problem.stacks import Stack, Unclear
 
 ALONG = "intersect along a crease"
@@ -80,7 +79,8 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
     stack = problem.stack(phi)
     many = len(stack.pairs)
     if many > MOST_PAIRS:
-        return _too_many(pattern, problem.expand(phi), many)
+        why = f"{many:,} pairs of facets lie on each other, at most {MOST_PAIRS:,} are ordered"
+        return Layers("not decided", f"layer order not decided: {why}", many)
     stated = pattern.orders if _is_stated(pattern, problem.expand(phi)) else ()
     try:
         found = _ordered(problem, phi, stack, stated)
@@ -305,35 +305,3 @@ def _facets(stack: Stack, pieces: Sequence[int] | np.ndarray) -> str:
     """Name facets, 1-based."""
     which = sorted({int(stack.crossings.facet[p]) + 1 for p in pieces})
     return "facets " + ", ".join(map(str, which[:-1])) + f" and {which[-1]}"
-
-
-def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
-    """State that layers are too many to be ordered, unless they already cross round one vertex."""
-    for loop in pattern.vertices:
-        at = round_vertex(pattern, loop)
-        if at is None:
-            continue
-        try:
-            found = check_admissible(at, phi[list(loop.creases)])
-        except OrigamiError:
-            continue
-        if not found.admissible:
-            return Layers("crosses", f"round vertex {loop.vertex}: {found.reason}", many)
-    why = f"{many:,} pairs of facets lie on each other, at most {MOST_PAIRS:,} are ordered"
-    return Layers("not decided", f"layer order not decided: {why}", many)
-
-
-def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
-    """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
-    # a walk counter-clockwise crosses from its right to its left what runs out of the vertex
-    out = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
-    after = np.roll(out, -1, axis=0)
-    angles = np.arctan2(
-        np.linalg.norm(np.cross(out, after), axis=1), np.einsum("ki,ki->k", out, after)
-    )
-    if pattern.is_flat and abs(float(angles.sum()) - 2 * math.pi) > ANSWERED:
-        return None  # a reflex sector
-    try:
-        return Vertex(tuple(angles.tolist()))
-    except OrigamiError:
-        return None

@@ -10,9 +10,8 @@ from functools import partial
 
 import numpy as np
 
-from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, cross
-from origami_nlp.pattern import Pattern, Scene, Stated, Vertex, as_origami, dead_loads, make_pattern
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, cross, quaternion
+from origami_nlp.pattern import Pattern, Scene, Stated, as_origami, dead_loads, make_pattern
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.labels import CanonicalLabelling
 from origami_nlp.pattern_problem.orbits import orbits_of
@@ -168,10 +167,12 @@ def _closed(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if room > most and size > CLOSURE_TOL:
             most, best = room, np.array([*rays, flat + math.sqrt(max(room, 0.0)) * up / size])
     angles = _fold_angles(best)
-    # a whole turn of one crease is another lift of the same shape
-    angles[0] -= (
-        2 * math.pi * (fold_vertex(Vertex(tuple(a.tolist()), flat=False), angles)[1][0] < 0)
-    )
+    q: tuple[float, ...] = quaternion.IDENTITY
+    for fold, sector in zip((angles / 2).tolist(), (a / 2).tolist(), strict=True):
+        q = quaternion.multiply(q, (math.cos(fold), math.sin(fold), 0.0, 0.0))
+        q = quaternion.multiply(q, (math.cos(sector), 0.0, 0.0, math.sin(sector)))
+    # once round a sheet is a whole turn, q = -1; a whole turn of one crease more is another lift of the same shape
+    angles[0] -= 2 * math.pi * (q[0] > 0)
     return best, angles
 
 

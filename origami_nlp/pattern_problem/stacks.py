@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from origami_nlp.folding import TRANSITIVE, Rule, Rules, not_interleaved, tied
 from origami_nlp.numerics import (
     ANSWERED,
     DEEP,
@@ -38,6 +37,7 @@ from origami_nlp.numerics import (
     unit_normals,
 )
 from origami_nlp.pattern_problem.crossings import PatternCrossings, boxes_that_meet
+from origami_nlp.pattern_problem.orders import TRANSITIVE, Rule, Rules, not_interleaved, tied
 from origami_nlp.pattern_problem.plain_vectors import Vector, dot, minus, scaled, times, vector
 
 if TYPE_CHECKING:

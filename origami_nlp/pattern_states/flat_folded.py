@@ -14,11 +14,10 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import TangentCone, by_known, combine, cone_of, loop_modes
-from origami_nlp.numerics import CLOSURE_TOL, quaternion
-from origami_nlp.pattern import Loop, Pattern
-from origami_nlp.pattern_problem import Closure, PatternProblem, round_vertex
+from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, quaternion
+from origami_nlp.pattern import Loop, Pattern, Vertex
+from origami_nlp.pattern_problem import Closure, PatternProblem, check_admissible
 
 
 def list_branches(problem: PatternProblem, phi: np.ndarray | None = None) -> TangentCone:
@@ -89,7 +88,7 @@ def _vertex_foldings(
         # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
         q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSURE_TOL) & (q[0] > 0)
-    at = round_vertex(pattern, loop) if problem.contact else None
+    at = _round_vertex(pattern, loop) if problem.contact else None
     foldings = choices[closed]
     if at is None:
         return foldings
@@ -99,6 +98,22 @@ def _vertex_foldings(
         ]
     except OrigamiError:
         return foldings
+
+
+def _round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
+    """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
+    # a walk counter-clockwise crosses from its right to its left what runs out of the vertex
+    out = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
+    after = np.roll(out, -1, axis=0)
+    angles = np.arctan2(
+        np.linalg.norm(np.cross(out, after), axis=1), np.einsum("ki,ki->k", out, after)
+    )
+    if pattern.is_flat and abs(float(angles.sum()) - 2 * math.pi) > ANSWERED:
+        return None  # a reflex sector
+    try:
+        return Vertex(tuple(angles.tolist()))
+    except OrigamiError:
+        return None
 
 
 def _multiples(problem: PatternProblem) -> tuple[int, ...]:

@@ -10,11 +10,17 @@ from typing import TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import passing_moment
 from origami_nlp.minima import Completeness, JudgedState, full_scene, moves_of, with_full_space
 from origami_nlp.numerics import DUPLICATE_TOL, OUTSIDE
 from origami_nlp.pattern import Pattern, Relabelling, Scene, canonical_labels, winding_number
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, find_labels, image, pose
+from origami_nlp.pattern_problem import (
+    CanonicalLabelling,
+    PatternProblem,
+    find_labels,
+    image,
+    passing_moment,
+    pose,
+)
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.pattern_states.vertex_proof import prove_each
 from origami_nlp.proof import ProofOptions, ReducedVertex
@@ -139,7 +145,8 @@ def _of_vertex(scene: Scene) -> Question:
 
     def told(state: JudgedState) -> JudgedState:
         state = replace(state, winding=winding(problem.reduce(state.phi)))
-        passing = passing_moment(scene, state.phi) if state.verdict == "minimum" else None
+        minimum = state.verdict == "minimum"
+        passing = passing_moment(scene, problem, state.phi) if minimum else None
         if passing is None:
             return state
         return replace(state, moment=passing.vector, moment_residual=passing.residual)

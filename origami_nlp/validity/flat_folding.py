@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.folding import folds_flat
 from origami_nlp.numerics import INPUT_TOL, NONZERO
 from origami_nlp.pattern import FoldVertex, fold_vertices
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
 from origami_nlp.validity.faults import KAWASAKI, MAEKAWA, Findings
+from origami_nlp.validity.flat_fold import folds_flat
 
 VERTEX = "layers round each vertex"
 EXISTS = "layers have an order"

@@ -7,9 +7,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.folding import TRANSITIVE, Orders
 from origami_nlp.numerics import INSIDE
-from origami_nlp.pattern_problem import Layers, PatternProblem, Stack, Unclear, conflict, pose_stack
+from origami_nlp.pattern_problem import (
+    TRANSITIVE,
+    Layers,
+    Orders,
+    PatternProblem,
+    Stack,
+    Unclear,
+    conflict,
+    pose_stack,
+)
 from origami_nlp.validity.closing import face_words
 from origami_nlp.validity.counting import UNCLEAR, count_stack
 from origami_nlp.validity.faults import MILLI, Findings

@@ -10,8 +10,16 @@ import pytest
 import shapely
 
 import origami_nlp as o
-from origami_nlp.chart import Boundary, allowed, chart_limits, chart_of, outline_of, trace_boundary
-from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.chart import (
+    Boundary,
+    allowed,
+    chart_limits,
+    chart_of,
+    fold_vertex,
+    outline_of,
+    trace_boundary,
+)
+from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import PANELS, panel_boundary, thinned
 from tests.independent.arcs import nearest_touch
 

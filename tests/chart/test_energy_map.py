@@ -8,10 +8,9 @@ import pytest
 from hypothesis import example, given, settings, strategies as st
 
 import origami_nlp as o
-from origami_nlp.chart import chart_of, landscape
-from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.chart import chart_of, fold_vertex, landscape
 from origami_nlp.pattern import double_well, linear
-from origami_nlp.pattern_problem import pose
+from origami_nlp.pattern_problem import check_admissible, pose
 from tests.closed_states import closed_states
 from tests.computed_once import thinned
 

@@ -13,7 +13,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import display
-from origami_nlp.chart import landscape
+from origami_nlp.chart import fold_vertex, landscape
 from origami_nlp.display import (
     Body,
     Content,
@@ -23,8 +23,8 @@ from origami_nlp.display import (
     Trajectory,
     rotation_onto,
 )
-from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import panel_result
 
 LARGEST = 2_000_000  # bytes of a page

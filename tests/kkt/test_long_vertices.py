@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, State, Vertex, find_minima
-from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
+from origami_nlp.kkt import Solve, certificates, polish, polishing
+from origami_nlp.pattern_problem import passing_moment, pose
 from origami_nlp.problem import Contact
 from tests.independent.rotations import about
 
@@ -96,7 +97,8 @@ def test_one_moment_in_the_frame_of_every_facet(n):
             k = np.roll(np.arange(n), -start)
             v = Vertex(tuple(np.array(scene.vertex.sector_angles)[k].tolist()))
             springs = (tuple(np.array(s)[k].tolist()) for s in (scene.stiffness, scene.rest_angles))
-            other = passing_moment(Scene(v, *springs, "none", "fold-limits"), phi[k])
+            turned = Scene(v, *springs, "none", "fold-limits")
+            other = passing_moment(turned, pose(turned), phi[k])
             in_facet = about((0, 0, 1), -scene.vertex.azimuths[start]) @ frames[start - 1].T @ m
             assert np.abs(np.array(other.vector) - in_facet).max() < 1e-9 * size
         multipliers = (
@@ -115,8 +117,8 @@ def test_one_moment_in_the_frame_of_every_facet(n):
 
 def test_flat_creases_determine_no_moment():
     scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", "fold-limits")
-    assert passing_moment(scene, np.zeros(6)) is None
-    assert passing_moment(scene, np.array([math.pi, -math.pi] * 3)) is None
+    assert passing_moment(scene, pose(scene), np.zeros(6)) is None
+    assert passing_moment(scene, pose(scene), np.array([math.pi, -math.pi] * 3)) is None
 
 
 @pytest.mark.parametrize("n", [4, polishing.LARGE + 1])

@@ -130,7 +130,7 @@ def test_face_orders_of_shut_creases():
         scene = SCENES[name]
         for m in searched(name).minima:
             phi = np.array(m.fold_angles)
-            from origami_nlp.folding import fold_vertex
+            from origami_nlp.chart import fold_vertex
 
             creases, _ = fold_vertex(scene.vertex, phi)
             orders = state_frame(scene, phi, "")["faceOrders"]

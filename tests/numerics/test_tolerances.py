@@ -70,7 +70,7 @@ BESIDE_THE_TABLE = {
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
-        folding/embedding.LARGEST_TOLERANCE validity/finding.LARGEST_TOLERANCE validity/faults.MILLI
+        pattern_problem/admissible.LARGEST_TOLERANCE validity/finding.LARGEST_TOLERANCE validity/faults.MILLI
         paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.chart import with_energy
-from origami_nlp.folding import fold_vertex
+from origami_nlp.chart import fold_vertex, with_energy
 from origami_nlp.paper import find_landscape, find_space
 from origami_nlp.paper.landscape import metastable_stretches
 from tests import computed_once

@@ -7,14 +7,15 @@ import pytest
 
 from origami_nlp.chart import (
     edges_of,
+    fold_vertex,
     handles,
     parts,
     spots,
     surface_pieces,
 )
-from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import find_space
 from origami_nlp.pattern import degree6, degree8
+from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import once
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -42,10 +43,9 @@ def test_mesh_is_a_complex_of_admissible_states(spaces, name):
     assert (q[:, 0] > 0).all()
     assert np.abs(mesh.fold_angles).max() <= math.pi + 1e-12
     rng = np.random.default_rng(0)
-    elements = scene.group.elements
     for v in rng.choice(len(mesh.wedge), 10, replace=False):
         phi = np.clip(mesh.fold_angles[v], -math.pi, math.pi)
-        said = check_admissible(scene.vertex, phi, elements=elements)
+        said = check_admissible(scene, phi)
         assert said.admissible, (phi, said.reason)
     # every vertex lies on some edge, every triangle's edges are listed
     assert np.isin(np.arange(len(mesh.wedge)), mesh.edges).all()

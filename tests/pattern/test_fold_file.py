@@ -203,7 +203,7 @@ def test_frames_inherit_and_old_names_are_refused():
 )
 def test_folds_flat_agrees_with_counting_layers(letters, folds):
     """Degree 4 with a strictly smallest sector: its two creases must differ (Kawasaki-Justin)."""
-    from origami_nlp.folding import folds_flat
+    from origami_nlp.validity import folds_flat
 
     sectors = [60, 100, 120, 80]
     v = only(disc(sectors, letters))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.folding import fold_vertex
+from origami_nlp.chart import fold_vertex
 from origami_nlp.kkt import project
 from origami_nlp.pattern import Scene, Vertex, winding_number
 from origami_nlp.pattern_problem import pose

@@ -19,7 +19,7 @@ from origami_nlp.symbolic.tips import (
 )
 
 from origami_nlp import Vertex, check_admissible
-from origami_nlp.folding import fold_vertex
+from origami_nlp.chart import fold_vertex
 
 
 def floats(values):

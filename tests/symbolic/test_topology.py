@@ -8,7 +8,7 @@ from origami_nlp.symbolic.claims.section3_topology import derived_segments
 
 from origami_nlp import examples
 from origami_nlp.closed_forms import degree6
-from origami_nlp.folding import check_admissible
+from origami_nlp.pattern_problem import check_admissible
 
 PART = {"s3.flat-point": (1, 4), "s3.handle-joints": (1, 3), "s3.corner-points": (5, 12)}
 VERTEX = {name: examples.degree6(f"{p}*pi/{q}").vertex for name, (p, q) in PART.items()}

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.folding import list_vertices
 from origami_nlp.pattern import parse_fold
 from origami_nlp.pattern_problem import states_to_fold
+from origami_nlp.validity import list_vertices
 from tests.patterns import miura, miura_angles
 from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
 

@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 import origami_nlp as o
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import Orders, Rules
 from origami_nlp.pattern import make_pattern
+from origami_nlp.pattern_problem import Orders, Rules
 
 STAMPS = {2: 2, 3: 6, 4: 16, 5: 50, 6: 144, 7: 462}
 """Ways of folding a strip of labelled stamps onto one: https://oeis.org/A000136."""

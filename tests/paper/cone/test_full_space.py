@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.chart import fold_vertex
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene
+from origami_nlp.pattern_problem import check_admissible
 from tests.command_line import run
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]

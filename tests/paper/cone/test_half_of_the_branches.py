@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.folding import check_admissible
 from origami_nlp.paper import cone
 from origami_nlp.pattern import Vertex
+from origami_nlp.pattern_problem import check_admissible
 from tests.independent import cone_branches as brute
 
 

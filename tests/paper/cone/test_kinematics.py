@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from origami_nlp.chart import fold_vertex
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import cone
 from origami_nlp.pattern import Vertex
+from origami_nlp.pattern_problem import check_admissible
 from tests.command_line import run
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from origami_nlp.drawings import ERROR_KEY
-from origami_nlp.folding import folds_flat
 from origami_nlp.pattern import fold_vertices, parse_fold
+from origami_nlp.validity import folds_flat
 from tests.fold_files import disc
 
 SECTORS = (70, 50, 110, 130)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex
-from origami_nlp.folding import check_admissible, folds_flat
-from origami_nlp.folding.flat_fold import crimped
 from origami_nlp.pattern import fold_vertices, parse_fold
+from origami_nlp.pattern_problem import check_admissible
+from origami_nlp.validity import folds_flat
+from origami_nlp.validity.flat_fold import crimped
 from tests.fold_files import disc
 
 

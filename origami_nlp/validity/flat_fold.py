@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.folding.embedding import check_admissible
 from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, make_vertex
+from origami_nlp.pattern_problem import check_admissible
 
 GRAIN = NOISE / 1000
 """Sector angles [rad] are rounded to this before layers are ordered: vertices equal but for noise are one."""
@@ -38,7 +38,7 @@ def folds_flat(v: FoldVertex) -> bool | None:
 
     Examples
     --------
-    >>> from origami_nlp.folding import folds_flat
+    >>> from origami_nlp.validity import folds_flat
     >>> from origami_nlp.pattern import fold_vertices, parse_fold
     >>> text = '''{"vertices_coords": [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]],
     ...     "edges_vertices": [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]],
@@ -59,10 +59,7 @@ def folds_flat(v: FoldVertex) -> bool | None:
         answer = crimped(v.sector_angles, v.assignment)
         if answer is not None:
             return answer
-    try:
-        return _ordered(tuple(round(a / GRAIN) * GRAIN for a in v.sector_angles), v.assignment)
-    except OrigamiError:  # such as a sector smaller than the grain
-        return None
+    return _ordered(_alike(np.array(v.sector_angles), NOISE), v.assignment)
 
 
 def explained(v: FoldVertex) -> bool:
@@ -89,12 +86,8 @@ def _within_error(v: FoldVertex) -> bool | None:
     answer = crimped(tuple(a.tolist()), v.assignment, v.kawasaki_error)
     if answer is not None:
         return answer
-    # sectors that may be equal are taken to be: an order there is one of a vertex within the error
-    order = np.argsort(a, kind="stable")
-    for alike in np.split(order, np.flatnonzero(np.diff(a[order]) > v.kawasaki_error) + 1):
-        a[alike] = a[alike].mean()
-    rounded = tuple((np.round(_balanced(a) / GRAIN) * GRAIN).tolist())
-    return _ordered(rounded, v.assignment) or None
+    # an order there is one of a vertex within the error
+    return _ordered(_alike(a, v.kawasaki_error), v.assignment) or None
 
 
 def _balanced(a: np.ndarray) -> np.ndarray:
@@ -102,6 +95,18 @@ def _balanced(a: np.ndarray) -> np.ndarray:
     signs = np.where(np.arange(len(a)) % 2, -1.0, 1.0)
     moved: np.ndarray = a - signs * (a @ signs) / len(a)
     return moved * (2 * math.pi / moved.sum())
+
+
+def _alike(a: np.ndarray, error: float) -> tuple[float, ...]:
+    """Return sectors so that creases that may lie on each other when all are folded do."""
+    a = _balanced(a)
+    # where creases lie along the line on which the folded sectors run to and fro
+    at = np.cumsum(np.where(np.arange(len(a)) % 2, -a, a))
+    order = np.argsort(at, kind="stable")
+    for alike in np.split(order, np.flatnonzero(np.diff(at[order]) > error) + 1):
+        at[alike] = at[alike].mean()
+    at = np.round(at / GRAIN) * GRAIN
+    return tuple(np.abs(at - np.roll(at, 1)).tolist())
 
 
 def crimped(sectors: tuple[float, ...], letters: str, error: float = NOISE) -> bool | None:
@@ -124,6 +129,11 @@ def crimped(sectors: tuple[float, ...], letters: str, error: float = NOISE) -> b
 
 
 @lru_cache(maxsize=100_000)
-def _ordered(sectors: tuple[float, ...], letters: str) -> bool:
+def _ordered(sectors: tuple[float, ...], letters: str) -> bool | None:
     phi = np.array([math.pi if letter == "V" else -math.pi for letter in letters])
-    return check_admissible(make_vertex(sectors), phi, tolerance=NOISE).admissible
+    whole = 2 * math.pi / math.fsum(sectors)
+    try:
+        vertex = make_vertex(tuple(whole * a for a in sectors))
+    except OrigamiError:  # such as a sector smaller than the grain
+        return None
+    return check_admissible(vertex, phi).admissible

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.folding.flat_fold import explained, folds_flat
 from origami_nlp.io import pick, printable, to_plain
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
+from origami_nlp.validity.flat_fold import explained, folds_flat
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, RANK
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, RANK, cross
 from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem.problem import PatternProblem
 from origami_nlp.problem import FoldLimits
 
 
@@ -34,13 +34,17 @@ class PassingMoment:
     residual: float
 
 
-def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | None:
+def passing_moment(
+    scene: Scene, problem: PatternProblem, fold_angles: np.ndarray
+) -> PassingMoment | None:
     """Find the moment that balances the springs of the free creases best, whatever the symmetry of the scene.
 
     Parameters
     ----------
     scene
         Whose springs.
+    problem
+        The same, posed.
     fold_angles
         All N of a closed state [rad].
 
@@ -53,16 +57,20 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.kkt import passing_moment
+    >>> from origami_nlp.pattern_problem import passing_moment, pose
     >>> scene = o.examples.degree6("pi/4", ratio=0.01)
     >>> lowest = o.find_minima(scene, max_starts=16).minima[0]
-    >>> passing_moment(scene, lowest.fold_angles).residual < 1e-12
+    >>> passing_moment(scene, pose(scene), lowest.fold_angles).residual < 1e-12
     True
     """
     if scene.loads:
         return None
     phi = np.asarray(fold_angles, dtype=float)
-    creases, _ = fold_vertex(scene.vertex, phi)
+    vertex, *ends = problem.crossings.poses.corners(problem.reduce(phi))
+    creases = np.array(ends) - vertex
+    up = cross(creases[-1], creases[0])
+    up /= np.linalg.norm(up)
+    creases = creases @ np.array([creases[0], cross(up, creases[0]), up]).T
     stiffness = np.array(scene.stiffness)
     torque = scene.torque(phi)
     free = (
