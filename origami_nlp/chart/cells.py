@@ -34,7 +34,7 @@ from origami_nlp.chart.mesh import (
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, groups
 from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import check_admissible
+from origami_nlp.pattern_problem import check_admissible, pose_paper
 
 ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
@@ -174,7 +174,7 @@ def _farthest(values: np.ndarray) -> np.ndarray:
 
 def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
-    vertex, orbit = cover.chain.scene.vertex, cover.chain.orbit
+    paper, orbit = pose_paper(cover.chain.scene.vertex), cover.chain.orbit
     if not len(cover.triangles):  # all beyond stops
         return np.zeros(0, dtype=bool)
     face = _faces(cover, side)
@@ -191,7 +191,7 @@ def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
         if not cover.chain.limits.inside(wedge[best]).all():
             continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
-        said = {check_admissible(vertex, wedge[m][orbit]).admissible for m in best}
+        said = {check_admissible(paper, wedge[m][orbit]).admissible for m in best}
         if len(said) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[at[mine[0]]] = said.pop()
@@ -279,6 +279,7 @@ def check_lower_dimensional(cells: Cells) -> None:
         raise MeshError("a handle is shorter than the mesh: use a larger size")
     cover, origin = cells.cover, cells.origin[inner]
     turn = 2 * math.pi * np.arange(16) / 16
+    paper = pose_paper(cover.chain.scene.vertex)
     circle = RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for side in (-1, 1):
         leaf = np.where(cover.leaf[origin] == 0, side, cover.leaf[origin])
@@ -291,8 +292,7 @@ def check_lower_dimensional(cells: Cells) -> None:
             near &= cover.chain.limits.room(states).min(axis=1) > CONTACT_TOL
             states = states[near][:, cover.chain.orbit]
             states = states[admissible(cover.chain.scene, states)]
-            vertex = cover.chain.scene.vertex
-            if any(check_admissible(vertex, phi).admissible for phi in states):
+            if any(check_admissible(paper, phi).admissible for phi in states):
                 raise MeshError("a handle has a surface next to it: use a larger size")
 
 
@@ -308,7 +308,8 @@ def _stand_alone(cover: DoubleCover, wedge: np.ndarray) -> np.ndarray:
     good = chain.limits.inside(wedge, CONTACT_TOL).all(axis=1)
     phi = chain.limits.clip(wedge)[:, chain.orbit]
     good[good] = admissible(scene, phi[good])
-    good[good] = [check_admissible(scene, one).admissible for one in phi[good]]
+    paper = pose_paper(scene)
+    good[good] = [check_admissible(paper, one).admissible for one in phi[good]]
     return np.asarray(good)
 
 

@@ -2,6 +2,7 @@ from .admissible import (
     LARGEST_TOLERANCE as LARGEST_TOLERANCE,
     Embedding as Embedding,
     check_admissible as check_admissible,
+    pose_paper as pose_paper,
 )
 from .borders import (
     Disjunction as Disjunction,

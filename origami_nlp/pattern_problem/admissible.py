@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from origami_nlp.arguments import check_angles, check_number
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL
-from origami_nlp.pattern import Pattern, Scene, Stated, Vertex, as_origami
+from origami_nlp.pattern import Scene, Stated, Vertex, as_origami
 from origami_nlp.pattern_problem.posing import pose
 from origami_nlp.pattern_problem.problem import PatternProblem
 
@@ -40,14 +39,17 @@ class Embedding:
 
 
 def check_admissible(
-    origami: Vertex | Stated, fold_angles: np.ndarray, *, tolerance: float = CONTACT_TOL
+    origami: Vertex | Stated | PatternProblem,
+    fold_angles: np.ndarray,
+    *,
+    tolerance: float = CONTACT_TOL,
 ) -> Embedding:
     """Return whether a state is admissible with full contact, and why not if not.
 
     Parameters
     ----------
     origami
-        A vertex, or what `as_origami` takes.  Of a scene with a symmetry touching layers must have an order with that
+        A vertex, what `as_origami` takes, or either as `pose_paper` poses it.  Of a scene with a symmetry touching layers must have an order with that
         symmetry as well: equal fold angles do not make a stack symmetric.
     fold_angles
         Of one state, shape [N] [rad], valley positive.
@@ -77,7 +79,7 @@ def check_admissible(
     >>> check_admissible("miura:2x2", [0] * 4).admissible
     True
     """
-    problem = _posed(origami) if isinstance(origami, Vertex | Scene) else _of(as_origami(origami))
+    problem = origami if isinstance(origami, PatternProblem) else pose_paper(origami)
     phi = check_angles("fold_angles", fold_angles, problem.pattern.creases, one=True)
     check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
     x = problem.reduce(phi)
@@ -100,16 +102,10 @@ def check_admissible(
     return Embedding(not reason, reason, residual, not problem.apart(closed))
 
 
-def _of(origami: Scene | Pattern) -> PatternProblem:
-    if isinstance(origami, Pattern):
-        return PatternProblem(origami)
-    return pose(replace(origami, contact="full"))
-
-
-@lru_cache(maxsize=64)
-def _posed(origami: Vertex | Scene) -> PatternProblem:
-    """Pose a vertex or a scene, several of whose states are asked for as a rule."""
-    if isinstance(origami, Scene):
-        return _of(origami)
-    n = origami.degree
-    return pose(Scene(origami, (1.0,) * n, (0.0,) * n, symmetry="none", contact="full"))
+def pose_paper(origami: Vertex | Stated) -> PatternProblem:
+    """Pose an origami with full contact, whatever it asks for; of a vertex springs are left open."""
+    if isinstance(origami, Vertex):
+        n = origami.degree
+        origami = Scene(origami, (1.0,) * n, (0.0,) * n, symmetry="none")
+    stated = as_origami(origami)
+    return pose(replace(stated, contact="full") if isinstance(stated, Scene) else stated)

@@ -17,7 +17,7 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.kkt import TangentCone, by_known, combine, cone_of, loop_modes
 from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, quaternion
 from origami_nlp.pattern import Loop, Pattern, Vertex
-from origami_nlp.pattern_problem import Closure, PatternProblem, check_admissible
+from origami_nlp.pattern_problem import Closure, PatternProblem, check_admissible, pose_paper
 
 
 def list_branches(problem: PatternProblem, phi: np.ndarray | None = None) -> TangentCone:
@@ -92,12 +92,10 @@ def _vertex_foldings(
     foldings = choices[closed]
     if at is None:
         return foldings
-    try:
-        return foldings[
-            [check_admissible(at, math.pi * sign * f[place]).admissible for f in foldings]
-        ]
-    except OrigamiError:
-        return foldings
+    paper = pose_paper(at)
+    return foldings[
+        [check_admissible(paper, math.pi * sign * f[place]).admissible for f in foldings]
+    ]
 
 
 def _round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
