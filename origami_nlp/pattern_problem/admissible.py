@@ -49,8 +49,8 @@ def check_admissible(
     Parameters
     ----------
     origami
-        A vertex, what `as_origami` takes, or either as `pose_paper` poses it.  Of a scene with a symmetry touching layers must have an order with that
-        symmetry as well: equal fold angles do not make a stack symmetric.
+        A vertex, what `as_origami` takes, or either as `pose_paper` poses it.  Of a scene with a symmetry touching
+        layers must have an order with that symmetry as well: equal fold angles do not make a stack symmetric.
     fold_angles
         Of one state, shape [N] [rad], valley positive.
     tolerance
