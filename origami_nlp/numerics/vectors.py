@@ -26,8 +26,8 @@ def area_vectors(x: np.ndarray) -> np.ndarray:
 
     About a corner, so that far from the origin nothing cancels.
     """
-    about = x - x[..., :1, :]
-    return np.asarray(cross(about, np.roll(x, -1, axis=-2) - x[..., :1, :]).sum(axis=-2))
+    about = x[..., 1:, :] - x[..., :1, :]
+    return np.asarray(cross(about[..., :-1, :], about[..., 1:, :]).sum(axis=-2))
 
 
 def unit_normals(x: np.ndarray) -> np.ndarray:

@@ -151,7 +151,10 @@ class Stack:
         away = np.maximum(self._off(a, b), self._off(b, a))
         keep = (away <= self.near) & (self.crossings.facet[a] != self.crossings.facet[b])
         keep &= self.crossings.counts(a, b)
-        pairs = np.column_stack([a[keep], b[keep]])
+        a, b = a[keep], b[keep]
+        # what is no further inside one side of a convex piece than `near` has no area in common with it
+        inside = np.minimum(self._inside(a, b), self._inside(b, a)) > self.near
+        pairs = np.column_stack([a[inside], b[inside]])
         pairs = pairs[np.lexsort(pairs.T[::-1])]
         return pairs[self._is_area(self._common(pairs))] if len(pairs) else pairs
 
@@ -159,6 +162,17 @@ class Stack:
         """Return how far pieces b reach out of the planes of pieces a, [K]."""
         out = np.einsum("kqi,ki->kq", self.x[b] - self.x[a][:, :1], self.normal[a])
         return np.asarray(np.abs(out).max(axis=1, initial=0.0))
+
+    def _inside(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Return how far pieces b reach inside the sides of pieces a in their planes, the least of these, [K]."""
+        x = self.x[a]
+        side = np.concatenate([x[:, 1:], x[:, :1]], axis=1) - x
+        long = np.linalg.norm(side, axis=2)
+        inward = cross(self.normal[a][:, None], side) / np.maximum(long, NONZERO)[..., None]
+        reach = np.einsum("kei,kqi->keq", inward, self.x[b]).max(axis=2, initial=-math.inf)
+        reach -= np.einsum("kei,kei->ke", inward, x)
+        least: np.ndarray = np.where(long > 0, reach, math.inf).min(axis=1)
+        return least
 
     def _drawn(self, which: np.ndarray, on: np.ndarray) -> NDArray[np.object_]:
         """Draw pieces in the planes of others, as polygons, [K]."""
