@@ -20,7 +20,6 @@ import scipy as sp
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL, DEEP
 from origami_nlp.pattern_problem import PatternProblem, cross_each_other, crossings_among
-from origami_nlp.pattern_states.compiled_clearance import CompiledClearance
 from origami_nlp.pattern_states.interpolant import Interpolant, halves
 from origami_nlp.pattern_states.parting import axes_across, planes, sectors_apart, shadows_apart
 
@@ -195,25 +194,6 @@ class Clearance:
                 rays[which, k] = sides / np.linalg.norm(sides, axis=1, keepdims=True)
         return rays
 
-    @cached_property
-    def _compiled(self) -> CompiledClearance:
-        """The same in C."""
-        p = self.problem.pattern
-        return CompiledClearance(self.tables, (p.creases, p.facets), self.problem.crossings.size)
-
-    def tables(self) -> dict[str, np.ndarray]:
-        """Return pieces, pairs, and the creases between both of each from `first` on, with the ways from these."""
-        corners, middles, radii = self._pieces
-        (still, moving), on, arms = self._between
-        pair, crease = np.nonzero(on)
-        return {
-            **{"corners": corners, "middles": middles, "radii": radii, "apex": self._apex},
-            **{"facet": self.problem.crossings.facet, "still": still, "moving": moving},
-            **{"rays_still": self._rays[0], "rays_moving": self._rays[1]},
-            **{"first": np.searchsorted(pair, np.arange(len(still) + 1))},
-            **{"crease": crease, "arm": arms[pair, crease]},
-        }
-
     def remainders(self, control: np.ndarray) -> np.ndarray:
         """Bound how far corners, or rays, of one facet of each pair are off their chords over steps, as the other sees.
 
@@ -259,8 +239,6 @@ class Clearance:
         lying : numpy.ndarray
             Which of them touch at both ends, of bool [N].
         """
-        if self._compiled.library is not None:
-            return self._compiled.touching(before, after, *_bounds(control), pairs)
         still, moving = self._between[0][:, pairs]
         off = self.remainders(control)[:, pairs]
         c, (corners, _, radii) = self.problem.crossings, self._pieces

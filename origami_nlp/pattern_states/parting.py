@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, CURVED, NONZERO, area_vectors, cross
-from origami_nlp.pattern_states.compiled_clearance import TILTS
+
+TILTS = 0.0, 0.1, 0.3, 1.0
+"""By which planes of sectors are turned, in search of one between two sectors: tangents."""
 
 
 def _least(x: np.ndarray) -> np.ndarray:
