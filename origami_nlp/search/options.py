@@ -23,8 +23,8 @@ class SearchOptions:
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
-        Random starts in a row that find nothing new, for each degree of freedom, then no more are made; half as many
-        for a single one, more where there are few creases, most so with three degrees of freedom and more.
+        Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
+        there are few creases, most so with three degrees of freedom and more.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -88,8 +88,7 @@ class SearchOptions:
             cheap = CHEAP if problem.contact else CHEAPER
             dof, share = min(max(problem.dof, 1), MOST_DOF), cheap / problem.pattern.creases
             more = max(share - 1.0, 0.0) * max(1.0, min(dof, MOST_MORE) / 2)
-            # with one freedom the curves through what is found are traced as well
-            starts = int(self.in_a_row * (dof if dof > 1 else 0.5) * (1.0 + more))
+            starts = int(self.in_a_row * dof * (1.0 + more))
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
