@@ -208,7 +208,7 @@ class Clearance:
             Over the sheet's size, [T, K].
         """
         _, on, arms = self._between
-        speed, bend = _bounds(control)
+        speed, bend = _bounds(self.problem.expand(control))
         # |x''| <= sum_k |phi_k''| a_k + sum_kl |phi_k' phi_l'| a_l, l the crease nearer to what moves;
         # from a chord a curve is no further than |x''| / 8
         out: np.ndarray = (bend @ arms.T + 2 * (speed @ on.T) * (speed @ arms.T)) / 8

@@ -39,7 +39,7 @@ from origami_nlp.search import OWN, SearchOptions, confirm, options_of
 METHODS = ("batch", "ipopt")
 """Engines of a search: compiled descents with an active set, or IPOPT."""
 FULL = "verdicts without the symmetry"
-CONFIRMED, MOST_STATES = "confirmation by IPOPT", 12
+CONFIRMED, MOST_STATES = "confirmation by IPOPT", 3
 PROOF = "the proof that the list is complete"
 OF_PROOF = 0.4
 """Share of the time of a search that is kept for a proof that is asked for."""

@@ -27,6 +27,7 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
     RESOLVED,
+    STATIONARY,
 )
 from origami_nlp.pattern_states.branch_points import branch_directions, into_family, split
 from origami_nlp.pattern_states.clearance import last_free
@@ -73,6 +74,8 @@ SNAPPED = "minima with a hinge in another well"
 CURVES = "wells along curves"
 NO_COMPILER = "compiled descents: no C compiler was found, or none is wanted; IPOPT searched"
 """Said of a search that had none."""
+BESIDE = 1e-3
+"""Step along a branch at which it is asked whether facets cross there [rad]."""
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 
@@ -99,7 +102,7 @@ class Search(Parts):
         self.judged = list[JudgedState]()
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=self.problem.size))
         self._draws = Draws(self.problem, self.labels, seed)
-        self._met_at, self._branches = list[np.ndarray](), list[np.ndarray]()
+        self._met_at, self._cells = list[np.ndarray](), set[tuple[float, ...]]()
         self._ends = Places(self.problem.size)
         self._guesses: list[tuple[np.ndarray, JudgedState]] = []
         canonical = question.canonical
@@ -273,12 +276,8 @@ class Search(Parts):
 
     def trace_curves(self) -> None:
         """Trace the curves through what was found, and ask for wells of the energy along them that are missing."""
-        # curves end at fold limits
-        if self.problem.size > self.options.most_traced or not self.problem.has_limits:
+        if not self._traces:
             return
-        for start in self._branches:
-            if (phi := close(self.problem, start)) is not None and phi not in self.curves:
-                self._trace(phi)
         gone = 0
         while gone < len(self.judged) and len(self.curves.found) < self.options.most_curves:
             phi = self.at_state(self.judged[gone])
@@ -287,6 +286,19 @@ class Search(Parts):
                 self._trace(phi)
             if gone == len(self.judged):
                 self.part(MEETINGS, self._leave_meetings)
+
+    @property
+    def _traces(self) -> bool:
+        """Whether curves are traced: they end at fold limits."""
+        return self.problem.size <= self.options.most_traced and self.problem.has_limits
+
+    def _trace_from(self, start: np.ndarray) -> bool:
+        """Trace the curve beside the start [n] of a branch; False where there is none."""
+        if not self._traces or (phi := close(self.problem, start)) is None:
+            return False
+        if phi not in self.curves:
+            self._trace(phi)
+        return phi in self.curves
 
     def _trace(self, phi: np.ndarray) -> None:
         """Trace the curve through a closed state, where one degree of freedom is left."""
@@ -377,8 +389,22 @@ class Search(Parts):
         """Go all branch directions of flat-folded states [S, n]."""
         for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
             self.begin(BRANCHES)
-            self.attempt(self.settle, phi, 0)  # there is no one way down: its branches are
-            self._leave(phi, split(self.problem, phi, ways))
+            ways = split(self.problem, phi, ways)
+            if not self._falls(phi, ways):
+                self.attempt(self.settle, phi, 0)  # there is no one way down: its branches are
+            self._leave(phi, ways)
+
+    def _falls(self, phi: np.ndarray, ways: TangentCone) -> bool:
+        """Return whether the energy falls along a branch out of a flat-folded state: such a one is no minimum."""
+        problem = self.problem
+        pull = problem.torque(phi)
+        for d in ways.open(phi, problem.fold_limits):
+            if pull @ d < -STATIONARY * float(np.abs(pull).max()):
+                beside = close(problem, phi + BESIDE * d)
+                if beside is not None and problem.energy_change(phi, beside) < 0:
+                    if not (problem.refuses(beside) or problem.doubt(beside)):
+                        return True
+        return False
 
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
         """Go all branch directions of a state."""
@@ -387,10 +413,17 @@ class Search(Parts):
             return
         lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
         for d in lines:
-            self._branches.append(phi + OUT * d / np.abs(d).max())
-            self.explore(self._branches[-1], BRANCHES)
+            start = phi + OUT * d / np.abs(d).max()
+            if not self._trace_from(start):
+                self.explore(start, BRANCHES)
         for basis in ways.families:
             for d in into_family(phi, basis, self._side, self.problem.fold_limits):
-                self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES, hold=True)
+                start = phi + OUT * d / np.abs(d).max()
+                # one for each set of creases at limits, with the signs of the others
+                sides = np.where(np.abs(start) > RESOLVED, np.sign(start), 0.0)
+                cell = (*at_limits(self.problem, start).tolist(), *sides.tolist())
+                if cell not in self._cells:
+                    self._cells.add(cell)
+                    self.explore(start, BRANCHES, hold=True)
         if not lines and not ways.families and not self.known(phi):
             self.add(judge(self.problem, phi, self.contact))

@@ -463,10 +463,12 @@ class CompiledDescent:
             raise failed
         out = []
         for one, (status, steps, _, work, many, hold) in enumerate(ends.astype(int).tolist()):
+            # those by points keep an order of layers: they are made anew
+            own = np.flatnonzero(pieces[one, :many, 0] >= 0)
             kept_slots = tuple(
                 Slot((a, b), (i, j), s)
                 for (a, i, b, j), s in zip(
-                    pieces[one, :many].tolist(), sign[one, :many].tolist(), strict=True
+                    pieces[one, own].tolist(), sign[one, own].tolist(), strict=True
                 )
             )
             counts = status == 0, REASONS[status], steps, work

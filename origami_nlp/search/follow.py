@@ -142,7 +142,7 @@ class Follower:
             ordered = self._ordered(end.x, None if hold else end.begun, known, aside)
             if ordered is None:
                 return end.x, NO_ORDER
-            hold, slots = False, (*(s for s in end.slots if s.pieces[0] >= 0), *ordered)
+            hold, slots = False, (*end.slots, *ordered)
             start = StartState(end.x, end.side, slots)
             end = self._leg(start, aside)
         return end.x, NOWHERE
@@ -162,7 +162,7 @@ class Follower:
             out.append(path[: end.steps + (end.why == LEVEL)].copy())
             if end.why != LEVEL:
                 break
-            slots, before = tuple(s for s in end.slots if s.pieces[0] >= 0), end.begun
+            slots, before = end.slots, end.begun
             start = StartState(end.x, end.side)
         return np.concatenate(out)
 
