@@ -18,8 +18,8 @@ MOST_TRIED = 10
 """Draws for each start that is to close, where few do."""
 DEEP = 6
 """Times that a lower state beside one that was refuted is gone on from."""
-FOLLOWED = 60
-"""What a start that is followed takes, in evaluations of closure."""
+FOLLOWED, CLOSED_NOT = 60, 30
+"""What a start that is followed takes, and one that does not close, in evaluations of closure."""
 
 
 class Draws:
@@ -73,4 +73,4 @@ class Draws:
     def note(self, name: str, new: int, followed: bool) -> None:
         """Note to how many new states a start of a family led, and whether it was followed."""
         self._shares.new[name] += new
-        self._shares.work[name] += FOLLOWED * followed
+        self._shares.work[name] += FOLLOWED if followed else CLOSED_NOT

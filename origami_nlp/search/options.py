@@ -10,6 +10,8 @@ from origami_nlp.pattern_problem import PatternProblem
 
 CHEAP, CHEAPER = 15, 24
 """Creases of a problem below which starts cost so little that more are made; of one whose facets may cross."""
+DEAR = 40
+"""Creases above which starts cost so much that fewer are made: each takes their number cubed."""
 MOST_DOF, MOST_MORE = 12, 5
 """Degrees of freedom that count, and up to which each counts the more the more there are, from three on."""
 
@@ -24,7 +26,7 @@ class SearchOptions:
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
         Random starts in a row that find nothing new, for each degree of freedom, then no more are made; more where
-        there are few creases, most so with three degrees of freedom and more.
+        there are few creases, most so with three degrees of freedom and more, and fewer where there are many.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_on
@@ -88,7 +90,8 @@ class SearchOptions:
             cheap = CHEAP if problem.contact else CHEAPER
             dof, share = min(max(problem.dof, 1), MOST_DOF), cheap / problem.pattern.creases
             more = max(share - 1.0, 0.0) * max(1.0, min(dof, MOST_MORE) / 2)
-            starts = int(self.in_a_row * dof * (1.0 + more))
+            fewer = min(DEAR / problem.pattern.creases, 1.0)
+            starts = int(self.in_a_row * dof * (1.0 + more) * fewer)
         check_whole("starts", starts, 0)
         if max_starts is None:
             return starts, self.most_drawn * starts
