@@ -43,6 +43,8 @@ CONFIRMED, MOST_STATES = "confirmation by IPOPT", 3
 PROOF = "the proof that the list is complete"
 OF_PROOF = 0.4
 """Share of the time of a search that is kept for a proof that is asked for."""
+BRIEF = 8
+"""Share of the random starts in a row that are made before a proof."""
 OF_ESCAPES, LEAST_WORK = 2, 100_000
 """Counted work of escapes over that of the search, and what they may take in any case."""
 SECONDS = 300.0
@@ -157,11 +159,15 @@ def find_states(
     if not search.proved:
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
-        search.go(guesses, in_a_row, most)
+        # a proof that follows finds what few starts miss
+        brief = prove is not False and question.proves()
+        search.go(guesses, in_a_row // (BRIEF if brief else 1), most)
         if not search.tally.interrupted:
             search.problem.until = until
         if prove is not False:
             search.part(PROOF, search.prove, prove)
+        if brief and (search.completeness is None or search.completeness.status == "not-proved"):
+            search.go_on(in_a_row, most)
     if escape:
         search.part("escape barriers", search.add_escapes)
     search.part(CONFIRMED, search.add_confirmations)
@@ -169,7 +175,7 @@ def find_states(
         search.part(NOISE, search.add_survival, noise)
     if full or (full is None and question.problem.orbits is not None):
         search.part(FULL, search.add_full_space, full)
-    result = search.result(in_a_row)
+    result = search.result()
     if search.tally.interrupted:
         raise Interrupted(result)
     return result
@@ -246,9 +252,9 @@ class _Answer(Search):
         """Add the verdict without an imposed symmetry to each minimum, where that is asked for or affordable."""
         self.judged = self.question.in_full_space(self.by_energy(), full)
 
-    def result(self, starts: int) -> MinimaResult:
-        """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
-        minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
+    def result(self) -> MinimaResult:
+        """Sum up what was judged and done."""
+        minima = self.tally.sum_up(self.by_energy(), self.curves.found, self.in_a_row)
         self.count_families(self._draws.names)
         self.tally.seconds = time.perf_counter() - self._since
         curves, listed = tuple(self.curves.found), [m.phi for m in minima]

@@ -22,7 +22,7 @@ from origami_nlp.pattern_problem import (
     pose,
 )
 from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
-from origami_nlp.pattern_states.vertex_proof import prove_each
+from origami_nlp.pattern_states.vertex_proof import is_cheap, prove_each
 from origami_nlp.proof import ProofOptions, ReducedVertex
 from origami_nlp.search import given
 
@@ -60,6 +60,8 @@ class Question:
         for.
     told
         Adds to a judged state what only a vertex has.
+    proves
+        Whether a proof is tried unasked.
     lists_all
         Whether a proof that is complete is the whole answer.
     canonical
@@ -78,6 +80,7 @@ class Question:
     whole: Callable[[], tuple[PatternProblem, CanonicalLabelling]]
     winding: Callable[[np.ndarray], int] = lambda x: 1
     told: Callable[[JudgedState], JudgedState] = lambda state: state
+    proves: Callable[[], bool] = lambda: False
     lists_all: Callable[[], bool] = lambda: False
     canonical: PatternProblem | None = None
     in_full_space: Callable[[list[JudgedState], bool | None], list[JudgedState]] = (
@@ -117,6 +120,7 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
         prove,
         [(GIVEN, lambda: given(problem.pattern))],
         whole,
+        proves=lambda: is_tried(pattern, None, contact),
         lists_all=lambda: covers(pattern, contact),
     )
 
@@ -151,17 +155,19 @@ def _of_vertex(scene: Scene) -> Question:
             return state
         return replace(state, moment=passing.vector, moment_residual=passing.residual)
 
+    vertices = [ReducedVertex(one, problem) for one in scene.of_each_winding]
     return Question(
         scene,
         scene.contact,
         problem,
         labels,
         [] if scene.loads else moves_of(problem, scene),
-        partial(prove_each, [ReducedVertex(one, problem) for one in scene.of_each_winding]),
+        partial(prove_each, vertices),
         [(GIVEN, lambda: (problem.reduce(x) for x in given(problem.pattern)))],
         whole,
         winding=winding,
         told=told,
+        proves=lambda: is_cheap(vertices[0]),
         canonical=pose(seen.relabelled(scene)) if seen else None,
         in_full_space=partial(with_full_space, scene, problem),
     )

@@ -83,6 +83,9 @@ OUT = 0.2
 class Search(Parts):
     """A search on its way."""
 
+    in_a_row = 0
+    """Random starts in a row that were to find nothing new."""
+
     def __init__(
         self,
         question: Question,
@@ -123,6 +126,10 @@ class Search(Parts):
             self.part("the flat state", self.add_flat)
         if self.problem.pattern.lies_flat or len(self.problem.pattern.vertices) == 1:
             self.part(FLAT_FOLDED, self.from_flat_folded)
+        self.go_on(starts, most)
+
+    def go_on(self, starts: int, most: int) -> None:
+        """Make random starts, and trace the curves through all that was found."""
         self.part("random starts", self.draw, starts, most)
         self.part(CURVES, self.trace_curves)
         self.note_hits()
@@ -176,7 +183,7 @@ class Search(Parts):
         Each start is drawn from numbers of its own, and what it takes is counted, not measured: one that rounding sends
         elsewhere moves no other.
         """
-        draws, tally = self._draws, self.tally
+        draws, tally, self.in_a_row = self._draws, self.tally, starts
         while tally.drawn < most and tally.quiet < starts and draws.made < MOST_TRIED * most:
             self.problem.check_time()
             name, batch, asides = draws.next(most - tally.drawn)
