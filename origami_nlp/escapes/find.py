@@ -13,10 +13,8 @@ from origami_nlp.escapes.elder_rule import bounds, level_of
 from origami_nlp.escapes.escape import ALONE, Escape, EscapePath
 from origami_nlp.escapes.paths import escape_paths
 from origami_nlp.escapes.terrain import Terrain, energy_scale
-from origami_nlp.kkt import State
-from origami_nlp.numerics import INDEPENDENT, NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse, nearest
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
-from origami_nlp.search import variables_around
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
@@ -24,8 +22,6 @@ MOST_STATES = 8
 """States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
 NOTHING_NEAR = "no other admissible state is near"
 """Of a state that stands alone."""
-MOST_OPENED = 3
-"""Directions that open contacts of a state."""
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
 
@@ -107,10 +103,8 @@ def find_escapes(
     if sought and len(at) > 1:
         out_of = [k for k in sought if k in first]
         aside = labels.drawn(np.random.default_rng(0).normal(size=problem.size))
-        vertices = variables_around(problem, labels) if problem.orbits is None else []
-        around = {k: _apart(vertices, at[k], moves) for k in out_of} if problem.contact else {}
-        leaving = {k: [*softest_modes(problem, at[k]), *_openings(problem, at[k])] for k in out_of}
-        terrain = Terrain(problem, at, aside, leaving, around, most)
+        leaving = {k: softest_modes(problem, at[k]) for k in out_of}
+        terrain = Terrain(problem, at, aside, leaving, most)
         if not terrain.usable:
             why = "no C compiler was found: escape paths, which many descents show, are not sought"
         else:
@@ -154,40 +148,6 @@ def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:
             if to[k] >= 0:
                 found.setdefault(to[k], _Image(k, move, to))
     return [found[k] for k in range(len(at))]
-
-
-def _apart(vertices: Sequence[list[int]], x: np.ndarray, moves: Sequence[Move]) -> list[list[int]]:
-    """Return variables round vertices without those that a symmetry of a state [n] makes of others."""
-    kept, seen = [], set()
-    own = [move for move in moves if np.abs(move(x) - x).max() <= NEAR_SINGULAR_TOL]
-    for creases in vertices:
-        if frozenset(creases) not in seen:
-            kept.append(creases)
-            mark = np.isin(np.arange(len(x)), creases) * 1.0
-            seen |= {frozenset(np.flatnonzero(move(mark)).tolist()) for move in own}
-    return kept
-
-
-def _openings(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:
-    """Return directions that open contacts of a state as fast as closure lets them, and close none: all, and each.
-
-    Of single ones those that cost least, where several are alike all of them.
-    """
-    state = State(problem, x)
-    if not (closed := state.contacts.base):
-        return []
-    z = state.kernel
-    slopes = state.on(closed).slopes @ z
-    lengths = np.linalg.norm(slopes, axis=1)
-    free = lengths > INDEPENDENT
-    slopes = slopes[free] / lengths[free, None]
-    ways = (nearest(way, slopes, np.zeros(len(slopes))) for way in (slopes.sum(axis=0), *slopes))
-    out = [z @ y for y in ways if y is not None and np.abs(y).max(initial=0.0) > SETTLED]
-    out = [coarse(d / np.linalg.norm(d)) for d in out]
-    costs = np.round([float(problem.torque(x) @ d) for d in out[1:]], 6)
-    return [*out[:1], *(d for d, c in zip(out[1:], costs, strict=True) if c == costs.min())][
-        :MOST_OPENED
-    ]
 
 
 def softest_modes(problem: PatternProblem, x: np.ndarray) -> list[np.ndarray]:

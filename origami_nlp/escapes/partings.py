@@ -1,4 +1,4 @@
-"""Where descents begin to end elsewhere: partings of rays, and the border that they lie on, followed down to a pass."""
+"""Where descents begin to end elsewhere: partings of rays."""
 
 from __future__ import annotations
 
@@ -16,10 +16,6 @@ SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
 MOST_CONFIRMED = 5
 """Partings from a state that are looked at, those of the least height."""
-MOST_TRACKED = 20
-"""Rounds in which the border between two descents is followed down."""
-NEIGHBOURING = 0.2
-"""States of two descents that are no further apart [rad] are beside each other."""
 CERTAIN = 1e-3
 """The highest state of a path is located to this share of its height: printed are two digits."""
 
@@ -38,54 +34,15 @@ class Parting:
     height: float
 
 
-def tracked_partings(
+def partings_of(
     terrain: Terrain, which: Sequence[int], sections: int, confirmed: int
 ) -> Iterator[tuple[int, list[Parting]]]:
-    """Yield partings of each state, cut finer, and where the border that they lie on is lowest; the lowest first."""
+    """Yield partings of each state, cut finer, the lowest first."""
     partings = _partings(terrain, which, confirmed)
     parts = [p for of in partings.values() for p in of]
     _sharpen(terrain, parts, sections)
-    tracked = _track(terrain, parts, sections)
     for k, of in partings.items():
-        yield k, sorted([*of, *(p for p in tracked if p.k == k)], key=_rank)
-
-
-def _track(terrain: Terrain, parts: Sequence[Parting], sections: int) -> list[Parting]:
-    """Follow the border between where descents end down, to where it is lowest: a pass.
-
-    From either side of the border a descent goes down beside it, and leaves it slowly; where both are still beside each
-    other the border is found anew between them (edge tracking: Skufca, Yorke and Eckhardt, Phys. Rev. Lett. 96, 2006).
-    Returns partings that are lower than those given, with a way up to them: a descent to their state, back.
-    """
-    lowest, live = list(parts), list(range(len(parts)))
-    for _ in range(MOST_TRACKED):
-        new = {i: p for i in live if (p := _further(terrain, lowest[i])) is not None}
-        away = _away(terrain, [(p.k, x) for p in new.values() for x in (p.low, p.high)])
-        parted = ~away[::2] & away[1::2]
-        new = {i: p for (i, p), good in zip(new.items(), parted, strict=True) if good}
-        _sharpen(terrain, list(new.values()), sections)
-        live = [i for i, p in new.items() if p.height < lowest[i].height * (1 - CERTAIN)]
-        for i in live:
-            lowest[i] = new[i]
-    found = list[Parting]()
-    for p in (p for p, first in zip(lowest, parts, strict=True) if p is not first):
-        back = terrain.path_down(p.low)
-        if terrain.listed(back[-1]) == p.k:
-            p.before = [terrain.minima[p.k], *back[::-1]]
-            found.append(p)
-    return found
-
-
-def _further(terrain: Terrain, part: Parting) -> Parting | None:
-    """Go down on both sides of a parting as long as both are beside each other; None where that leads nowhere."""
-    k = part.k
-    a = terrain.path_down(part.low)
-    b = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
-    apart = np.linalg.norm((a[:, None] - b[None]) * terrain.problem.root, axis=2)
-    heights = np.maximum(terrain.rise(k, a)[:, None], terrain.rise(k, b)[None])
-    heights[apart > max(NEIGHBOURING, float(apart[0, 0]))] = math.inf
-    i, j = np.unravel_index(int(heights.argmin()), heights.shape)
-    return Parting(k, [a[i]], a[i], b[j], float(heights[i, j])) if i + j else None
+        yield k, sorted(of, key=_rank)
 
 
 def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[Parting]]:

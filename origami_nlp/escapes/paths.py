@@ -1,4 +1,4 @@
-"""Ways out of stable states that climb little: over partings of descents, over passes, and over the flat state."""
+"""Ways out of stable states that climb little: over partings of descents, and over the flat state."""
 
 from __future__ import annotations
 
@@ -13,12 +13,11 @@ from origami_nlp.escapes.partings import (
     MOST_CONFIRMED,
     SECTIONS,
     Parting,
-    tracked_partings,
+    partings_of,
 )
-from origami_nlp.escapes.rays import lowest_flat, paths_over_flat
+from origami_nlp.escapes.rays import paths_over_flat
 from origami_nlp.escapes.terrain import Terrain
-from origami_nlp.kkt import newton, project
-from origami_nlp.numerics import NONZERO, OUTSIDE, SETTLED, coarse
+from origami_nlp.numerics import NONZERO, SETTLED, coarse
 
 
 def escape_paths(
@@ -31,7 +30,7 @@ def escape_paths(
 
     Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
     gone down step by step, which is the way: an upper bound of the barrier.  Descents from either side of where they
-    part stay together up to next to a pass; where Newton finds that, the way goes over it.
+    part stay together up to next to a pass: there the way goes across.
 
     Parameters
     ----------
@@ -55,7 +54,7 @@ def escape_paths(
         if over is not None and over[0] <= max(least * (1 + CERTAIN), terrain.floor):
             found[k] = EscapePath(over[0], over[1], to, over[2])
     left = [k for k in which if k not in found]
-    for k, parts in tracked_partings(terrain, left, sections, confirmed):
+    for k, parts in partings_of(terrain, left, sections, confirmed):
         if (way := _lowest_way(terrain, parts)) is not None:
             found[k] = way
     return found
@@ -79,12 +78,10 @@ def escape_paths_of_each(
     confirmed: int = MOST_CONFIRMED,
 ) -> Iterator[tuple[int, Iterator[EscapePath]]]:
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
-    for k, parts in tracked_partings(terrain, which, sections, confirmed):
+    for k, parts in partings_of(terrain, which, sections, confirmed):
         yield k, filter(None, (_way(terrain, part) for part in parts))
 
 
-PASS_NEAR = 0.5
-"""Newton finds a pass within this distance [rad] of where descents part."""
 MOST_CUTS, A_ROUND = 400, 32
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
@@ -177,7 +174,7 @@ def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
     if best is None or best[0] > terrain.worth:
         back = terrain.path_down(part.low)
         if terrain.listed(back[-1]) == k:
-            for states, meets in _over_passes(terrain, back, down):
+            for states, meets in _across(terrain, back, down):
                 over = highest(terrain, k, states)
                 if over is not None and (best is None or over[0] < best[0]):
                     best, after = over, meets
@@ -210,10 +207,8 @@ def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | Non
     return np.concatenate([down, terrain.minima[to][None]]), to
 
 
-def _over_passes(
-    terrain: Terrain, back: np.ndarray, down: np.ndarray
-) -> list[tuple[np.ndarray, int]]:
-    """Return ways across to the other descent where these part, over passes as well, and where in `down` each ends."""
+def _across(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[tuple[np.ndarray, int]]:
+    """Return ways across to the other descent where these part, and where in `down` each ends."""
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
     # across where both are still side by side, as low as that is
     beside = np.argwhere(apart <= 2 * apart[0, 0])
@@ -223,33 +218,8 @@ def _over_passes(
     j = int(np.flatnonzero(near.any(axis=0))[-1])
     # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
-    for middle in ([], *([x] for x in _passes(terrain, back[i], down[j]))):
-        ways.append((np.array([*back[i:][::-1], *middle, down[j]]), j))
-    return ways
+    return [*ways, (np.array([*back[i:][::-1], down[j]]), j)]
 
 
 TOGETHER = 0.1
 """Descents that are no further apart [rad] are together."""
-
-
-def _passes(terrain: Terrain, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
-    """Stationary states between two, with what both hold, or nothing, and those of least energy with a vertex flat.
-
-    Motions of paper pass a vertex that pops where it is flat.
-    """
-    found, p, middle = list[np.ndarray](), terrain.problem, (a + b) / 2
-    limits = p.fold_limits.contacts(middle, (a == b) & (p.fold_limits.room(a) <= OUTSIDE))
-    both = tuple(c for c in terrain.contacts(a) if c in terrain.contacts(b))
-    for rows in dict.fromkeys([(*limits, *both), ()]):
-        start, _ = project(p, middle, rows)
-        done, _ = newton(p, start, rows)
-        if done is None or not done.converged or np.abs(done.x - start).max() > PASS_NEAR:
-            continue
-        if not p.refuses(done.x):
-            found.append(done.x)
-    if p.orbits is None and p.contact and terrain.pops.around:
-        for v in np.flatnonzero(terrain.pops.sums(a) * terrain.pops.sums(b) < 0):
-            kept = np.isin(np.arange(len(a)), terrain.pops.around[v])
-            if (x := lowest_flat(terrain, middle, kept)) is not None:
-                found.append(x)
-    return found

@@ -91,14 +91,12 @@ class Terrain:
         Direction [n] that says to which side saddles are left; None: one that labels do not change.
     leaving
         Directions out of states, by number.
-    around
-        Variables round vertices that pop, by number.
     most
         Counted work of descents (evaluations of closure) after which none is made.
 
     Attributes
     ----------
-    problem, minima, leaving, around
+    problem, minima, leaving
         As given.
     floor
         Energies over a state that are not distinguished from nothing.
@@ -122,7 +120,6 @@ class Terrain:
         minima: np.ndarray,
         aside: np.ndarray | None = None,
         leaving: Mapping[int, Sequence[np.ndarray]] | None = None,
-        around: Mapping[int, Sequence[list[int]]] | None = None,
         most: float = math.inf,
     ) -> None:
         scale = energy_scale(problem.pattern.stiffness)
@@ -132,7 +129,7 @@ class Terrain:
         self._go, self._most = Follower(problem), most
         self._aside = side_of_saddles(problem) if aside is None else aside
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
-        self.leaving, self.around = leaving or {}, around or {}
+        self.leaving = leaving or {}
         self.pops = PopSigns(problem.pattern)
         self.landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()

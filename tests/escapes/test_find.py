@@ -7,9 +7,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.escapes import BOUND, TRACED, EscapePath
-from origami_nlp.escapes.find import _images, _openings
+from origami_nlp.escapes.find import _images
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern_problem import PatternProblem, find_labels, image
+from origami_nlp.pattern_problem import find_labels, image
 from origami_nlp.pattern_states import find_states
 from tests.computed_once import states
 from tests.relabelled import relabelled
@@ -75,22 +75,6 @@ def test_a_way_goes_to_an_image() -> None:
             assert np.allclose(move(second.way(way).top), way.top)
             seen += 1
     assert seen
-
-
-def test_directions_open_contacts_and_close_none(yoshimura: MinimaResult) -> None:
-    """Of a state that two fold limits hold, each is opened by some direction, along closed states to first order."""
-    state = yoshimura.minima[1]
-    phi, problem = state.phi, PatternProblem(yoshimura.pattern)
-    at_limit = np.flatnonzero(np.abs(phi) == np.pi)
-    ways = _openings(problem, phi)
-    assert len(at_limit) == 2 and 1 <= len(ways) <= 3
-    opened = np.array([-np.sign(phi[at_limit]) * way[at_limit] for way in ways])
-    assert opened.min() > -1e-4 and (opened.max(axis=0) > 0.1).all()
-    for way in ways:
-        assert np.linalg.norm(way) == pytest.approx(1.0, abs=1e-3)
-        assert problem.residual(phi + 1e-4 * way) < 1e-7
-    terrain_ways = _openings(problem, np.array(yoshimura.minima[0].phi))
-    assert terrain_ways == []  # nothing touches there
 
 
 @pytest.fixture(scope="module")

@@ -269,7 +269,6 @@ def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
         "origami_nlp.escapes.partings._sharpen",
         lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
     )
-    monkeypatch.setattr("origami_nlp.escapes.partings._track", lambda terrain, parts, sections: [])
     monkeypatch.setattr("origami_nlp.escapes.paths.paths_over_flat", lambda terrain, which: {})
     escape_paths(terrain_of(result.scene, result.minima), loose, confirmed=1)
     for k in loose:
