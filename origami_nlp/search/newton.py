@@ -85,7 +85,6 @@ def descend_by_newton(
     phi: np.ndarray,
     most: int = 200,
     side: np.ndarray | None = None,
-    kept: np.ndarray | None = None,
 ) -> Descended:
     """Follow the energy downhill from a closed state, by Newton in a trust region with an active set of fold limits.
 
@@ -99,8 +98,6 @@ def descend_by_newton(
         Steps.
     side
         Direction [n] that says to which side saddles are left.
-    kept
-        Creases that stay as they are, of bool [n].
 
     Returns
     -------
@@ -108,18 +105,16 @@ def descend_by_newton(
         A stationary state where it arrived: not yet judged.
     """
     radius = TRUST
-    stays = np.zeros(len(phi), bool) if kept is None else kept
     limited = problem.fold_limits
-    held = (np.abs(limited.room(phi)) <= OUTSIDE) | stays
+    held = np.abs(limited.room(phi)) <= OUTSIDE
     energy, path = problem.scaled_energy(phi), [phi]
     crept, before = False, math.inf
     for step in range(most):
         where = np.flatnonzero(held)
         lam, limits, balance = problem.multipliers(phi, where)
         normal = problem.normal(phi, where)  # the factors of the multipliers
-        pulls = np.where(stays[where], 0.0, limits)
-        if len(where) and pulls.min() < -STILL:  # negative multiplier: it leaves the active set
-            held[where[int(pulls.argmin())]] = False
+        if len(where) and limits.min() < -STILL:  # negative multiplier: it leaves the active set
+            held[where[int(limits.argmin())]] = False
             crept = False
             continue
         # beside the flat state multipliers are large, and rounding with them
