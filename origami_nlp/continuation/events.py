@@ -134,8 +134,10 @@ def folds_and_branchings(
     turns = a.ahead * b.ahead < 0
     if turns:
         frame = root_between(curve, a, b, lambda f: f.ahead)
+        # where closure loses rank the tangent flips: its sign alone is no limit point
         if frame is not None and (a.index - b.index) % 2:
-            out.append(found_at("fold", frame, frame.ahead))
+            if is_zero(lambda f: f.ahead, frame, a, b):
+                out.append(found_at("fold", frame, frame.ahead))
         elif frame is not None:  # a pitchfork, passed along the branch that turns there
             there = refined(curve, _between(frame, a, b))
             least = frame.ahead if there.system is frame.system else _smallest(there)

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import (
     AGAIN,
     LATE,
@@ -24,7 +23,6 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
@@ -43,33 +41,6 @@ class Part(NamedTuple):
     certificate: str
 
 
-class Across:
-    """The smallest stiffness of states across their symmetry, in the space without it, with loaded contacts held.
-
-    nan where there is no one Hessian, or no line of problems without the symmetry; inf where nothing breaks the
-    symmetry and keeps the contacts.
-    """
-
-    def __init__(self, line: Line | None, scene: Scene) -> None:
-        self.line, self._scene = line, scene
-        self._known = dict[Equilibrium, float]()
-
-    def __call__(self, frame: Equilibrium) -> float:
-        """Return that of a state."""
-        if self.line is None:
-            return math.nan
-        if frame not in self._known:
-            self._known[frame] = self._stiffness(self.line, frame)
-        return self._known[frame]
-
-    def _stiffness(self, line: Line, frame: Equilibrium) -> float:
-        full = State(line.at(frame.s), frame.problem.expand(frame.state))
-        pieces = full.pieces if frame.hold.contacts else ((),)
-        one = len(pieces) == 1
-        found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
-        return min(found, default=math.inf)
-
-
 class FollowedDiagram(BifurcationDiagram):
     """Equilibria over a parameter or under a load, and what they are as records.
 
@@ -81,8 +52,6 @@ class FollowedDiagram(BifurcationDiagram):
         The problems.
     parameter
         The parameter, or load, and its range.
-    across
-        Eigenvalue across the symmetry.
     functions, options
         As of `BifurcationDiagram`.
     """
@@ -91,15 +60,17 @@ class FollowedDiagram(BifurcationDiagram):
         self,
         line: Line,
         parameter: ParameterRange,
-        across: Across,
         *,
         functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
         **options: Any,
     ) -> None:
-        broken = [("breaks-symmetry", across)] if across.line else []
-        super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
-        self.parameter, self.across, self.cut = parameter, across, False
+        super().__init__(line, *parameter.ends, functions=functions, **options)
+        self.parameter, self.cut = parameter, False
         self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest stiffness of a state across its symmetry; nan where it keeps none that is imposed."""
+        return math.nan
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy of a state at all fold angles, and what else its point has."""
@@ -311,36 +282,6 @@ def parts_of(arc: BranchSegment, judged: bool = True) -> list[Part]:
 def _judged(frame: Equilibrium) -> tuple[str, str]:
     what = frame.judged
     return (what.kind or what.verdict, what.reason)
-
-
-def joined(
-    diagrams: Sequence[tuple[Sequence[r.PathBranch], Sequence[r.PathEvent]]],
-    one: Callable[[r.PathEvent, r.PathEvent], bool],
-    order: Callable[[r.PathEvent], tuple[float, ...]],
-) -> tuple[list[r.PathBranch], list[r.PathEvent]]:
-    """Return the branches and events of several diagrams of one system as those of one, numbered anew.
-
-    one: whether two events are one, of which the first is kept.  order: of events that are.
-    """
-    if len(diagrams) == 1:
-        return list(diagrams[0][0]), list(diagrams[0][1])
-    shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
-    found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
-    found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
-    groups: list[list[tuple[int, r.PathEvent]]] = []
-    for which, e in found:
-        if not (same := next((g for g in groups if one(g[0][1], e)), [])):
-            groups.append(same)
-        same.append((which, e))
-    groups.sort(key=lambda group: group[0][1].t)
-    events = []
-    for k, g in enumerate(groups, start=1):
-        own = sorted({b + shifts[which] for which, e in g for b in e.branches})
-        events.append(replace(g[0][1], id=k, branches=tuple(own)))
-    branches = []
-    for which, (several, _) in enumerate(diagrams):
-        branches += [replace(b, id=b.id + shifts[which]) for b in several]
-    return branches, events
 
 
 def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:

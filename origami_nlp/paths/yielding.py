@@ -195,7 +195,7 @@ def go_yielding(
         job = _begin(path, x, t, toward, hinges)
         if job is None:
             return None
-        kept.jobs.append(job)
+        kept.stages.append(job)
         ways = len(kept.ways)
         job.go(x, t, end, once=True)
         if len(kept.ways) == ways:
