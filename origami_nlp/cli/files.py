@@ -210,8 +210,8 @@ def example(
         known = [*dict.fromkeys((*examples.names(), *texts))]
         meant = did_you_mean(word, known)
         raise OptionError(f"NAME = {name!r} is no example: those are {', '.join(known)}{meant}")
-    cells = cell_options(cell, rolled)
-    out.write("fold", lambda: examples.crease_pattern(word, *size, **given, **cells))
+    cells: Any = cell_options(cell, rolled)
+    out.write("fold", lambda: examples.crease_pattern(word, *size, **given | cells))
     if out.files("scene") or not out.files("fold"):
         if cell or (any(size) and not out.files("fold")):
             raise OptionError(

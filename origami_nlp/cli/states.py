@@ -74,9 +74,9 @@ def minima(
     from origami_nlp import proof
 
     out.check(("--certificate", certificate))
-    stated = origami.read_whole(contact=True)
+    stated: Any = origami.read_whole(contact=True)
     if certificate is not None and origami.is_whole:  # before anything is searched for
-        stated.check_plain_hinges("--certificate")  # type: ignore[union-attr]
+        stated.check_plain_hinges("--certificate")
         known = "" if origami.contact == "fold-limits" else "it needs --contact fold-limits"
         if why := proof.why_no_sheet(stated) or known:
             why = f"the list of a pattern is not proved: {why}"

@@ -17,7 +17,7 @@ from origami_nlp.errors import Interrupted, NothingInTime, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
-from origami_nlp.paths.family import at_places
+from origami_nlp.paths.numbers import with_numbers
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
 from origami_nlp.pattern_states import find_states
@@ -97,12 +97,8 @@ class Driver:
     @cached_property
     def unloaded(self) -> Any:
         """The origami without what drives the path."""
-        own = self.origami.loads if isinstance(self.work, OwnForces) else ()
-        return (
-            at_places(self.origami, [("loads", k) for k in range(len(own))], 0.0)
-            if own
-            else self.origami
-        )
+        own = isinstance(self.work, OwnForces)
+        return with_numbers(self.origami, {"loads": 0.0}) if own else self.origami
 
     @property
     def name(self) -> str:

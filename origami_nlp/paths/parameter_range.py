@@ -1,13 +1,6 @@
 """What states are followed over: a parameter by name, and its range.
 
-Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
-``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
-by ``+`` take the same value.  ``rest_angles_deg[1]`` and ``sector_angles_deg[1]`` are the
-same in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
-that the scene states, ``loads[1]`` that of one.  ``law_scale[1]`` multiplies the hinge law of a crease as it is stated
-(of wells and detents that is their depth), ``law_shift[1]`` moves it towards valley; ``laws.NAME.width`` and
-``laws.NAME.sum[2].energy`` are numbers that a law is stated with, of all creases that have it.  Of patterns
-they are those of `pattern.with_places`.
+Names: see `numbers`.
 """
 
 from __future__ import annotations
@@ -29,10 +22,6 @@ LAW = "laws."
 """Before the kind of a number of a hinge law."""
 LAW_UNITS = {"energy": "J", "stiffness": "N m/rad", "coefficients": "N m"}
 """Of numbers of laws that are no angles; coefficients [N m/rad, N m/rad^2, ...]."""
-PLACE = re.compile(
-    r"(?:creases\.)?(?:stiffness|rest_angles|preload|torque|law_scale|law_shift)\[(\d{1,4})\]"
-    r"|(?:vertex\.)?sector_angles\[(\d{1,4})\]|loads\[(\d{1,4})\]"
-)
 _DEGREES = re.compile(r"(.*?)\s*deg")
 _IN_DEGREES = re.compile(
     r"(rest_angles|sector_angles|law_shift|^laws\..*\.(?:at|width|centre|rest))_deg(\[|$)"
