@@ -53,21 +53,16 @@ MOST_NAMED = 8
 Forces = Callable[[Equilibrium], np.ndarray]
 
 
-def first_contact_event(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, LocatedEvent | None]:
+def first_contact_event(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
     leaving = _first_leaving(curve, a, b)
     beyond = b if leaving is None else leaving.frame
     slides = _first_sliding(curve, a, beyond)
     if slides is not None and not slides.frame.seen.refused:
-        return slides.frame, slides
+        return slides
     if not beyond.seen.refused and touches(beyond):
-        if leaving is None:
-            return a, LocatedEvent(
-                "refused", a, None, np.nan, False, "no event was found in a step"
-            )
-        return leaving.frame, leaving
+        none = "no event was found in a step"
+        return leaving or LocatedEvent("refused", a, None, np.nan, False, none)
     return _closing(curve, a, beyond)
 
 
@@ -152,9 +147,7 @@ def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent
     return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
-def _closing(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, LocatedEvent]:
+def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
     ahead = _guesses(curve, a, good, bad)
@@ -198,8 +191,7 @@ def _closing(
             event = found_at("closes", frame, float(left), contact)
             last.append((h, replace(event, why=frame.seen.refused)))
     if not met:
-        event = min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
-        return event.frame, event
+        return min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
     first = min(h for h, *_ in met)
     # of contacts that close together, the one that does so to first order knows best where; of several the first
     together = sorted((m for m in met if m[0] <= first + ENDPOINT_TOL), key=lambda m: m[3])
@@ -207,7 +199,7 @@ def _closing(
         int(first_largest(np.array([rate for _, rate, *_ in together])))
     ]
     opening = frame.problem.local(frame.state).openings((contact,))[0][0]
-    return frame, found_at("closes", frame, float(opening), contact)
+    return found_at("closes", frame, float(opening), contact)
 
 
 def _is_shut(at: Equilibrium, contact: Contact) -> bool:

@@ -289,71 +289,57 @@ class BifurcationDiagram:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
         stop, between = list[LocatedEvent](), list[Equilibrium]()
         verdict = "" if half.signed else judged(half.frame)
+        unstable = [bool(half.frame.index)]
 
-        # of each end: `before` counts the frames up to it, `meet` locates it between the last one and the next
-        def before(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                good = self.low <= f.s <= self.high and is_equilibrium(f)
-                good = good and (not half.split or balances(f))
-                if not good or (verdict and judged(f) != verdict):
-                    return k
-            return len(frames)
+        def end(
+            passed: Callable[[Equilibrium, Equilibrium], object],
+            meet: Callable[[Equilibrium, Equilibrium], LocatedEvent],
+        ) -> End[Equilibrium]:
+            """Return what ends the curve in the first step in which something is passed."""
+            last = [half.frame]
 
-        def meet(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            frame, event = self._first(curve, a, b, verdict, half.split)
-            stop.append(event)
-            return frame
+            def before(frames: Sequence[Equilibrium]) -> int:
+                for k, f in enumerate(frames):
+                    if passed(last[0], f):
+                        return k
+                    last[0] = f
+                return len(frames)
 
-        # where no multiplier judges, each step is classified: such states mostly stand still
-        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+            def met(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+                stop.append(meet(a, b))
+                return stop[-1].frame
 
-        last_kept = [half.frame]
+            return End(before, EVENT, met)
 
-        def before_flat(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                if passes(lambda: self.flat, last_kept[0], f):
-                    return k
-                last_kept[0] = f
-            return len(frames)
+        def lost(_: Equilibrium, f: Equilibrium) -> bool:
+            good = self.low <= f.s <= self.high and is_equilibrium(f)
+            good = good and (not half.split or balances(f))
+            return not good or bool(verdict and judged(f) != verdict)
 
-        def meet_flat(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+        def at_flat(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
             root = passes(lambda: self.flat, a, b)
             assert root is not None
             between[:], event = flat_crossed(curve, root, a)
-            stop.append(event)
-            return event.frame
+            return event
 
-        before_it = [half.frame]
+        def at_pole(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
+            found = multipliers_pass_infinity(curve, a, b)
+            assert found is not None
+            return found
 
-        def before_pole(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                passed = multipliers_pass_infinity(curve, before_it[0], f)
-                if passed is not None:
-                    stop.append(passed)
-                    return k
-                before_it[0] = f
-            return len(frames)
+        def stable_again(_: Equilibrium, f: Equilibrium) -> bool:
+            unstable[0] |= bool(f.index)
+            return unstable[0] and not f.index
 
-        unstable = [bool(half.frame.index)]
-
-        def before_stable(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                unstable[0] |= bool(f.index)
-                if unstable[0] and not f.index:
-                    return k
-            return len(frames)
-
-        def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            stop.append(LocatedEvent(AGAIN, b, None, 0.0, True))
-            return b
-
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
         ends = [
-            End(before_flat, EVENT, meet_flat),
-            End(before, EVENT, meet),
-            End(before_pole, EVENT, lambda a, b: stop[-1].frame),
+            end(lambda a, b: passes(lambda: self.flat, a, b), at_flat),
+            end(lost, lambda a, b: self._first(curve, a, b, verdict, half.split)),
+            end(lambda a, b: multipliers_pass_infinity(curve, a, b), at_pole),
         ]
         if self.lazy:
-            ends.append(End(before_stable, EVENT, meet_stable))
+            ends.append(end(stable_again, lambda a, b: LocatedEvent(AGAIN, b, None, 0.0, True)))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
         if stop:
             frames[-1:-1] = between
@@ -368,7 +354,7 @@ class BifurcationDiagram:
 
     def _first(
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
-    ) -> tuple[Equilibrium, LocatedEvent]:
+    ) -> LocatedEvent:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
@@ -377,20 +363,18 @@ class BifurcationDiagram:
             guess = a.x + share * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
-                return a, LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
+                return LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
             b = beyond
         if split and not b.seen.refused and not balances(b):
             leaving = other_piece_leaves(curve, a, b)
             if is_equilibrium(leaving.frame):
-                return leaving.frame, leaving
+                return leaving
             b = leaving.frame
         if not is_equilibrium(b):
-            frame, event = first_contact_event(curve, a, b)
-            assert event is not None
-            return frame, event
+            return first_contact_event(curve, a, b)
         if verdict and judged(b) != verdict:
             return change_of_verdict(curve, a, b, verdict)
-        return b, LocatedEvent(RANGE, b, None, 0.0, True)
+        return LocatedEvent(RANGE, b, None, 0.0, True)
 
     def _node(self, event: LocatedEvent) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""

@@ -280,7 +280,7 @@ def _eigenvalue_passes(
 
 def change_of_verdict(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
-) -> tuple[Equilibrium, LocatedEvent]:
+) -> LocatedEvent:
     """Bisect on the verdict of states that no multiplier judges."""
     root = curve.root
     low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
@@ -293,4 +293,4 @@ def change_of_verdict(
             high = middle
     why = f"{verdict} before, {other} beyond: by bisection on the verdict"
     ends = verdict == "minimum" and other in ("saddle", "not stationary")
-    return good, LocatedEvent("branching" if ends else "singular", good, None, np.nan, False, why)
+    return LocatedEvent("branching" if ends else "singular", good, None, np.nan, False, why)

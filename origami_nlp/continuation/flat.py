@@ -21,7 +21,7 @@ from numpy.polynomial import chebyshev
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
-from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots, dense
+from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots
 
 MOST_ROWS = 400
 """Equations, or variables, beyond which no curve is asked for: sheets with more have many vertices, and lose a rank of
@@ -232,7 +232,7 @@ def _forms(
     """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
     if min(system.jacobian.shape) > MOST_ROWS:
         return None
-    c = dense(system.jacobian)
+    c = system.jacobian
     u, values, vt = np.linalg.svd(c)
     rank = int((values > RANK).sum())
     if len(c) == rank or np.abs(system.values).max() > CLOSURE_TOL:

@@ -11,7 +11,6 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from origami_nlp.numerics import (
     RANK,
     STATIONARY,
 )
-from origami_nlp.problem import Contact, Sparse
+from origami_nlp.problem import Contact
 
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
@@ -106,9 +105,6 @@ def _independent(state: State, rows: tuple[Contact, ...]) -> tuple[Contact, ...]
 
 def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
-    if state.problem.sparse:
-        yield from _large_holds(state, piece)
-        return
     held, m = state.on(piece), len(state.jacobian)
     found = held.multiplier_set
     size = 1.0 + float(np.abs(state.gradient).max())
@@ -136,19 +132,6 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
             yield Hold(tuple(piece[k] for k in chosen))
 
 
-def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
-    """Yield sets of fold limits of a large problem that can carry what the springs ask for: all, and those loaded."""
-    p = cast(Sparse, state.problem)
-    size = 1.0 + float(np.abs(p.torque(state.x)).max())
-    chosen = piece
-    for _ in range(2):
-        _, moments, left = p.multipliers(state.x, [c.index for c in chosen])
-        balanced = float(np.abs(left).max(initial=0.0)) <= BALANCED * size
-        if balanced and (moments >= -BALANCED * size).all():
-            yield Hold(chosen)
-        chosen = tuple(c for c, m in zip(chosen, moments, strict=True) if m > BALANCED * size)
-
-
 def _along(
     line: Line, point: np.ndarray, hold: Hold, piece: tuple[Contact, ...], tally: Tally
 ) -> Iterator[OneSidedBranch]:
@@ -160,7 +143,7 @@ def _along(
         return
     others = tuple(c for c in piece if c not in hold.contacts)
     state = system.seen
-    alike = () if state.problem.sparse else state.choices.alike(hold.contacts)
+    alike = state.choices.alike(hold.contacts)
     alike = tuple(c for c in alike if not c.is_limit and c not in hold.contacts)
     slopes, moved = opening_rates(curve, point, others)
     first = line.problem.equation_count
@@ -214,8 +197,6 @@ def _frozen(
 def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[OneSidedBranch]:
     """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
     across = frame.system.other_direction(frame.tangent)
-    if across is None:
-        return []
     both = (
         goes_on(curve, OneSidedBranch(Equilibrium(frame.x, sign * across, frame.system), True))
         for sign in (1.0, -1.0)

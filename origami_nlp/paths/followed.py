@@ -18,6 +18,7 @@ from origami_nlp.continuation import (
     Equilibrium,
     Line,
 )
+from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce, State
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
@@ -64,6 +65,9 @@ class FollowedDiagram(BifurcationDiagram):
         functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
         **options: Any,
     ) -> None:
+        if line.problem.sparse:
+            many = f"a pattern of {line.problem.size} creases"
+            raise OptionError(f"states of {many} are not followed: its closure has sparse factors")
         super().__init__(line, *parameter.ends, functions=functions, **options)
         self.parameter, self.cut = parameter, False
         self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
@@ -296,7 +300,7 @@ def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
 def _spread(state: State) -> dict[Contact, tuple[float, float]]:
     """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
     out: dict[Contact, tuple[float, float]] = {}
-    for piece in () if state.problem.sparse else state.pieces:
+    for piece in state.pieces:
         found = state.on(piece).multiplier_set
         if not found.unique:
             for contact, low, high in zip(piece, found.lower, found.upper, strict=True):
