@@ -1,9 +1,9 @@
 """Hinges that yield along a load path: elastic up to a torque, perfectly plastic at it.
 
 A spring k with the yield torque T bears tau = k (phi - rest - p), |tau| <= T.  Where |tau| comes to T it yields: the
-torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about the rest angle that
-has moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a spring.  Which
-of the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of plasticity: a hinge
+torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about a rest angle that has
+moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a spring.  Which of
+the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of plasticity: one
 yields forwards or its torque falls, not both).
 """
 

@@ -68,7 +68,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_path, shown
+from origami_nlp.arguments import check_flag, check_path, check_whole, shown
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
 from origami_nlp.paths import Example, with_numbers
@@ -344,44 +344,35 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
-    values = stated.get("values")
-    if values is None:
-        return Axis(name, tuple(places), tuple(_spaced(stated, where, scale)), scale)
-    if spaced := [key for key in ("from", "to", "count") if key in stated]:
-        raise SweepError(f"{where} has both values and {', '.join(spaced)}: give one")
-    if not isinstance(values, list) or not values:
-        raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
-    numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
+    spaced = [key for key in ("from", "to", "count") if key in stated]
+    if ("values" in stated) == bool(spaced):
+        raise SweepError(f"{where} needs values, or from, to and count")
+    if spaced:
+        if missing := {"from", "to", "count"} - {*spaced}:
+            raise SweepError(
+                f"{where}.{min(missing)} is missing: give values, or from, to and count"
+            )
+        low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
+        count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
+        if scale == "log" and min(low, high) <= 0:
+            raise SweepError(f"{where}: a log scale needs from and to above 0")
+        numbers = (np.geomspace if scale == "log" else np.linspace)(low, high, count).tolist()
+    else:
+        values = stated["values"]
+        if not isinstance(values, list) or not values:
+            raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
+        numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
     return Axis(name, tuple(places), tuple(numbers), scale)
-
-
-def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
-    for key in ("from", "to", "count"):
-        if key not in stated:
-            raise SweepError(f"{where}.{key} is missing: give values, or from, to and count")
-    low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
-    count = stated["count"]
-    if type(count) is not int or not 1 <= count <= MOST_SCENES:
-        what = f"a whole number from 1 to {MOST_SCENES:,}"
-        raise SweepError(f"{where}.count = {count!r} must be {what}")
-    if scale == "log" and min(low, high) <= 0:
-        raise SweepError(f"{where}: a log scale needs from and to above 0")
-    numbers: list[float] = (np.geomspace if scale == "log" else np.linspace)(
-        low, high, count
-    ).tolist()
-    return numbers
 
 
 def _checked(search: dict[str, Any]) -> dict[str, Any]:
     """Return a [search] table; its defaults say of what kind its values are."""
     for key, value in search.items():
-        what = f"search.{key} = {value!r} must be "
-        if key in _MODES:
-            if value not in _MODES[key]:
-                raise SweepError(what + " or ".join(_MODES[key]))
-        elif type(value) is not type(_SEARCH[key]):
-            kind = "true or false" if type(_SEARCH[key]) is bool else "a whole number"
-            raise SweepError(what + kind)
-        elif value < 0:
-            raise SweepError(f"{what}at least 0")
+        name, words = f"search.{key}", _MODES.get(key, ())
+        if words and value not in words:
+            raise SweepError(f"{name} = {shown(value)} must be {' or '.join(words)}")
+        if not words and isinstance(_SEARCH[key], bool):
+            check_flag(name, value)
+        elif not words:
+            check_whole(name, value, 0)
     return search
