@@ -196,7 +196,8 @@ class Source:
             known = examples.names()
             those = f"{', '.join(known)}{did_you_mean(self.name.partition(':')[0], known)}"
             raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
-        what, error = ("scene", SceneFileError) if ending == ".toml" else ("FOLD", FoldFileError)
+        is_scene = ending in (".toml", "")
+        what, error = ("scene", SceneFileError) if is_scene else ("FOLD", FoldFileError)
         return read_limited(self.name, LARGEST, what, error)
 
     def _of(self, *names: str) -> dict[str, Any]:
@@ -210,6 +211,8 @@ class Source:
 
     def _springs(self) -> dict[str, Any]:
         """Return the options about springs that were given, angles in radians."""
+        if self.stiffness is not None and not 0 < self.stiffness < math.inf:
+            raise OptionError(f"--stiffness = {self.stiffness:g} must be positive and finite")
         found = self._of("stiffness", "rest_angle", "rest_from")
         if self.rest_angle is not None:
             size = check_number("--rest-angle", self.rest_angle, 0.0, 180.0)

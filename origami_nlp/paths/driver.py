@@ -86,7 +86,9 @@ class Driver:
 
     work: Torque | Pull | DeadForce | OwnForces
     scene: Scene | None = None
-    elements: tuple[tuple[int, bool], ...] = field(default=IDENTITY, metadata={"plain": False})
+    elements: tuple[tuple[int, bool], ...] = field(
+        default=IDENTITY, repr=False, metadata={"plain": False}
+    )
     ALSO = ("name", "unit", "coordinate", "creases")
 
     @property
