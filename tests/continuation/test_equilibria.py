@@ -17,7 +17,6 @@ from origami_nlp.continuation.system import BorderedSystem, Hold
 from origami_nlp.kkt import project
 from origami_nlp.pattern_problem import pose
 from origami_nlp.search import descent_path
-from tests.computed_once import thinned
 from tests.parameter_lines import line_between
 
 SNAP, RESTABLE = -0.138149523101, -0.123882378029
@@ -67,26 +66,6 @@ def test_a_torque_snaps_a_state_and_another_holds_it_again(torques):
         for e in (0.01, -0.01)
     )
     assert np.abs(stays).max() < 1e-8 and np.abs(leaves).max() > 0.5
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-@pytest.mark.parametrize("longest", thinned([0.11, 0.05, 0.3], 3))
-def test_steps_of_any_length_find_the_same_events(torques, longest):
-    web, states = torque_web(replace(STEPS, longest=longest, turn=longest), low=-5.0)
-    web.add(states[0], 0.0)
-    want = [n.s for n in events(torques) if n.s > -5.0]
-    assert [n.s for n in events(web)] == pytest.approx(want, abs=1e-11)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_backwards_the_same_events_are_found(torques):
-    scale = torques.line.problem.scale
-    beyond = [f for _, f in torques.states_at(-0.13 / scale) if f.hold.contacts]
-    web, _ = torque_web(low=-5.0)
-    web.add(beyond[0].state, beyond[0].s)
-    back = {n.type: n.s * scale for n in events(web) if n.s > -5.0 and n.s < 0}
-    assert back["fold"] == pytest.approx(SNAP, abs=1e-12)
-    assert back["nonsmooth-fold"] == pytest.approx(RESTABLE, abs=1e-12)
 
 
 def test_every_located_event_is_rounding_in_both_functions(torques):

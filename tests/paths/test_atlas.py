@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -180,26 +179,6 @@ def test_states_that_limits_hold_break_no_symmetry_under_a_torque():
         assert found and all(v.verdict == "stable" for v in found)
         assert all(min(v.breaking_eigenvalues) == pytest.approx(0.025) for v in found)
     assert not [e for e in atlas.events if e.type == "breaks-symmetry"]
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_a_torque_is_followed_to_the_snap_of_the_load_path():
-    """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
-    scene = o.examples.degree6("5*pi/12")
-    atlas = follow(scene, "torque[1]=-0.15:-0.1", checks=2, full=False)
-    fold, again = atlas.events
-    assert (fold.type, again.type) == ("fold", "nonsmooth-fold") and fold.located
-    assert fold.t == pytest.approx(-0.138149523101, abs=1e-12)
-    assert again.t == pytest.approx(-0.123882378029, abs=1e-12)
-    for p in atlas.branches[1].points[::5]:
-        assert p.energy == pytest.approx(
-            atlas.family.scene_of(p.t).energy(p.fold_angles), abs=1e-15
-        )
-    assert compare(atlas, -0.13) == 0
-    loaded = replace(scene, preload=(-0.1, 0, 0, 0, 0, 0))
-    for name, t in (("torque", -0.03), ("creases.preload", -0.13)):
-        made = family_of(loaded, parse_parameter_range(f"{name}[1]={t}:0")).scene_of(t)
-        assert made.preload == pytest.approx((-0.13, 0, 0, 0, 0, 0), abs=1e-16)
 
 
 @pytest.mark.slow  # seconds of curves or searches
