@@ -18,17 +18,9 @@ from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paths.numbers import Example, with_numbers
 from origami_nlp.paths.parameter_range import ParameterRange, meant_by
-from origami_nlp.pattern import (
-    LAW_NUMBER,
-    LawCourse,
-    Scene,
-    as_pattern,
-    examples,
-    law_course,
-    with_symmetry_of,
-)
+from origami_nlp.pattern import Scene, as_pattern, examples, with_symmetry_of
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.problem import LawChange, Parameters
+from origami_nlp.problem import Parameters
 
 CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
@@ -49,8 +41,6 @@ class Family:
         must be linear in t (in ln t where `ParameterRange.log`).
     samples
         How many are posed before it is followed, to see whether it is smooth.
-    course
-        The hinge law that t is a number of, if it is.
     like
         A problem whose scale and numbers of contacts those of the family take.
     example
@@ -60,7 +50,6 @@ class Family:
     parameter: ParameterRange
     scene_of: Callable[[float], Any] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
-    course: LawCourse | None = field(default=None, repr=False)
     like: PatternProblem | None = field(default=None, repr=False)
     example: str = ""
 
@@ -77,7 +66,7 @@ class Family:
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
-        return same_problem(made, self.parameter.name, moving=self.course is not None)
+        return same_problem(made, self.parameter.name)
 
     @property
     def _size(self) -> float:
@@ -112,9 +101,6 @@ class Family:
         first = whole.parameters
         direction = change_of(first, posed[-1].parameters, length)
         start = ParameterLine(whole, first, direction).at(-low).parameters
-        if self.course is not None and direction.laws is not None:
-            laws = replace(direction.laws, moving=LawChange(self.course, 0.0))
-            direction = replace(direction, laws=laws)
         line = ParameterLine(whole, start, direction, weight)
         if not direction.sectors.any():
             return line
@@ -200,15 +186,13 @@ def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
     )
 
 
-def same_problem(
-    made: list[tuple[Any, PatternProblem]], name: str, *, moving: bool = False
-) -> list[PatternProblem]:
+def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[PatternProblem]:
     """Return problems with the scale and the numbers of contacts of the first; name: of the parameter.
 
     Raises
     ------
     OptionError
-        If some have other facets, another symmetry or contact, or, unless they move, hinge laws.
+        If some have other facets, hinge laws, another symmetry or contact.
     """
     _, whole = made[0]
     for _, problem in made:
@@ -218,7 +202,7 @@ def same_problem(
                 f"over {name} facets, creases, symmetry or contact do not stay: state the symmetry, or follow a "
                 "shorter range"
             )
-        if not moving and one[-1] != other[-1]:
+        if one[-1] != other[-1]:
             raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
     return [_posed_as(whole, stated, problem) for stated, problem in made]
 
@@ -265,30 +249,25 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     OptionError
         If there is no such parameter.
     """
-    names = [name.strip() for name in parameter.name.split("+")]
-    example, of, course = "", stated, None
+    names = parameter.names
+    example, of = "", stated
     if isinstance(stated, str) and examples.is_example(stated.partition(":")[0]):
         of = Example.of(stated, True)
-        example = stated if set(names) <= {*of.options} - {"rows", "columns"} else ""
+        example = stated if {*names} <= {*of.options} - {"rows", "columns"} else ""
     if isinstance(stated, Scene):
         of = replace(stated.of_one_winding, symmetry=stated.group.name)
     elif not example:
         of = as_pattern(stated, "origami")
         of.check_alone("following states over a parameter")
-    if LAW_NUMBER.fullmatch(parameter.name):
-        course = law_course(of.laws, parameter.name, parameter.low, parameter.high)
-
-    def scene_of(t: float) -> Any:
-        return with_numbers(of, dict.fromkeys(names, t), course)
-
+    family = Family(parameter, lambda t: with_numbers(of, dict.fromkeys(names, t)), example=example)
     try:
-        scene_of(parameter.low)
+        family.scene_of(parameter.low)
     except OptionError as error:
         more = f", or ratio{meant_by(parameter.name)}" * (not isinstance(stated, Scene))
         raise OptionError(f"parameter = {error}{more}") from None
     except OrigamiError:  # a value that does not fit is said where it is followed
         pass
-    return Family(parameter, scene_of, course=course, example=example)
+    return family
 
 
 def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) -> Scene:
@@ -320,6 +299,6 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
         # no rational relation between parameters
         low, high = parameter.ends
         t = parameter.t_of(low + math.exp(-k) * (high - low))
-        values |= dict.fromkeys((name.strip() for name in parameter.name.split("+")), t)
+        values |= dict.fromkeys(parameter.names, t)
     generic = with_numbers(replace(scene, mirror=None, winding=None), values)
     return with_symmetry_of(scene, generic)  # type: ignore[arg-type]

@@ -4,10 +4,9 @@ Of a vertex they are ``creases.stiffness[1]``, ``creases.rest_angles[1]``, ``cre
 ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out, numbered from 1; with ``_deg`` before
 the entry in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces that the
 scene states, ``loads[1]`` that of one.  ``law_scale[1]`` multiplies the hinge law of a crease as it is stated (of wells
-and detents that is their depth), ``law_shift[1]`` moves it towards valley; ``laws.NAME.width`` and
-``laws.NAME.sum[2].energy`` are numbers that a law is stated with, of all creases that have it.  ``ratio`` is the
-stiffness of mountains over that of valleys, ``alpha`` the sector angle alpha_1 of the paper's families.  Of patterns
-they are ``ratio``, those of laws, and those of `pattern.with_places`; of an example by name its options too.
+and detents that is their depth), ``law_shift[1]`` moves it towards valley.  ``ratio`` is the stiffness of mountains
+over that of valleys, ``alpha`` the sector angle alpha_1 of the paper's families.  Of patterns they are ``ratio`` and
+those of `pattern.with_places`; of an example by name its options too.
 """
 
 from __future__ import annotations
@@ -26,16 +25,13 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.paths.parameter_range import meant_by
 from origami_nlp.pattern import (
-    LAW_NUMBER,
     LAW_PLACES,
-    LawCourse,
     Pattern,
     Scene,
     Vertex,
     check_law_place,
     examples,
     law_at,
-    law_course,
     with_places,
 )
 
@@ -83,9 +79,7 @@ def _sheet(name: str, sized: Mapping[str, Any], **options: Any) -> Pattern:
 Stated = Scene | Pattern | Example
 
 
-def with_numbers(
-    of: Stated, values: Mapping[str, float], course: LawCourse | None = None
-) -> Scene | Pattern:
+def with_numbers(of: Stated, values: Mapping[str, float]) -> Scene | Pattern:
     """Return an origami with other numbers.
 
     Parameters
@@ -94,8 +88,6 @@ def with_numbers(
         Where the other numbers come from.  Of a scene whose symmetry is stated images under it get what a crease gets.
     values
         By name, see the module.
-    course
-        The hinge law that one of them is a number of, over a range of it.
 
     Returns
     -------
@@ -117,16 +109,9 @@ def with_numbers(
     left = dict(values)
     if isinstance(made, Example):
         made = made.make(**{k: left.pop(k) for k in values if k in made.options})
-    for name, t in [*left.items()]:
-        if name == "ratio":
-            k = tuple(_in_ratio(made, t))
-            made = made.with_springs(k) if isinstance(made, Pattern) else replace(made, stiffness=k)
-        elif LAW_NUMBER.fullmatch(name):
-            laws = (course or law_course(made.laws, name, t, t)).moved(made.laws, t)
-            made = made.with_laws(laws) if isinstance(made, Pattern) else replace(made, laws=laws)
-        else:
-            continue
-        del left[name]
+    if "ratio" in left:
+        k = tuple(_in_ratio(made, left.pop("ratio")))
+        made = made.with_springs(k) if isinstance(made, Pattern) else replace(made, stiffness=k)
     return with_places(made, left) if isinstance(made, Pattern) else _scene_with(made, left)
 
 
@@ -191,7 +176,7 @@ def _place(scene: Scene, name: str) -> tuple[str, int]:
     if not 1 - (what == name == "loads" and most > 0) <= int(number) <= most:
         raise OptionError(
             f"{name!r} is no number of the scene: write ratio, alpha, stiffness[1], rest_angles[1], preload[1], "
-            f"torque[1], sector_angles[1], law_scale[1], law_shift[1] or laws.NAME.energy, with entries 1 to "
+            f"torque[1], sector_angles[1], law_scale[1] or law_shift[1], with entries 1 to "
             f"{scene.degree}"
             + (f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else "")
             + meant_by(name)

@@ -17,8 +17,7 @@ scale = "log"                  # linear (default) or log; or values = [...] in p
 set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several places take the same value
                                # angles: "creases.rest_angles[1]" in radians, "creases.rest_angles_deg[1]" in
                                # degrees, whichever the scene states
-                               # of hinge laws: "laws.NAME.energy", "laws.NAME.sum[2].at_deg", "law_scale[1]",
-                               # "law_shift_deg[1]"; of loads: "loads[1]", the factor of a force
+                               # of hinge laws "law_scale[1]", "law_shift[1]"; of loads "loads[1]", a factor
 values = ["pi/4", 1.2]
 
 [search]

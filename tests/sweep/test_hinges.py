@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 
 import pytest
@@ -26,28 +27,21 @@ contact = "fold-limits"
 """
 
 
-@pytest.mark.parametrize(
-    ("place", "value", "was", "becomes"),
-    [
-        ("laws.snap.sum[2].at_deg", 50.0, "at_deg = 60", "at_deg = {}"),
-        ("laws.snap.sum[2].energy", 0.2, "energy = 0.5", "energy = {}"),
-    ],
-)
-def test_each_scene_of_a_sweep_is_the_one_stated_alone(place, value, was, becomes):
-    axes = f'[[axes]]\nname = "x"\nset = "{place}"\nvalues = [{value - 0.1}, {value}]\n'
-    sweep = parse_sweep(tomllib.loads(BASE + axes))
-    stated = BASE.replace("[scene.", "[")
-    alone, made = o.parse_scene(stated.replace(was, becomes.format(value))), sweep.scene(1)
-    assert same_laws(made.laws, alone.laws) and made.limits == alone.limits
-    plain = o.parse_scene(stated)
-    assert not same_laws(made.laws, plain.laws) or made.limits != plain.limits
+def swept(place, *values):
+    axes = f'[[axes]]\nset = "{place}"\nvalues = {[*values]}\n'
+    return parse_sweep(tomllib.loads(BASE + axes))
 
 
-@pytest.mark.parametrize(
-    "place",
-    ["laws.snip.energy", "laws.snap.energy", "laws.snap.sum[3].energy", "law_scale[9]"],
-)
+def test_each_scene_of_a_sweep_has_the_law_stated_alone():
+    law = o.parse_scene(BASE.replace("[scene.", "[")).laws[0]
+    for made, wanted in (
+        (swept("law_scale[1]", 1.0, 0.4), law.times(0.4)),
+        (swept("law_shift_deg[1]", 1.0, -10.0), law.shifted(math.radians(-10.0))),
+    ):
+        assert same_laws(made.scene(1).laws, (wanted, None, None, law))
+
+
+@pytest.mark.parametrize("place", ["laws.snap.energy", "law_scale[9]", "law_scale[2]"])
 def test_places_that_are_not_there_are_named(place):
-    axes = f'[[axes]]\nset = "{place}"\nvalues = [1, 2]\n'
     with pytest.raises(OptionError):
-        parse_sweep(tomllib.loads(BASE + axes))
+        swept(place, 1, 2)
