@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -30,16 +29,6 @@ QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
 Chain: TypeAlias = list[tuple[int, bool]]
 """Arcs in order, each with whether it is run from its start to its end."""
-Pieces: TypeAlias = tuple[tuple[Contact, ...], ...]
-
-
-class Part(NamedTuple):
-    """A part of an arc: positions of its first and last frame, and what its states are."""
-
-    first: int
-    last: int
-    kind: str
-    certificate: str
 
 
 class FollowedDiagram(BifurcationDiagram):
@@ -70,7 +59,7 @@ class FollowedDiagram(BifurcationDiagram):
             raise OptionError(f"states of {many} are not followed: its closure has sparse factors")
         super().__init__(line, *parameter.ends, functions=functions, **options)
         self.parameter, self.cut = parameter, False
-        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
+        self._kinds, self._points = dict[int, tuple[str, str]](), dict[Equilibrium, r.PathPoint]()
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest stiffness of a state across its symmetry; nan where it keeps none that is imposed."""
@@ -99,8 +88,8 @@ class FollowedDiagram(BifurcationDiagram):
         number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
-            if k not in self._parts:
-                self._parts[k] = parts_of(arc, judged=not self.cut)
+            if k not in self._kinds:
+                self._kinds[k] = kind_of(arc, judged=not self.cut)
             for node in (arc.start, arc.end):
                 meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
@@ -224,15 +213,12 @@ class FollowedDiagram(BifurcationDiagram):
         for k, forward in chain:
             arc = self.arcs[k]
             frames = arc.frames if forward else arc.frames[::-1]
-            last = len(frames) - 1
-            # positions in the whole branch
             begin = len(points) - bool(points)  # arcs share the point at which they meet
             points += [self.point(f) for f in frames[bool(points) :]]
-            for part in self._parts[k] if forward else reversed(self._parts[k]):
-                a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
-                t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
-                place, what = (begin + a, begin + b), (part.kind, arc.index, part.certificate)
-                ranges = _joined(ranges, r.KindRange(t, *what, place))
+            t = self.parameter.t_of(frames[0].s), self.parameter.t_of(frames[-1].s)
+            kind, why = self._kinds[k]
+            place = begin, len(points) - 1
+            ranges = _joined(ranges, r.KindRange(t, kind, arc.index, why, place))
         (a, forward), (b, onward) = chain[0], chain[-1]
         first = self.arcs[a].start if forward else self.arcs[a].end
         final = self.arcs[b].end if onward else self.arcs[b].start
@@ -253,39 +239,20 @@ def least_eigenvalue(frame: Equilibrium) -> float:
     return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
 
 
-def parts_of(arc: BranchSegment, judged: bool = True) -> list[Part]:
-    """Return what the states of an arc are, judged in the middle and beside its ends."""
+def kind_of(arc: BranchSegment, judged: bool = True) -> tuple[str, str]:
+    """Return what the states of an arc are, and why: judged in the middle and beside its ends.
+
+    If one of these is no minimum that is said of all.
+    """
     last = len(arc.frames) - 1
     if arc.index:
-        return [Part(0, last, "saddle", "")]
+        return "saddle", ""
     if not judged:
-        return [Part(0, last, "undecided", "interrupted before it was judged")]
-    inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
-    if last == 1:
-        inner = [arc.middle]
-    known = {k: _judged(arc.frames[k]) for k in inner}
-    cuts = [0]
-    for a, b in itertools.pairwise(inner):
-        if known[a][0] == known[b][0]:
-            continue
-        low, high = a, b
-        while high - low > 1:
-            middle = (low + high) // 2
-            known[middle] = _judged(arc.frames[middle])
-            # one change between a and b is assumed; events, where kinds change as a rule, cut arcs already
-            low, high = (middle, high) if known[middle][0] == known[a][0] else (low, middle)
-        cuts.append(high)
-    out = []
-    for first, end in zip(cuts, [*cuts[1:], last], strict=True):
-        # the judged frame nearest to the middle of the part
-        k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
-        out.append(Part(first, end, *known[k]))
-    return out
-
-
-def _judged(frame: Equilibrium) -> tuple[str, str]:
-    what = frame.judged
-    return (what.kind or what.verdict, what.reason)
+        return "undecided", "interrupted before it was judged"
+    inner = [last // 2, 1, last - 1] if last > 1 else [arc.middle]
+    found = [arc.frames[k].judged for k in dict.fromkeys(inner)]
+    worst = next((what for what in found if what.kind not in r.COUNTED), found[0])
+    return worst.kind or worst.verdict, worst.reason
 
 
 def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:

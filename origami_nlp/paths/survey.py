@@ -102,16 +102,19 @@ def follow(
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     check_callback("progress", progress)
-    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
+    check_whole("checks", checks, 1)
+    check_flag("full", full)
+    check_prove("prove", prove)
+    check_type("options", options or STEPS, ContinuationOptions)
     asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
-    asked |= {"until": until, "progress": progress, **search}
+    asked |= {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     what: Any = as_origami(origami)
     whole = origami if isinstance(origami, str) else what
     others = ""
     if isinstance(what, Scene):
         whole = with_generic_symmetry(what, (stated,))
         others = " and ".join(map(str, whole.windings[1:]))
-    found = follow_family(family_of(whole, stated), **asked)
+    found = follow_family(family_of(whole, stated), until=until, progress=progress, **asked)
     if others:  # each winding is a problem of its own
         more = (
             f"states that wind {others} times round the axis are not followed: state their winding"
@@ -125,7 +128,6 @@ def follow_family(
     *,
     checks: int = 3,
     full: bool = True,
-    prove: bool | float | ProofOptions = False,
     options: ContinuationOptions | None = None,
     until: float = math.inf,
     progress: Callable[[str], object] | None = None,
@@ -135,13 +137,9 @@ def follow_family(
 
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
-    check_whole("checks", checks, 1)
-    check_flag("full", full)
-    check_prove("prove", prove)
-    check_type("options", STEPS if options is None else options, ContinuationOptions)
     survey = _Survey(family, full, options, until, progress or (lambda _: None))
     try:
-        survey.run(checks, {**search, "prove": prove})
+        survey.run(checks, search)
     except KeyboardInterrupt:
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
