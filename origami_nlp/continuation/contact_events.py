@@ -79,7 +79,7 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
         # a sign may also change through infinity, where held contacts become dependent
         if is_zero(force, frame, a, b):
             share = force(frame) / frame.system.size
-            event = found_at("leaves", frame, share, a.hold.contacts[k])
+            event = found_at("leaves", frame, share, a.hold[k])
         else:
             event = pole(curve, a, b, force)
         found.append(event)
@@ -93,7 +93,7 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
     facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
     found: list[LocatedEvent] = []
-    for contact in (c for c in b.hold.contacts if margin(b, c) <= 0.0):
+    for contact in (c for c in b.hold if margin(b, c) <= 0.0):
 
         def reported(f: Equilibrium, contact: Contact = contact) -> float:
             return f.problem.margin(contact, f.state) - INSIDE
@@ -143,7 +143,7 @@ def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent
     """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
     steps = [step_length(a, e.frame, curve.root) for e in found]
     together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
-    held = [e for e in together if e.contact in curve.hold.contacts]
+    held = [e for e in together if e.contact in curve.hold]
     return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
@@ -258,7 +258,7 @@ def _candidates(
     rows += [*near.base, *(c for branch in near.branches for option in branch for c in option)]
     rows += back.problem.about_to_close(back.state, NEAR_SINGULAR_TOL)
     rows += bad.problem.beyond(bad.state, CONTACT_TOL)
-    rows = [c for c in dict.fromkeys(rows) if c not in good.hold.contacts]
+    rows = [c for c in dict.fromkeys(rows) if c not in good.hold]
     if len(rows) <= MOST_TRIED:
         return rows
     opening = p.local(good.state).openings(rows)[0]

@@ -44,7 +44,7 @@ from origami_nlp.continuation.one_sided_branches import (
     one_sided_branches_at,
     turned,
 )
-from origami_nlp.continuation.system import BorderedSystem, Tally
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import (
     ALIGNED,
     CLOSED_CURVE,
@@ -71,8 +71,6 @@ class BifurcationDiagram:
         The range of s.
     steps
         Of the tracer.
-    through_folds
-        Whether unstable states beyond a fold are followed.
     functions
         Further functions of a state whose zeros are events, by type.
     stops
@@ -88,8 +86,8 @@ class BifurcationDiagram:
     ----------
     nodes, arcs
         In the order in which they were found.
-    tally
-        What it cost.
+    steps_made
+        That the tracer accepted.
     interrupted
         Whether the time was over before all that comes of the states given was followed.
     stopped
@@ -103,7 +101,6 @@ class BifurcationDiagram:
         high: float,
         *,
         steps: ContinuationOptions = STEPS,
-        through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
         stops: Sequence[str] = (),
         lazy: bool = False,
@@ -114,10 +111,10 @@ class BifurcationDiagram:
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, until=min(steps.until, until))
         self.interrupted = self.stopped = False
-        self.through_folds, self.functions = through_folds, tuple(functions)
+        self.functions = tuple(functions)
         self.nodes: list[SpecialPoint] = []
         self.arcs: list[BranchSegment] = []
-        self.tally = Tally()
+        self.steps_made = 0
         self.root = np.append(line.problem.root, line.weight)
 
     @property
@@ -137,7 +134,7 @@ class BifurcationDiagram:
 
     def states_at(self, s: float) -> list[tuple[int, Equilibrium]]:
         """Return the states of all arcs at s, with the positions of the arcs."""
-        found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
+        found = [(k, arc.at(s)) for k, arc in enumerate(self.arcs)]
         return [(k, frame) for k, frame in found if frame is not None]
 
     def alone_at(self, s: float) -> list[Equilibrium]:
@@ -159,9 +156,7 @@ class BifurcationDiagram:
         grows or falls at first; the other way is left.  follow: whether anything is followed yet.
         """
         point = np.append(x, s)
-        node = SpecialPoint(
-            START, point, halves=find_one_sided_branches(self.line, point, self.tally, verdict)
-        )
+        node = SpecialPoint(START, point, halves=find_one_sided_branches(self.line, point, verdict))
         self.nodes.append(node)
         # at an end of the range only the half-branches that lead inside are followed
         ends = {1.0: self.high, -1.0: self.low}
@@ -209,7 +204,7 @@ class BifurcationDiagram:
     def add_flat(self) -> None:
         """Follow the minima that are born where curves pass the flat state."""
         for s, direction in [] if self.late else self.flat:
-            for frame in beside_flat(self.line, s, direction, self.tally):
+            for frame in beside_flat(self.line, s, direction):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
                 known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
@@ -218,11 +213,9 @@ class BifurcationDiagram:
 
     def _follow(self, start: int, half: OneSidedBranch) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
-        curve = EquilibriumCurve(
-            self.line, half.frame.hold, self.tally, corrector=self.steps.corrector
-        )
+        curve = EquilibriumCurve(self.line, half.frame.hold, corrector=self.steps.corrector)
         frames, stop = self._trace(curve, half)
-        self.tally.steps += len(frames)
+        self.steps_made += len(frames)
         begun, here = [half.frame], start
         todo: list[tuple[int, int]] = []
         for frame in frames:
@@ -239,9 +232,6 @@ class BifurcationDiagram:
                 if event.type == "branching" and not self.lazy:
                     self.nodes[number].halves = one_sided_branches_at(curve, event.frame)
                     todo += [(number, k) for k in range(len(self.nodes[number].halves))]
-                if event.type == "fold" and not self.through_folds:
-                    self.nodes[number].why = "not followed through folds"
-                    return todo
             begun.append(frame)
         if len(begun) < 2:
             return todo
@@ -397,7 +387,6 @@ class BifurcationDiagram:
             event.located,
             event.why,
             between=event.between,
-            held=event.frame.hold.contacts,
         )
         self.nodes.append(node)
         return len(self.nodes) - 1, False
@@ -419,7 +408,7 @@ class BifurcationDiagram:
         if stop.type not in ("closes", "leaves"):
             return []
         if not node.halves:
-            node.halves = find_one_sided_branches(self.line, node.point, self.tally)
+            node.halves = find_one_sided_branches(self.line, node.point)
         back = turned(half)
         came = _likest(node.halves, back.frame.tangent)
         node.used += came
@@ -439,9 +428,6 @@ class BifurcationDiagram:
         # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
         elif all(v * back.frame.ahead > 0 for v in ahead):
             node.type = "nonsmooth-fold"
-        if node.type == "nonsmooth-fold" and not self.through_folds:
-            node.why = "not followed through folds"
-            return []
         onward = [k for k in onward if k not in node.used]
         if self.lazy and half.frame.index:
             # beyond unstable states: those that become stable there wait until they are asked for
@@ -452,7 +438,7 @@ class BifurcationDiagram:
         self, node: SpecialPoint, number: int, half: OneSidedBranch, beyond: Equilibrium
     ) -> list[tuple[int, int]]:
         """Go on from a point on the other side of a singular state, with the contacts that carry there."""
-        found = find_one_sided_branches(self.line, beyond.x, self.tally)
+        found = find_one_sided_branches(self.line, beyond.x)
         onward = [h for h in found if h.is_like(half.frame)]
         known = any(
             np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)

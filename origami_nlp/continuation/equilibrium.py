@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.continuation.line import Line
-from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, OUTSIDE, ROUNDED, STATIONARY
@@ -59,7 +59,7 @@ class Equilibrium:
         return self.system.problem
 
     @property
-    def hold(self) -> Hold:
+    def hold(self) -> tuple[Contact, ...]:
         """The contacts held."""
         return self.system.hold
 
@@ -113,8 +113,7 @@ class EquilibriumCurve:
     """
 
     line: Line
-    hold: Hold
-    tally: Tally
+    hold: tuple[Contact, ...] = ()
     known: list[tuple[np.ndarray, BorderedSystem]] = field(default_factory=list)
     given: list[Equilibrium] = field(default_factory=list)
     corrector: int = NEWTON
@@ -131,7 +130,6 @@ class EquilibriumCurve:
         span: np.ndarray | None = None,
     ) -> BorderedSystem:
         """Evaluate the KKT system at (x, s)."""
-        self.tally.evaluations += 1
         return BorderedSystem(self.line, point, self.hold, multipliers, span)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
@@ -178,7 +176,7 @@ class EquilibriumCurve:
     @property
     def _least(self) -> float:
         """Closure and openings at which Newton has arrived; off closure a gap is one along a walk, its slope too."""
-        return CLOSURE_TOL if all(c.is_limit for c in self.hold.contacts) else ROUNDED
+        return CLOSURE_TOL if all(c.is_limit for c in self.hold) else ROUNDED
 
     def _inside(
         self, point: np.ndarray, system: BorderedSystem

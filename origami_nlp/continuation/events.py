@@ -231,13 +231,13 @@ def _contacts_become_one(
 
     There a state without one or more of them closes another; on the way to it only their sum is a force.
     """
-    held = curve.hold.contacts
+    held = curve.hold
     reach = 2 * float(np.linalg.norm(curve.root * (b.x - a.x)))
     # two contacts are let go first, then more; where one of them closes again the others must do so too
     for count in range(len(held) - 1):
         for rest in itertools.combinations(held, len(held) - 2 - count):
             for contact in (c for c in held if c not in rest):
-                other = replace(curve, hold=replace(curve.hold, contacts=rest), known=[], given=[])
+                other = replace(curve, hold=rest, known=[], given=[])
                 there = other.where_closed(near, contact, near.tangent)
                 if there is None or np.linalg.norm(curve.root * (there.x - a.x)) > reach:
                     continue

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import Line
-from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots
 
 MOST_ROWS = 400
@@ -82,7 +82,7 @@ def flat_passage(
 def flat_event(line: Line, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.problem.size)
-    system = BorderedSystem(line, np.append(still, s), Hold())
+    system = BorderedSystem(line, np.append(still, s))
     frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
     return frame, _balance(system, [])
 
@@ -106,7 +106,7 @@ def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndar
     flat, first = np.zeros(line.problem.size), list[np.ndarray]()
 
     def tip(s: float) -> tuple[float, np.ndarray] | None:
-        return _tip(BorderedSystem(line, np.append(flat, s), Hold()), first)
+        return _tip(BorderedSystem(line, np.append(flat, s)), first)
 
     if tip(low) is None or not line.problem.lifts_to_one(flat):
         return []
@@ -144,7 +144,7 @@ def passes(
     """
     y, z = (f.problem.root * f.state for f in (a, b))
     sizes = np.linalg.norm(y), np.linalg.norm(z)
-    if a.hold.contacts or max(sizes) > NEAR:
+    if a.hold or max(sizes) > NEAR:
         return None
     out = []
     for s, d in roots():
@@ -166,7 +166,7 @@ def crossing(
     s, direction = root
     frame, value = flat_event(curve.line, s)
     frame = replace(frame, tangent=a.tangent)
-    beyond, before = beside_flat(curve.line, s, direction, curve.tally)
+    beyond, before = beside_flat(curve.line, s, direction)
     length = float(np.linalg.norm(a.problem.root * a.state))
     between: list[Equilibrium] = []
     if before is not None and np.linalg.norm(before.problem.root * before.state) < 0.9 * length:
@@ -178,14 +178,14 @@ def crossing(
 
 
 def beside_flat(
-    line: Line, s: float, direction: np.ndarray, tally: Tally
+    line: Line, s: float, direction: np.ndarray
 ) -> tuple[Equilibrium | None, Equilibrium | None]:
     """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
 
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
     """
     root = line.problem.root
-    curve = EquilibriumCurve(line, Hold(), tally)
+    curve = EquilibriumCurve(line)
     out: list[Equilibrium | None] = []
     # closed states x and -x come in pairs there, equilibria do not: each side is found by itself
     for sign in (1.0, -1.0):
@@ -238,7 +238,7 @@ def _forms(
     if len(c) == rank or np.abs(system.values).max() > CLOSURE_TOL:
         return None
     lost, z = u[:, rank:], vt[rank:].T
-    p, contacts = system.problem, system.hold.contacts
+    p, contacts = system.problem, system.hold
     inside = z / p.root[:, None]
     # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
     every = np.array(

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -37,21 +36,6 @@ REFINED = 8
 """Solutions of one system at most, each of what the ones before leave."""
 
 
-@dataclass(frozen=True)
-class Hold:
-    """Which contacts are held closed."""
-
-    contacts: tuple[Contact, ...] = ()
-
-
-@dataclass
-class Tally:
-    """What following cost: steps accepted, and evaluations of the KKT system."""
-
-    steps: int = 0
-    evaluations: int = 0
-
-
 class BorderedSystem:
     """The KKT system of a point (x, s) with contacts held, in the metric of all fold angles.
 
@@ -62,7 +46,7 @@ class BorderedSystem:
     point
         State and parameter (x, s), [n + 1].
     hold
-        The contacts.
+        The contacts that are held closed.
     multipliers
         Of closure and contacts, over `scale`, [m + r]; None: those of least squares.
     span
@@ -74,7 +58,7 @@ class BorderedSystem:
         self,
         line: Line,
         point: np.ndarray,
-        hold: Hold,
+        hold: tuple[Contact, ...] = (),
         multipliers: np.ndarray | None = None,
         span: np.ndarray | None = None,
     ) -> None:
@@ -86,8 +70,8 @@ class BorderedSystem:
         self.problem = p
         local, root = p.rows(x), p.root
         self.values, self.jacobian = local.closure, local.closure_jacobian / root
-        if hold.contacts:
-            values, slopes = local.openings(hold.contacts)
+        if hold:
+            values, slopes = local.openings(hold)
             self.jacobian = np.concatenate([self.jacobian, slopes / root])
             self.values = np.concatenate([local.closure, values])
         gradient = local.gradient / root
@@ -95,8 +79,8 @@ class BorderedSystem:
         if multipliers is None:
             multipliers = self._least_squares(gradient)
         self.multipliers = multipliers
-        self.hessian = (p.curvature(x, multipliers, hold.contacts) / root).T / root
-        torque, moved = line.drift(p, s, x, multipliers, hold.contacts)
+        self.hessian = (p.curvature(x, multipliers, hold) / root).T / root
+        torque, moved = line.drift(p, s, x, multipliers, hold)
         self.drift = torque / root / line.weight
         self.moved = moved / line.weight
         self.imbalance = gradient - self.jacobian.T @ multipliers
@@ -126,7 +110,7 @@ class BorderedSystem:
     @cached_property
     def range(self) -> np.ndarray:
         """Basis of the row space of closure here, and all contacts, [m + r, q]."""
-        r = len(self.hold.contacts)
+        r = len(self.hold)
         u, sizes, _ = np.linalg.svd(self.jacobian[: len(self.values) - r], full_matrices=False)
         return np.asarray(sp.linalg.block_diag(u[:, sizes > RANK], np.eye(r)))
 
@@ -145,12 +129,12 @@ class BorderedSystem:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure and active constraints, [n, t]."""
         p = self.problem
-        at_limit = [c.index for c in self.hold.contacts if c.is_limit]
+        at_limit = [c.index for c in self.hold if c.is_limit]
         z = p.kernel(self.x, at_limit)
-        gaps = [k for k, c in enumerate(self.hold.contacts) if not c.is_limit]
+        gaps = [k for k, c in enumerate(self.hold) if not c.is_limit]
         if not gaps:
             return np.asarray(z)
-        first = len(self.jacobian) - len(self.hold.contacts)
+        first = len(self.jacobian) - len(self.hold)
         return np.asarray(z @ null_space(self.jacobian[[first + k for k in gaps]] @ z))
 
     @property
@@ -161,7 +145,7 @@ class BorderedSystem:
     @cached_property
     def least(self) -> float:
         """Smallest singular value of contacts along what closure leaves free."""
-        if not (r := len(self.hold.contacts)):
+        if not (r := len(self.hold)):
             return 1.0
         rows = self.jacobian[len(self.values) - r :] @ self.problem.kernel(self.x)
         sizes = np.linalg.svd(rows, compute_uv=False)

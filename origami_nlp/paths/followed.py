@@ -104,9 +104,9 @@ class FollowedDiagram(BifurcationDiagram):
             return self._points[frame]
         p, forces = frame.problem, []
         phi = p.expand(frame.state) + 0.0
-        if frame.hold.contacts:
+        if frame.hold:
             spread = _spread(frame.seen)
-            for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+            for contact, value in zip(frame.hold, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
                 unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
                 low, high = (unit * v for v in spread.get(contact, (value, value)))
@@ -198,7 +198,7 @@ class FollowedDiagram(BifurcationDiagram):
         if node.type not in ("closes", "leaves"):
             return "singular" if node.type == "refused" else node.type
         held = [
-            (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
+            (arc.frames[1].hold, arc.high > node.s + (node.s - arc.low))
             for arc in self.arcs
             if at in (arc.start, arc.end)
         ]

@@ -191,7 +191,7 @@ class FollowedLoad(Ways):
         alarms = tuple(dict.fromkeys(kept.alarms))
         return LoadPath(
             self.parameter, tuple(branches), tuple(passed), alarms,
-            sum(job.tally.steps for job in kept.stages or [self]),
+            sum(job.steps_made for job in kept.stages or [self]),
             any(line.startswith((OUT_OF_TIME, r.STOPPED)) for line in alarms),
             self.driver, self.state, tuple(legs), tuple(snaps), kept.work,
         )  # fmt: skip
@@ -267,9 +267,9 @@ class FollowedLoad(Ways):
         begun, on_path = self.given(landed, s), self.holding(landed, s)
         if not on_path and begun is None:
             return landed
-        same = self.arcs[on_path[0][0]].at(at, self.tally) if on_path else None
+        same = self.arcs[on_path[0][0]].at(at) if on_path else None
         frame = on_path[0][1] if on_path else self.nodes[begun or 0].halves[0].frame
-        curve = EquilibriumCurve(self.line, frame.hold, self.tally)
+        curve = EquilibriumCurve(self.line, frame.hold)
         if same is None and frame.ahead:
             # where closure loses rank Newton at a load needs a state nearer than the last one
             near = curve.beside(frame, (at - frame.s) * self.line.weight / frame.ahead) or frame

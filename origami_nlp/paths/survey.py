@@ -186,7 +186,7 @@ class _Survey(FollowedDiagram):
             return math.nan
         if frame not in self._known:
             state = State(self._free.at(frame.s), frame.problem.expand(frame.state))
-            pieces = state.pieces if frame.hold.contacts else ((),)
+            pieces = state.pieces if frame.hold else ((),)
             scene = self.family.scene_of(self.parameter.low)
             found = (
                 breaking_stiffnesses(state, scene, pieces[0]) if len(pieces) == 1 else [math.nan]
@@ -254,7 +254,7 @@ class _Survey(FollowedDiagram):
         over, family, (branches, events) = self.parameter, self.family, self.records()
         self.alarms += [line for branch in branches for line in branch.alarms()]
         return Atlas(
-            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.tally.steps,
+            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.steps_made,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
             family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
         )  # fmt: skip

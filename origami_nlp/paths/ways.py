@@ -98,7 +98,7 @@ class Ways(FollowedDiagram):
             if not arcs:
                 return Run(self, (frame,), near, self._why(near, end), toward)
         k = arcs[0]
-        here = self.arcs[k].at(s, self.tally)
+        here = self.arcs[k].at(s)
         frames = [] if here is None else [here]
         while True:
             arc = self.arcs[k]
