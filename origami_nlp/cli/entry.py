@@ -8,7 +8,6 @@ import platform
 import signal
 import sys
 import traceback
-from collections.abc import Sequence
 from copy import copy
 from typing import Any, NoReturn
 
@@ -66,11 +65,8 @@ def origami_nlp(version: bool = _VERSION) -> None:
     """Take the options of the program itself."""
 
 
-def run(commands: Group | None, interrupted: Sequence[int]) -> None:
-    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it.
-
-    interrupted: signals of the user that came; what follows them is what comes of it.
-    """
+def run(commands: Group | None) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
@@ -81,8 +77,6 @@ def run(commands: Group | None, interrupted: Sequence[int]) -> None:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
     except Exception as error:
-        if interrupted:
-            raise
         _end(error)
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
