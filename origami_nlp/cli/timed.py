@@ -15,6 +15,8 @@ from origami_nlp.errors import OUT_OF_TIME, Interrupted, NothingInTime
 GRACE = 1.0
 """Seconds for which a verb that keeps to the limit itself may be late; then it is interrupted as by Ctrl-C, so that it
 keeps what it found, and after as long again it is ended."""
+SHORTEST = 1e-6
+"""Seconds of a timer that is over at once: 0 would stop it."""
 AGAIN = 0.2
 """Seconds after which a command that goes on is ended once more: libraries that try one conversion of their arguments
 after another (CasADi) can take what ends it for an argument of another kind."""
@@ -114,7 +116,7 @@ class Clock:
         """End the command that many seconds after its time, and again."""
         if self._able:
             left = self.end + after - time.monotonic()
-            signal.setitimer(signal.ITIMER_REAL, max(left, 1e-6), again)  # 0 would stop it
+            signal.setitimer(signal.ITIMER_REAL, max(left, SHORTEST), again)
 
     def _ring(self, *_: object) -> None:
         self.late = True
