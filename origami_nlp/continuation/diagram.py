@@ -368,7 +368,7 @@ class BifurcationDiagram:
 
     def _node(self, event: LocatedEvent) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
-        point = event.frame.x if event.point is None else event.point
+        point = event.frame.x
         for k, node in enumerate(self.nodes):
             if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
                 continue

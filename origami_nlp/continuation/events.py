@@ -24,7 +24,7 @@ import numpy as np
 
 from origami_nlp.continuation.branch_point import refined
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.flat import AT_FLAT, crossing, flat_passage
+from origami_nlp.continuation.flat import AT_FLAT, crossing
 from origami_nlp.continuation.one_sided_branches import is_equilibrium, judged
 from origami_nlp.numerics import CONTACT_TOL, EPS, NEARLY, SETTLED, STATIONARY, bracketed_roots
 from origami_nlp.problem import Contact
@@ -43,7 +43,7 @@ class LocatedEvent:
     type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
     comes there.  contact: that closes or leaves.  value: of its own function there.  located: whether value and KKT
     residual are rounding.  why: in words, where it is not.  beyond: a point on the other side of a singular state.
-    point, residual: of the event (x, s) where it is no frame, see `flat`.  between: values of s, where that is all.
+    residual: of the event, if not of the frame.  between: values of s, where that is all.
     """
 
     type: str
@@ -53,7 +53,6 @@ class LocatedEvent:
     located: bool
     why: str = ""
     beyond: Equilibrium | None = None
-    point: np.ndarray | None = None
     residual: float | None = None
     between: tuple[float, float] | None = None
 
@@ -169,11 +168,6 @@ def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) 
         return event
     back = _towards(curve, replace(b, tangent=-b.tangent), a, lambda f: 1.0 / value(f)) or b
     between = min(frame.s, back.s), max(frame.s, back.s)
-    flat = flat_passage(curve, frame.x, min(a.s, b.s), max(a.s, b.s))
-    if flat is not None and max(abs(flat[1]), flat[2]) <= STATIONARY:
-        point, off, residual = flat
-        why = "a flat state: closure and contacts lose rank, and multipliers pass infinity"
-        return LocatedEvent("singular", frame, None, off, True, why, b, point, residual)
     why = (
         f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
         "multipliers grow without bound: the equilibria on both sides are followed, each by itself"

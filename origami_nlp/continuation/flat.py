@@ -1,4 +1,4 @@
-"""Where a curve of equilibria passes a flat or flat-folded state: multipliers pass infinity there.
+"""Where a curve of equilibria passes the flat state: multipliers pass infinity there.
 
 At such a state x0 closure and held contacts C lose one rank, w' C = 0.  On the curve x = x0 + h d + ..., and the
 multipliers are eta w / h + ...; torques balance on the kernel Z of C at h = 0 only if, with Q the second derivative of
@@ -21,13 +21,11 @@ from numpy.polynomial import chebyshev
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import BorderedSystem
-from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots
+from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED
 
 MOST_ROWS = 400
 """Equations, or variables, beyond which no curve is asked for: sheets with more have many vertices, and lose a rank of
 closure at each of them."""
-FLAT = 0.1
-"""Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
 DEGREES = (4, 16, 64)
 """Of the polynomials through g' Q^-1 g: the first whose last terms are rounding.  Loads and rest angles: 2."""
 BESIDE_FLAT = (0.03, 0.01, 0.003)
@@ -37,46 +35,6 @@ AT_FLAT = "a flat state: closure loses rank, and multipliers pass infinity"
 NEAR, ARRIVED, STRAIGHT = 1.0, 0.02, 0.9
 """A curve passes the flat state between two points so near to it [rad], or just after one that is nearer, where the
 cosine of both with the direction at a root is so large."""
-
-
-def flat_passage(
-    curve: EquilibriumCurve, near: np.ndarray, low: float, high: float
-) -> tuple[np.ndarray, float, float] | None:
-    """Locate the flat state that a curve passes.
-
-    Parameters
-    ----------
-    curve
-        With what it holds.
-    near
-        A point (x, s) of it close to the state, [n + 1].
-    low, high
-        Values of s between which it passes.
-
-    Returns
-    -------
-    point : numpy.ndarray
-        State and parameter, [n + 1].
-    value, residual : float
-        g' Q^-1 g there over the sizes of g and Q^-1, and the largest entry of closure and openings.
-        None is returned instead of the three where no such state is near, or where more than one rank is lost.
-    """
-    # every fold angle to the next multiple of pi: the flat state or a flat folding
-    x = np.pi * np.round(near[:-1] / np.pi)
-    if np.abs(x - near[:-1]).max() > FLAT:
-        return None
-    first: list[np.ndarray] = []
-
-    def value(s: np.ndarray) -> np.ndarray:
-        return np.array([_balance(curve.system(np.append(x, float(v))), first) for v in s])
-
-    at = [low, high]
-    ends = value(np.array(at))
-    if not np.isfinite(ends).all() or ends[0] * ends[1] > 0:
-        return None
-    s = float(bracketed_roots(value, at[:1], at[1:])[0])
-    point = np.append(x, s)
-    return point, float(value(np.array([s]))[0]), float(np.abs(curve.system(point).values).max())
 
 
 def flat_event(line: Line, s: float) -> tuple[Equilibrium, float]:

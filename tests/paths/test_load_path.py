@@ -117,6 +117,13 @@ def test_legs_are_turned_with_a_slider_over_the_load():
         assert np.abs(apex).max() == 0 and cosines == pytest.approx(np.cos(sectors), abs=1e-12)
 
 
+def test_a_state_that_is_stable_with_its_symmetry_alone_keeps_it_and_says_so():
+    path = load_path(examples.degree6("pi/3"), 1, to=0.06, effort="quick", max_starts=24)
+    assert path.driver.keeps == "D1" and len(path.alarms) == 1 and "keeps it" in path.alarms[0]
+    for p in path.legs[0].points:  # creases 2 and 6, 3 and 5 are images
+        assert p.fold_angles[1:3] == p.fold_angles[:3:-1]
+
+
 @pytest.mark.slow  # full-space searches of 8 creases
 def test_vertices_that_only_touch_do_not_snap():
     path = load_path(examples.degree6("pi/4"), 1, **QUICK)
