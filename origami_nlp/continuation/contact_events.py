@@ -40,9 +40,8 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact
 
-BISECTIONS, SOON = 24, 7
-"""Of a step in which a state is refused: what then closes is looked for by Newton.  After so many of them what nearly
-touches is what will close."""
+BISECTIONS = 24
+"""Of a step in which a state is refused: what then closes is looked for by Newton."""
 LATE = 30
 """Lengths of what bisection leaves by which is stepped back: facets that cross are seen from a depth on, and there the
 sides on which features are can no longer be determined."""
@@ -150,11 +149,9 @@ def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent
 def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
-    ahead = _guesses(curve, a, good, bad)
     missed = np.inf  # where Newton fails for the length of the step, not for what it meets
-    for k in range(BISECTIONS):
-        inside = [h for h in ahead if low < h < min(high, missed)]
-        middle = inside[0] if inside else 0.5 * (low + min(high, missed))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + min(high, missed))
         frame = curve.beside(a, middle)
         if frame is None and good is not a:
             frame = curve.beside(good, middle - low)
@@ -166,8 +163,6 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Located
             high, bad = middle, frame
         if min(high, missed) - low <= NEAR_CONTACT:
             break
-        if k == SOON:
-            ahead = _guesses(curve, a, good, bad)
     back = curve.beside(a, max(0.0, low - LATE * (high - low))) or good
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
@@ -226,20 +221,6 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
         named = ", ".join(map(str, at_limit[:MOST_NAMED])) + ", ..." * (len(at_limit) > MOST_NAMED)
         why = f"creases {named} at their fold limits: closure loses rank where so many creases close at once"
     return LocatedEvent("refused", good, None, np.nan, False, why)
-
-
-def _guesses(
-    curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
-) -> list[float]:
-    """Return lengths of steps just before and after the next contact closes, as far as Newton resolves them."""
-    at_limit = (curve.where_closed(good, c, a.tangent) for c in _candidates(curve, good, bad, good))
-    first = step_length(a, good, curve.root)
-    lengths = [step_length(a, f, curve.root) for f in at_limit if f is not None]
-    return [
-        h + side
-        for h in sorted(h for h in lengths if h > first)[:1]
-        for side in (-0.25 * NEAR_CONTACT, 0.25 * NEAR_CONTACT)
-    ]
 
 
 def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:

@@ -100,8 +100,6 @@ Row = Callable[[np.ndarray, BorderedSystem], tuple[np.ndarray, float]]
 """One more equation at (x, s): its row over (dy, w ds), and what that shall be."""
 BISECTIONS = 45
 """Of a step, down to rounding."""
-Move = Callable[[np.ndarray, BorderedSystem], np.ndarray | None]
-"""Newton's step at (x, s); None where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,21 +132,17 @@ class EquilibriumCurve:
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
-        return self._newton(point, lambda at, system: system.step(*row(at, system)))
-
-    def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, BorderedSystem] | None:
         # rows that are independent at the last frame; all of them where closure gains rank since
-        span = self.given[0].system.range if self.given else None
-        found = None if span is None else self._newton_in(point, move, span)
-        return self._newton_in(point, move, None) if found is None else found
+        spans = [*(frame.system.range for frame in self.given), None]
+        return next(filter(None, (self._newton(point, row, span) for span in spans)), None)
 
-    def _newton_in(
-        self, point: np.ndarray, move: Move, span: np.ndarray | None
+    def _newton(
+        self, point: np.ndarray, row: Row, span: np.ndarray | None
     ) -> tuple[np.ndarray, BorderedSystem] | None:
         carried: np.ndarray | None = None
         for _ in range(self.corrector):
             system = self.system(point, carried, span)
-            step = move(point, system)
+            step = system.step(*row(point, system))
             if step is None:
                 return None
             length = float(np.linalg.norm(self.root * step))
@@ -196,11 +190,7 @@ class EquilibriumCurve:
             found = system.direction()
             return np.zeros(len(self.root)) if found is None else found[0], 0.0
 
-        def shortest(point: np.ndarray, system: BorderedSystem) -> np.ndarray | None:
-            step = system.shortest_step(self.given[0].tangent) if self.given else None
-            return system.step(*across(point, system)) if step is None else step
-
-        found = self._newton(x, shortest)
+        found = self.solve(x, across)
         return None if found is None else found[0]
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:

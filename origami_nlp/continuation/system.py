@@ -31,7 +31,7 @@ from origami_nlp.numerics import EPS, RANK, Factor, Normal, null_space
 from origami_nlp.problem import Contact
 
 ASLANT = 10.0
-"""One over the cosine between a curve and where it went before: up to here one factorisation gives a step across it."""
+"""One over the cosine between a curve and a row: up to here one factorisation gives its direction."""
 REFINED = 8
 """Solutions of one system at most, each of what the ones before leave."""
 
@@ -227,20 +227,6 @@ class BorderedSystem:
         whole = np.vstack([inside, np.append(z.T @ along[:n], along[-1])])
         v = np.linalg.svd(whole)[2][-1]
         return np.append(z @ v[:-1], v[-1])
-
-    def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the corrector's step in (x, s), across the curve; None where the curve turns far from `along` [n +
-        1]."""
-        solve = self._bordered(along)
-        step = solve(-self.imbalance, 0.0, -self.values)
-        way = solve(np.zeros(len(self.imbalance)), 1.0, np.zeros(len(self.values)))
-        if step is None or way is None or not np.linalg.norm(way[0]) <= ASLANT:
-            return None
-        d, v = step[0], way[0]
-        # takes off what the step has along the curve, in multipliers as well
-        share = float(d @ v) / float(v @ v)
-        self.after = self.multipliers + step[1] - share * way[1]
-        return self._in_variables(d - share * v)
 
     def step(self, row: np.ndarray, right: float) -> np.ndarray | None:
         """Return Newton's step in (x, s) of the bordered system (pseudo-arclength): row . (dy, w ds) = right is

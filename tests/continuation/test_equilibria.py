@@ -245,24 +245,3 @@ def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
     assert not touches(
         replace(other.frames[-1], system=BorderedSystem(web.line, other.frames[-1].x, frame.hold))
     )
-
-
-def test_the_shortest_step_is_the_one_across_the_null_vector():
-    """One factorisation with a tangent that is only near gives the step under the row of singular vectors."""
-    a, b = (pose(examples.degree6("5*pi/12", ratio)) for ratio in (0.5, 2.0))
-    line, rng = line_between(a, b, 1.0), np.random.default_rng(0)
-    for minimum in find_minima(examples.degree6("5*pi/12", 1.0), prove=False, escape=False).minima:
-        x = a.reduce(np.array(minimum.fold_angles))
-        contacts = State(line.at(0.5), x).contacts.base
-        for _ in range(10):
-            point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
-            # where it closes rows of closure depend on each other; beside it they all but do
-            point[:-1] = project(line.at(float(point[-1])), point[:-1], contacts)[0]
-            system = BorderedSystem(line, point, contacts)
-            row, _ = system.direction()
-            along = row + 0.3 * rng.standard_normal(len(x) + 1)
-            step = system.shortest_step(along)
-            assert step == pytest.approx(system.step(row, 0.0), abs=1e-12)
-            across = np.linalg.svd(along[None])[2][-1]  # perpendicular to `along`
-            off = system.shortest_step(across - (across @ row) * row)
-            assert off is None
