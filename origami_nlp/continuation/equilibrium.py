@@ -16,7 +16,7 @@ from origami_nlp.continuation.line import Line
 from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, OUTSIDE, ROUNDED, STATIONARY
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, ROUNDED, STATIONARY
 from origami_nlp.problem import Contact, Problem
 
 NEWTON = 10
@@ -157,7 +157,6 @@ class EquilibriumCurve:
                     break
         else:
             return None
-        point, system = self._inside(point, system)
         self.known[:] = [(point, system)]
         good = system.residual <= STATIONARY and system.missing <= max(self._least, CLOSURE_TOL)
         return (point, system) if good else None
@@ -171,17 +170,6 @@ class EquilibriumCurve:
     def _least(self) -> float:
         """Closure and openings at which Newton has arrived; off closure a gap is one along a walk, its slope too."""
         return CLOSURE_TOL if all(c.is_limit for c in self.hold) else ROUNDED
-
-    def _inside(
-        self, point: np.ndarray, system: BorderedSystem
-    ) -> tuple[np.ndarray, BorderedSystem]:
-        """Put fold angles that are beyond their limits by rounding back onto them: contacts may keep a crease there."""
-        p, x = system.problem, point[:-1]
-        beyond = -p.fold_limits.room(x)
-        if not 0.0 < beyond.max(initial=0.0) <= OUTSIDE:
-            return point, system
-        point = np.append(p.fold_limits.clip(x), point[-1])
-        return point, self.system(point, system.multipliers)
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move (x, s) [n + 1] onto the curve by steps across it."""
