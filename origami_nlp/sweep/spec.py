@@ -109,14 +109,11 @@ class Axis:
         What it sets.
     values
         [m] numbers (angles in radians).
-    scale
-        ``"linear"`` or ``"log"``.
     """
 
     name: str
     places: tuple[str, ...]
     values: tuple[float, ...] = field(repr=False)
-    scale: str = "linear"
 
 
 @dataclass(frozen=True)
@@ -228,7 +225,7 @@ class Sweep:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
+        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
         whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
         data: dict[str, Any] = json.loads(json.dumps(whole))
         return data
@@ -292,9 +289,8 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    own = [
-        key for key in _SEARCH if key != "contact" or of == "pattern"
-    ]  # a scene states it itself
+    # a scene states its contact itself
+    own = [key for key in _SEARCH if key != "contact" or of == "pattern"]
     known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
     if not isinstance(data.get(of), Mapping):
@@ -361,7 +357,7 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         if not isinstance(values, list) or not values:
             raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
         numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
-    return Axis(name, tuple(places), tuple(numbers), scale)
+    return Axis(name, tuple(places), tuple(numbers))
 
 
 def _checked(search: dict[str, Any]) -> dict[str, Any]:
