@@ -15,7 +15,6 @@ from origami_nlp.chart import landscape
 from origami_nlp.paper import cone, draw_landscape, find_critical_points, find_landscape, find_space
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.sweep import (
-    draw_sweep,
     load_states,
     load_sweep,
     parse_sweep,
@@ -184,7 +183,7 @@ CASES = [
     case(write_fold, "result", (SCENE, *SCENES), "path"),
     case(write_fold, "path", (None, *PATHS), "result"),
     case(run_sweep, "sweep", SCENES, "folder"),
-    *(case(f, "folder", (None, *PATHS)) for f in (load_states, load_sweep, draw_sweep)),
+    *(case(f, "folder", (None, *PATHS)) for f in (load_states, load_sweep)),
     case(
         parse_sweep, "data", (None, 0, True, [], *(v for v in NOTHING if not isinstance(v, dict)))
     ),

@@ -7,7 +7,6 @@ curve, and leaves it at states where curves meet alone.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -19,15 +18,10 @@ from origami_nlp.barriers.passes import Known, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OutOfTime
 from origami_nlp.escapes import energy_scale, level_of
-from origami_nlp.kkt import State, project
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED, merge_tree
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, merge_tree
 from origami_nlp.pattern_states import TracedPasses, curve_passes
-
-APART = 0.2
-"""Length of a step of a path [rad]."""
-ASIDE = 0.9
-"""The projected middle of a step is nearer to both ends than this share of its length."""
 
 
 class PathDown(NamedTuple):
@@ -117,10 +111,10 @@ def passes_over(
     unit: of its energies.  why: why there is no lower path between two minima than one of some energy; "" where there
     may be.  cut: which states are but somewhere on a way, [V].
     """
-    many, known = len(result.minima), _Steps()
+    many = len(result.minima)
     cut = np.zeros(len(found.states), bool) if cut is None else cut
     passes = tuple(
-        _between(problem, found, unit, i, j, why, cut, known)
+        _between(problem, found, unit, i, j, why, cut)
         for i in range(many)
         for j in range(i + 1, many)
     )
@@ -133,40 +127,6 @@ def passes_over(
     return Barriers(result, passes, tuple(merges))
 
 
-_Steps = dict[bytes, np.ndarray]
-
-
-def _filled(problem: Any, states: np.ndarray, known: _Steps) -> np.ndarray:
-    """Add states between those of a path that are further apart than `APART`; admissible as the stretch is.
-
-    known: what was added between two states, which many paths pass, both ways.
-    """
-    out = [states[:1]]
-    for k, (a, b) in enumerate(itertools.pairwise(states)):
-        key = a.tobytes() + b.tobytes()
-        if key not in known:
-            try:
-                known[key] = _filled_step(problem, a, b)
-            except OutOfTime:
-                return np.concatenate([*out, states[k + 1 :]])
-            known[b.tobytes() + a.tobytes()] = np.concatenate([known[key][-2::-1], a[None]])
-        out.append(known[key])
-    return np.concatenate(out)
-
-
-def _filled_step(problem: Any, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return states between two and the second, [S, n], as `_filled`."""
-    size = float(np.linalg.norm(problem.root * (b - a)))
-    if size <= APART:
-        return b[None]
-    middle, residual = project(problem, (a + b) / 2)
-    longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
-    # a projection that goes far aside has come to another curve
-    if residual > CLOSURE_TOL or not longer < ASIDE * size:
-        return b[None]
-    return np.concatenate([_filled_step(problem, *ends) for ends in ((a, middle), (middle, b))])
-
-
 def _between(
     problem: Any,
     found: TracedPasses,
@@ -175,7 +135,6 @@ def _between(
     j: int,
     why: Callable[[int, int, float], str],
     cut: np.ndarray,
-    steps: _Steps,
 ) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
     merge = found.tree.barrier(i, j)
@@ -198,7 +157,7 @@ def _between(
     height = float(merge.height * unit)
     way = found.tree.path(first + i, first + j)
     assert way is not None
-    states = _filled(problem, found.states[way[0]], steps)
+    states = found.states[way[0]]
     energies = problem.energies(states)
     return Pass(
         i + 1,

@@ -5,13 +5,10 @@ from __future__ import annotations
 import io
 import os
 import platform
-import shlex
 import signal
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
 from copy import copy
-from pathlib import Path
 from typing import Any, NoReturn
 
 import typer
@@ -32,7 +29,7 @@ from origami_nlp.cli.states import (
     sweep,
 )
 from origami_nlp.errors import OrigamiError
-from origami_nlp.io import inputs_kept, printable
+from origami_nlp.io import printable
 from origami_nlp.version import __version__
 
 app = Group(
@@ -68,25 +65,19 @@ def origami_nlp(version: bool = _VERSION) -> None:
     """Take the options of the program itself."""
 
 
-def run(commands: Group | None, interrupted: Sequence[int]) -> None:
-    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it.
-
-    interrupted: signals of the user that came; what follows them is what comes of it.
-    """
+def run(commands: Group | None) -> None:
+    """Run the command that was asked for, of `origami-nlp` or of other commands; `start.main` calls it."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # letters that the terminal does not know
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            with inputs_kept() as inputs:
-                code = get_command(_called(commands or app)).main(standalone_mode=False)
+            code = get_command(_called(commands or app)).main(standalone_mode=False)
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
     except Exception as error:
-        if interrupted:
-            raise
-        _end(error, inputs)
+        _end(error)
     if code == 128 + signal.SIGINT:
         raise KeyboardInterrupt
     sys.exit(code)
@@ -102,7 +93,7 @@ def _called(commands: Group) -> Group:
     return commands
 
 
-def _end(error: Any, inputs: Mapping[str, bytes]) -> NoReturn:
+def _end(error: Any) -> NoReturn:
     """End with one line, or without one where nobody reads."""
     if isinstance(error, OSError):
         try:  # let Python not try again at its end what cannot be written now
@@ -118,7 +109,12 @@ def _end(error: Any, inputs: Mapping[str, bytes]) -> NoReturn:
     if isinstance(error, MemoryError):
         _stop("the memory does not suffice: give a smaller origami")
     if not hasattr(error, "format_message"):
-        _stop(report_fault(error, inputs), Ended.FAULT)
+        said = "".join(traceback.format_exception(error))
+        print(printable(said, lines=True), file=sys.stderr)
+        where = f"origami-nlp {__version__}, Python {platform.python_version()}"
+        _stop(
+            f"internal error, please report what stands above, with the file; {where}", Ended.FAULT
+        )
     if "Help" in type(error).__name__:  # a group that is called without a command
         print(error.format_message(), file=sys.stderr)
         sys.exit(Ended.WRONG)
@@ -131,36 +127,3 @@ def _end(error: Any, inputs: Mapping[str, bytes]) -> NoReturn:
 def _stop(line: str, code: int = Ended.WRONG) -> NoReturn:
     print(f"origami-nlp: {printable(line)}", file=sys.stderr)
     sys.exit(code)
-
-
-MOST_LETTERS = 200
-"""Of a message of a fault that is shown; the report has all of it."""
-
-
-def report_fault(error: Exception, inputs: Mapping[str, bytes]) -> str:
-    """Write a report of a fault of ours, into the working folder, else into that for temporary files; say so.
-
-    inputs: content of each file that was read, by its name; ``-`` is standard input.
-    """
-    import tempfile  # what it loads takes its time, and no command needs it
-
-    parts = [
-        f"origami-nlp {__version__}, Python {platform.python_version()}, {platform.platform()}",
-        f"command: {shlex.join(['origami-nlp', *sys.argv[1:]])}",
-        "".join(traceback.format_exception(error)),
-        *(f"---- {k}\n{v.decode(errors='backslashreplace')}" for k, v in inputs.items()),
-    ]
-    where = "no report could be written"
-    for folder in (folder for folder in (".", tempfile.gettempdir()) if os.access(folder, os.W_OK)):
-        names = (f"origami-nlp-error-{number}.txt" for number in range(1, 1000))
-        file = next(p for name in names if not (p := Path(folder, name)).exists())
-        try:
-            file.write_text("\n".join(parts), encoding="utf-8", errors="backslashreplace")
-        except OSError:
-            continue
-        where = f"command, input and traceback are in {str(file)!r}"
-        break
-    message = " ".join(f"{type(error).__name__}: {error}".split())
-    if len(message) > MOST_LETTERS:
-        message = message[: MOST_LETTERS - 3] + "..."
-    return f"internal error, please report: {message}; {where}"

@@ -6,7 +6,6 @@ import inspect as introspection
 import textwrap
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -16,65 +15,14 @@ from origami_nlp.cli.exits import Ended
 from origami_nlp.cli.group import writes
 from origami_nlp.cli.output import KINDS, Output
 from origami_nlp.cli.source import Source, cell_options
-from origami_nlp.cli.timed import Clock, CommandOutOfTime
 from origami_nlp.errors import FoldFileError, OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Scene
 
 
-@dataclass
-class _Inspected:
-    """What `inspect` says of a pattern: vertices of each frame, mobility where it is a sheet, its motion if asked."""
-
-    lists: list[Any]
-    seen: Any = None
-    motion: Any = None
-    why: str = ""
-
-    def print_to(self, console: Any, verbose: bool) -> None:
-        from origami_nlp.validity import print_vertices
-
-        print_vertices(self.lists, console)
-        for one in filter(None, (self.seen, self.motion)):
-            one.print_to(console, verbose)
-        if self.why:
-            console.print(f"no sheet of rigid facets: {self.why}")
-
-    def to_dict(self) -> dict[str, Any]:
-        from origami_nlp.validity import vertices_to_dict
-
-        data = vertices_to_dict(self.lists) | (self.seen.to_dict() if self.seen else {})
-        return data | ({"motion": self.motion.to_dict()} if self.motion else {})
-
-    def draw(self) -> Any:
-        from origami_nlp.display import draw_pattern
-
-        flat = [one.frame for one in self.lists if not one.frame.folded]
-        if self.motion is None and not flat:
-            raise OptionError("-o: there is no crease pattern to draw")
-        return self.motion.draw() if self.motion else draw_pattern(flat[0])
-
-    def to_fold(self) -> dict[str, Any]:
-        from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
-
-        frame = partial(state_frame, self.seen.pattern)
-        frames, folded = [], self.seen.folded
-        if self.motion is not None:
-            path = self.motion.fold_angles, self.motion.energy
-            frames = path_frames(frame, *path, "folding motion")
-        elif folded is not None:
-            frames = [frame(folded, f"folded: {self.seen.start}")]
-        return states_to_fold(self.seen.pattern, frames)
-
-    def view_content(self) -> Any:
-        return self.motion.view_content()
-
-
 @writes("json", "scene", "fold", "figure", "html", verbose=True)
-def inspect(
-    origami: Source, out: Output, clock: Clock, path: bool = o.PATH, seed: int = o.SEED
-) -> Any:
+def inspect(origami: Source, out: Output, path: bool = o.PATH, seed: int = o.SEED) -> None:
     """Print what a file says: of a pattern its vertices and mobility; of one vertex its springs and its problem.
 
     Of a pattern: degree, angles, flat-foldability and diagnosis of each interior vertex; facets, creases, holes,
@@ -83,24 +31,40 @@ def inspect(
     scene, or with --vertex: the springs of each crease, variables and constraints; -o FILE.toml is that vertex as a
     scene file.
     """
+    from origami_nlp.display import InteractivePage, draw_pattern
+    from origami_nlp.pattern_problem import path_frames, state_frame, states_to_fold
     from origami_nlp.pattern_states import analyze_mobility, find_motion
-    from origami_nlp.validity import list_vertices
+    from origami_nlp.validity import list_vertices, print_vertices, vertices_to_dict
 
     if not origami.is_whole:
         return _inspect_vertex(origami.read(), out)
     out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
     if not path:
         out.refuse("a page shows the motion: give --path", "html")
-    clock.found = found = _Inspected([list_vertices(one) for one in origami.frames()])
+    lists, seen, motion = [list_vertices(one) for one in origami.frames()], None, None
+    flat = [one.frame for one in lists if not one.frame.folded]
+    if not path and not flat:
+        out.refuse("there is no crease pattern to draw", "figure")
     try:
-        found.seen = analyze_mobility(origami.read_pattern(), seed=seed)
+        seen = analyze_mobility(origami.read_pattern(), seed=seed)
+        motion = find_motion(seen.pattern, seen, seed=seed) if path else None
     except FoldFileError as error:
         if path or out.files("fold", "html"):
             raise
-        found.why = str(error)
-    if path:
-        found.motion = find_motion(found.seen.pattern, found.seen, seed=seed)
-    return found
+        why = f"no sheet of rigid facets: {error}"
+    out.say(partial(print_vertices, lists), *filter(None, (seen, motion)))
+    data = vertices_to_dict(lists) | (seen.to_dict() if seen else {})
+    out.write("json", lambda: data | ({"motion": motion.to_dict()} if motion else {}))
+    out.write("figure", lambda: motion.draw() if motion else draw_pattern(flat[0]))
+    if seen is None:
+        return out.say(why)
+    frame, frames = partial(state_frame, seen.pattern), []
+    if motion:
+        frames = path_frames(frame, motion.fold_angles, motion.energy, "folding motion")
+        out.save("html", lambda file: InteractivePage(motion.view_content()).save(file))
+    elif seen.folded is not None:
+        frames = [frame(seen.folded, f"folded: {seen.start}")]
+    out.write("fold", states_to_fold, seen.pattern, frames)
 
 
 def _inspect_vertex(stated: Scene, out: Output) -> None:
@@ -113,12 +77,9 @@ def _inspect_vertex(stated: Scene, out: Output) -> None:
     model = str(pose(stated))
     kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
     title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
-    out.say(record_table(springs_of(stated), title))
-    for law in dict.fromkeys(filter(None, stated.laws)):
-        out.say(f"law {law}")
-    for load in stated.loads:
-        out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed")
-    out.say(model)
+    loads = (f"load: {load.words}, facet {stated.fixed_facet} fixed" for load in stated.loads)
+    laws = (f"law {law}" for law in dict.fromkeys(filter(None, stated.laws)))
+    out.say(record_table(springs_of(stated), title), *laws, *loads, model)
     out.write("scene", format_scene, stated)
 
 
@@ -136,7 +97,6 @@ def hinge(data: str = o.HINGE_DATA) -> Any:
 @writes("json", "figure", "fold", verbose=True)
 def check(
     out: Output,
-    clock: Clock,
     files: list[str] = o.FILES,
     frame: int | None = o.CHECKED_FRAME,
     tolerance: float | None = o.TOLERANCE,
@@ -160,30 +120,24 @@ def check(
     out.refuse("orders of layers are written with --orders", "fold")
     if not one:
         out.refuse("a picture is of one file: give one", "figure")
-    seen: list[Validity] = []
-    ends = Counter[str]()
+    seen, ends = list[Validity](), Counter[str]()
     for file in files:
         try:
             seen.append(check_file(file, frame=frame, tolerance=tolerance))
-        except (FoldFileError, OptionError, CommandOutOfTime) as error:
+        except (FoldFileError, OptionError) as error:
             if one:
                 raise
-            if isinstance(error, CommandOutOfTime):
-                clock.rest()
-                out.say(f"{file}: {clock.said()}")
-                break
             ends["not read"] += 1
             out.say(f"{file}: not read: {error}")
         else:
             ends[seen[-1].verdict] += 1
-            seen[-1].print_to(out.console, out.verbose)
+            out.say(seen[-1])
     if not one:
         counts = (f"{ends[word]} {word}" for word in ("valid", "faults", "not decided", "not read"))
         out.say(f"{len(files)} files: {', '.join(counts)}")
     out.write("json", lambda: seen[0].to_dict() if one else [s.to_dict() for s in seen])
     out.write("figure", lambda: seen[0].draw())
-    good = ends["valid"] == sum(ends.values())
-    return Ended.WRONG if ends["not read"] else Ended.DONE if good else Ended.NO
+    return Ended.WRONG if ends["not read"] else Ended(ends["valid"] < ends.total())
 
 
 @writes()
@@ -246,27 +200,24 @@ def example(
     options = {"alpha": alpha, "ratio": ratio, "symmetry": symmetry, "contact": contact}
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     texts = EXAMPLES | {name: make() for name, make in HINGE_EXAMPLES.items()}
-    repeated: Any = given | cell_options(cell, rolled)
-    whole = bool(out.files("fold"))
     if name in texts:
         if given or cell:
             raise OptionError(f"{name!r} has no options: edit the file")
         kind, other = ("fold", "scene") if texts[name].startswith("{") else ("scene", "fold")
         out.refuse(f"{name} is no such file: give one that ends in {KINDS[kind][0][0]}", other)
-        out.or_stdout(kind).write(kind, lambda: texts[name])
-        return
+        return out.or_stdout(kind).write(kind, lambda: texts[name])
     if not examples.is_example(word):
         known = [*dict.fromkeys((*examples.names(), *texts))]
         meant = did_you_mean(word, known)
         raise OptionError(f"NAME = {name!r} is no example: those are {', '.join(known)}{meant}")
-    if not whole and (cell or ":" in name):
-        raise OptionError(f"NAME = {name!r}: a size or a cell is of a pattern: give -o FILE.fold")
-    out.write("fold", lambda: examples.crease_pattern(word, *size, **repeated))
-    if out.files("scene") or not whole:
-        if cell:
-            raise OptionError("--cell: a cell that repeats is a crease pattern, no scene")
-        stated = examples.by_name(word, **given)
-        text = _about(examples.maker(word)) + format_scene(stated)
+    cells: Any = cell_options(cell, rolled)
+    out.write("fold", lambda: examples.crease_pattern(word, *size, **given | cells))
+    if out.files("scene") or not out.files("fold"):
+        if cell or (any(size) and not out.files("fold")):
+            raise OptionError(
+                f"NAME = {name!r}: a size or a cell is of a pattern: give -o FILE.fold"
+            )
+        text = _about(examples.maker(word)) + format_scene(examples.by_name(word, **given))
         out.or_stdout("scene").write("scene", lambda: text)
 
 

@@ -65,18 +65,17 @@ def _end(command: Callable[..., Any], given: dict[str, Any], out: Output, clock:
     """Run a command, report what it found, and end with its exit code."""
     found = clock.run(command, **given)
     early = found is None and (clock.late or clock.interrupted)
-    code = found if isinstance(found, int) else Ended.DONE
-    found = clock.found if early else None if isinstance(found, int) else found
-    if found is not None:
+    code, found = (found, None) if isinstance(found, int) else (Ended.DONE, found)
+    if (found := clock.found if early else found) is not None:
         out.report(found)
     if clock.interrupted:
         raise KeyboardInterrupt
-    if clock.late:
-        if early:
-            out.say(clock.said())
-        code = Ended.OUT_OF_TIME
-    if code:
-        raise typer.Exit(code)
+    if clock.late and early:
+        out.say(clock.said())
+    if out.gone:
+        raise BrokenPipeError
+    if clock.late or code:
+        raise typer.Exit(Ended.OUT_OF_TIME if clock.late else code)
 
 
 class _Plain:

@@ -57,22 +57,11 @@ def _grid(usual: int) -> Any:
     return _option("N", "Grid points along each coordinate.", "--size", usual=usual)
 
 
-def _angle(help: str, *names: str) -> Any:
-    return _option("ANGLE", f'{help} [rad], up > 0: 0.3 or "-pi/6".', *names, usual=...)
-
-
-def _prove(value: str | None) -> str | None:
-    """Let what stands after --prove be a number of seconds, or nothing."""
-    if value is not None and value != ASKED:
-        check_number("--prove", float(value) if is_number(value) else value, 0.0)
-    return value
-
-
 def wanted_proof(value: str | None) -> bool | float | None:
     """Return what `find_minima` takes as `prove`."""
     if value is None or value == ASKED:
         return None if value is None else True
-    return float(value) or False
+    return check_number("--prove", float(value) if is_number(value) else value, 0.0) or False
 
 
 def _claims() -> list[str]:
@@ -142,7 +131,6 @@ PROVE = _option(
     "[SECONDS]",
     "Prove that no minimum is missing, in at most SECONDS (0: never; default: where it is cheap).",
     "--prove",
-    callback=_prove,
 )
 CERTIFICATE = _option(WRITES, "Write the proof (of a sheet, for check-proof).")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
@@ -194,7 +182,9 @@ _RATIO = "Stiffness ratio r_k: k_m/k_v, of mountain to valley creases; of a cone
 RATIO = _option("R", _RATIO, usual=1.0)
 RATIO_WANTED = _option("R", _RATIO, "--ratio")
 DEGREE = _option("N", "Number N of creases: even, at least 6.", usual=...)
-REST_ELEVATION = _angle("Elevation nu_0 at rest", "--rest-elevation")
+REST_ELEVATION = _option(
+    "ANGLE", 'Elevation nu_0 at rest [rad], up > 0: 0.3 or "-pi/6".', "--rest-elevation", usual=...
+)
 REST_RULE = _option("waterbomb|paper", "What the cone rests in.", usual="waterbomb")
 END_RULE = _option("contract|contact", "Where a steep flap ends.", usual="contract")
 CLAIM = _option("ID", "Decide this claim only (repeatable).", "--only", autocompletion=_claims)

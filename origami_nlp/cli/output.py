@@ -15,8 +15,6 @@ from origami_nlp.errors import OptionError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from origami_nlp.display import Table
-
 Target = str | os.PathLike[str]
 KINDS = {
     "json": ((".json",), "all numbers"),
@@ -49,6 +47,11 @@ class Output:
     verbose
         Whether people want details.
 
+    Attributes
+    ----------
+    gone
+        Whether nobody reads what is printed any more.
+
     Raises
     ------
     OptionError
@@ -59,7 +62,7 @@ class Output:
         self, files: Sequence[str] | None = None, kinds: Sequence[str] = (), verbose: bool = False
     ) -> None:
         self._given = [(_kind(file, kinds), _place(file)) for file in files or ()]
-        self.verbose = verbose
+        self.verbose, self.gone = verbose, False
         self.check()
         for file in self.files("mesh"):
             from origami_nlp.minima import check_mesh
@@ -87,30 +90,34 @@ class Output:
         if files := self.files(*kinds):
             raise OptionError(f"-o = {files[0]!r}: {why}")
 
-    def say(self, thing: Table | str) -> None:
-        """Print for people; a line stays one, to be copied."""
+    def say(self, *things: Any) -> None:
+        """Print for people: lines, which stay one to be copied, tables, results, or what prints to a console."""
         from origami_nlp.io import printable
 
-        self.console.print(printable(thing, lines=True) if isinstance(thing, str) else thing)
+        try:
+            for thing in things:
+                if hasattr(thing, "print_to"):
+                    thing.print_to(self.console, self.verbose)
+                elif callable(thing):
+                    thing(self.console)
+                else:
+                    line = printable(thing, lines=True) if isinstance(thing, str) else thing
+                    self.console.print(line)
+        except (BrokenPipeError, SystemExit):  # rich ends so; files are written all the same
+            self.gone = self.console.quiet = True
 
     def report(self, found: Any) -> None:
         """Print a result, and write it to all files."""
         from origami_nlp.display import InteractivePage
         from origami_nlp.minima import write_parts
 
-        gone = False
-        try:
-            found.print_to(self.console, self.verbose)
-        except (BrokenPipeError, SystemExit):  # rich ends so; files are written all the same
-            gone = self.console.quiet = True
+        self.say(found)
         self.write("json", lambda: found.to_dict())
         self.write("csv", lambda: found.to_csv())
         self.write("figure", lambda: found.draw())
         self.write("fold", lambda: found.to_fold())
         self.save("mesh", lambda file: write_parts(found.mesh_parts(), file))
         self.save("html", lambda file: InteractivePage(found.view_content()).save(file))
-        if gone:
-            raise BrokenPipeError
 
     def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
         """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.

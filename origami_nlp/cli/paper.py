@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.exits import Ended
@@ -12,9 +13,6 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.states import search
 from origami_nlp.cli.timed import Clock
-
-if TYPE_CHECKING:
-    from origami_nlp.symbolic.claim import Claim
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
@@ -49,12 +47,9 @@ def demo(out: Output, clock: Clock, folder: Path = o.DEMO_FOLDER, seed: int = o.
         results[[r.scene.name for r in results].index(scene.name)]
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
-    for result in shown:
-        result.print_to(out.console)
-        out.say("")
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
-    out.say(scenes_table(results, title))
+    out.say(*shown, scenes_table(results, title))
     write_json([r.to_dict() for r in results], files[0])
     for file, result in zip(files[1:], shown, strict=True):
         draw_minima(result, file)
@@ -86,11 +81,8 @@ def verify(out: Output, only: list[str] | None = o.CLAIM) -> int:
 
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
-
-        def advance(claim: Claim) -> None:
-            said((said.done or 0) + 1, text=claim.id)
-
-        results = decide_all(chosen, progress=advance)
+        count = itertools.count(1)
+        results = decide_all(chosen, progress=lambda claim: said(next(count), text=claim.id))
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("latex", as_latex, results)
@@ -108,19 +100,12 @@ def audit(file: str = o.CANDIDATES, seed: int = o.SEED) -> Any:
 
 
 @writes("json")
-def transitions(
-    family: str = o.FAMILY,
-    seed: int = o.SEED,
-) -> Any:
+def transitions(family: str = o.FAMILY, seed: int = o.SEED) -> Any:
     """Locate every transition of the admissible space of a FAMILY of the paper, over its alpha_1."""
     from origami_nlp.paper import find_transitions
 
-    with progress(family, 1.0) as show:
-
-        def report(what: str, done: float) -> None:
-            show(done, text=what)
-
-        return find_transitions(family, report=report, seed=seed)
+    with progress(family) as show:
+        return find_transitions(family, report=lambda what, done: show(text=what), seed=seed)
 
 
 # ---------------------------------------------------------------- cones
@@ -140,8 +125,9 @@ def count(
     With --full each of them is judged in the full contact-admissible space (degrees up to 16).
     """
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
-    cone, nu = cones.Cone(degree, rest, end), _angle(rest_elevation, "--rest-elevation")
+    cone, nu = cones.Cone(degree, rest, end), parse_angle(rest_elevation, "--rest-elevation")
     if not full:
         return cones.count(cone, ratio, nu)
     with progress("branch minima") as report:
@@ -172,12 +158,6 @@ def phase(
 
     with progress(f"cone of degree {degree}", size) as report:
         return cones.phase_diagram(cones.Cone(degree, rest, end), size=size, progress=report)
-
-
-def _angle(text: str, option: str) -> float:
-    from origami_nlp.pattern import parse_angle
-
-    return parse_angle(text, option)
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import writes
@@ -12,9 +12,6 @@ from origami_nlp.cli.source import Source
 from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError
 from origami_nlp.io import is_number
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern import Pattern
 
 
 @writes("json", "csv", "figure", "html", "fold", "mesh", verbose=True)
@@ -43,44 +40,35 @@ def load(
     falls; the path ends where it first snaps.
     """
     from origami_nlp.paths import load_path
-    from origami_nlp.pattern import Scene
 
     end = to if to == "snap" else _numbers("--to", to, 1)[0]
+    given = [*filter(None, (crease, pull, force))]
+    if len(given) > 1 or (origami.is_whole and not given):
+        raise OptionError("give one of --crease K, --pull V,W and --force V,X,Y,Z")
     if fixed_facet is not None and not force:
         raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
-    given = [*filter(None, (crease, pull, force))]
-    if origami.is_whole and len(given) != 1:
-        raise OptionError(
-            "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
-        )
     pulled, forced = _numbers("--pull", pull, 2), _numbers("--force", force, 4)
     what = origami.read_whole()
-    if isinstance(what, Scene):
-        if given and (not crease or len(given) > 1 or len(crease) > 1):
-            raise OptionError("--pull, --force and several --crease are for patterns")
-        if not given and not what.loads:
-            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
-        count, bears = what.degree, crease[0] if crease else None
-    else:
-        count, bears = what.creases, _work(what, crease, pulled, forced, fixed_facet)
+    bears = _work(what, crease, pulled, forced, fixed_facet)
     options: dict[str, Any] = {"to": end, "unload": unload, "full": full}
     options |= {"effort": effort, "seed": seed, "starts": starts, "state": state}
-    options["yield_torque"] = _yields(yields, count)
+    options["yield_torque"] = _yields(yields, len(what.stiffness))
     with progress(f"{origami.name} under load"):
         return clock.within(load_path, what, bears, **options)
 
 
 def _numbers(option: str, text: str | None, count: int) -> list[float]:
-    """Return numbers with commas between them; of two the first are vertices, of four the first one is."""
-    if text is None:
-        return []
-    values = [float(part) if is_number(part) else math.nan for part in text.split(",")]
-    vertices = values[: {2: 2, 4: 1}.get(count, 0)]
-    if len(values) != count or not all(map(math.isfinite, values)):
+    """Return numbers with commas between them."""
+    values = [float(v) if is_number(v) else math.nan for v in text.split(",")] if text else []
+    if text and (len(values) != count or not all(map(math.isfinite, values))):
         raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
-    if any(value % 1 for value in vertices):
-        raise OptionError(f"{option} = {text!r}: a vertex is a whole number, as in the file")
     return values
+
+
+def _vertex(option: str, value: float) -> int:
+    if value % 1:
+        raise OptionError(f"{option}: vertex {value:g} is no whole number, as in the file")
+    return int(value)
 
 
 def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
@@ -95,21 +83,23 @@ def _yields(given: list[str] | None, creases: int) -> dict[int, float] | None:
     return found or None
 
 
-def _work(
-    sheet: Pattern,
-    creases: list[int] | None,
-    pull: list[float],
-    force: list[float],
-    facet: int | None,
-) -> Any:
-    """Return what a load on a pattern works on."""
-    from origami_nlp.pattern_problem import DeadForce, Pull, Torque
+def _work(what: Any, crease: Any, pull: list[float], force: list[float], facet: int | None) -> Any:
+    """Return what a load works on, as `load_path` takes it."""
+    from origami_nlp.pattern import Scene
+    from origami_nlp.pattern_problem import DeadForce, Pull
 
-    if creases:
-        return Torque(sheet, tuple(creases))
+    if isinstance(what, Scene):
+        if pull or force or (crease and len(crease) > 1):
+            raise OptionError("--pull, --force and several --crease are for patterns")
+        if not crease and not what.loads:
+            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
+        return crease[0] if crease else None
+    if crease:
+        return crease
     if pull:
-        return Pull(sheet, (int(pull[0]), int(pull[1])))
-    return DeadForce(sheet, int(force[0]), (force[1], force[2], force[3]), facet or 1)
+        a, b = (_vertex("--pull", v) for v in pull)
+        return Pull(what, (a, b))
+    return DeadForce(what, _vertex("--force", force[0]), tuple(force[1:]), facet or 1)  # type: ignore[arg-type]
 
 
 @writes("json", "csv", "figure", "html", "fold", verbose=True)
@@ -127,12 +117,12 @@ def follow(
     """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.paths import follow as follow_states
 
+    options: dict[str, Any] = {"starts": starts, "full": full, "checks": checks, "effort": effort}
     # options of an example by name are among what it can be followed over
     named = origami.is_example and not origami.given
-    options: dict[str, Any] = {"starts": starts, "full": full, "checks": checks, "effort": effort}
+    what = origami.name if named else origami.read_whole()
     with progress(f"{origami.name} over {parameter}") as report:
         options |= {"prove": o.wanted_proof(prove), "seed": seed, "progress": report.at}
-        what = origami.name if named else origami.read_whole()
         return clock.within(follow_states, what, parameter, **options)
 
 

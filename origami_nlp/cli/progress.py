@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,15 +21,14 @@ INTERVAL = 10.0
 class ProgressReport:
     """Where a job is; call it to say so.
 
-    done, total: parts (None: unknown; a total of 1.0: a share).  text: what it is at.
-    listener: called after every change.
+    done, total: parts (None: unknown).  text: what it is at.  listener: called after every change.
     """
 
     title: str
+    listener: Callable[[ProgressReport], object]
     total: float | None = None
     done: float | None = None
     text: str = ""
-    listener: Callable[[ProgressReport], object] | None = None
 
     def __call__(
         self, done: float | None = None, total: float | None = None, text: str | None = None
@@ -39,41 +37,31 @@ class ProgressReport:
         self.done = self.done if done is None else done
         self.total = self.total if total is None else total
         self.text = self.text if text is None else text
-        if self.listener is not None:
-            self.listener(self)
+        self.listener(self)
 
-    def at(self, text: str, done: float | None = None) -> None:
+    def at(self, text: str) -> None:
         """Say what the job is at."""
-        self(done, text=text)
+        self(text=text)
 
     @property
     def line(self) -> str:
-        """Title, count (``3 of 18``, a share as ``40%``) and text."""
+        """Title, count (``3 of 18``) and text."""
         count = "" if self.done is None else f"{self.done:g}"
-        if self.total is not None:
-            share, of = f"{self.done or 0.0:.0%}", f"{self.done or 0:g} of {self.total:g}"
-            count = share if self.total == 1.0 else of
+        count += f" of {self.total:g}" if count and self.total else ""
         return ": ".join(filter(None, (self.title, ", ".join(filter(None, (count, self.text))))))
 
 
 _running: list[ProgressReport] = []
-_heard: list[float] = []
-"""When the last line came, or the first job began (`time.monotonic`)."""
 
 
 @contextmanager
 def progress(title: str, total: float | None = None) -> Iterator[ProgressReport]:
-    """Show a job of `total` parts (None: unknown; 1.0: a share) while it runs.
-
-    Without a terminal a line comes every `INTERVAL` seconds, so that a log shows that the job lives.  A job
-    started inside another one appears as what the outer one is at.
-    """
+    """Show a job of `total` parts (None: unknown) while it runs; one inside another is what the outer one is at."""
     from origami_nlp.io import screen
 
-    report, console = ProgressReport(title, total), screen("-")
-    if _running:
-        outer = _running[-1]
-        report.listener = lambda r: outer(text=r.line)
+    console, outer = screen("-"), _running[-1:]
+    report = ProgressReport(title, lambda r: outer[0](text=r.line), total)
+    if outer:
         report()
         yield report
         return
@@ -95,32 +83,21 @@ def _bar(report: ProgressReport, console: Console) -> Iterator[None]:
     aside: Any = {"redirect_stdout": False, "redirect_stderr": False, "transient": True}
     with Progress(TimeElapsedColumn(), BarColumn(16), text, console=console, **aside) as bar:
         task = bar.add_task(printable(report.line), total=report.total)
-
-        def show(r: ProgressReport) -> None:
-            bar.update(task, completed=r.done, total=r.total, description=printable(r.line))
-
-        report.listener = show
+        report.listener = lambda r: bar.update(
+            task, completed=r.done, total=r.total, description=printable(r.line)
+        )
         yield
 
 
 @contextmanager
 def _lines(report: ProgressReport, console: Console) -> Iterator[None]:
-    start, over, stream = time.monotonic(), threading.Event(), console.file
-    _heard[:] = _heard or [start]
+    heard = [time.monotonic()]
 
-    def show() -> None:
-        while not over.wait(max(0.0, _heard[0] + INTERVAL - time.monotonic())):
-            _heard[0] = now = time.monotonic()
-            try:
-                print(printable(f"{report.line} ({now - start:.0f} s)"), file=stream, flush=True)
-            except (OSError, ValueError):  # nobody listens any more
-                return
+    def show(r: ProgressReport) -> None:
+        if time.monotonic() > heard[-1] + INTERVAL:
+            heard.append(time.monotonic())
+            line = f"{r.line} ({heard[-1] - heard[0]:.0f} s)"
+            print(printable(line), file=console.file, flush=True)
 
-    # a thread, since a single step may take minutes
-    thread = threading.Thread(target=show, name="progress", daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
+    report.listener = show
+    yield

@@ -11,10 +11,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
+from origami_nlp.arguments import check_number, check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
-from origami_nlp.io import is_number, read_limited
+from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
     from origami_nlp.pattern import Frame, Pattern, Scene
@@ -51,7 +51,7 @@ class Source:
     symmetry: str | None = o.SYMMETRY
     contact: str | None = o.CONTACT
     stiffness: float | None = o.STIFFNESS
-    rest_angle: str | None = o.REST_ANGLE
+    rest_angle: float | None = o.REST_ANGLE
     rest_from: str | None = o.REST_FROM
     per_length: bool | None = o.PER_LENGTH
     bend: float | None = o.BEND
@@ -74,14 +74,22 @@ class Source:
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file, a drawing or an example, by its name or, without one, by its first letters."""
-        from origami_nlp.drawings import drawing_kind
         from origami_nlp.pattern import is_json
 
-        if self._ending == ".toml":  # readers of drawings are not loaded then
-            return is_json(self._content)
-        if self._ending in (".fold", ".json") or drawing_kind(self.name, b""):
-            return True
-        return is_json(self._content) or drawing_kind(self.name, self._content) is not None
+        return self._kind in ("FOLD", "drawing") or is_json(self._content)
+
+    @cached_property
+    def _kind(self) -> str:
+        """What it holds, by its name; of a drawing without one by its first letters."""
+        if (ending := Path(self.name).suffix.lower()) in (".toml", ".fold", ".json"):
+            return "scene" if ending == ".toml" else "FOLD"
+        from origami_nlp.drawings import (
+            drawing_kind,  # readers of drawings are not loaded for scenes
+        )
+
+        if drawing_kind(self.name, b"") or drawing_kind(self.name, self._content):
+            return "drawing"
+        return "scene"
 
     @cached_property
     def is_example(self) -> bool:
@@ -173,30 +181,24 @@ class Source:
         return parse_fold(self._content, number, source=self._typed)[0]  # type: ignore[arg-type]
 
     @property
-    def _ending(self) -> str:
-        return Path(self.name).suffix.lower()
-
-    @property
     def _typed(self) -> str:
         return "standard input" if self.name == "-" else self.name
 
     @cached_property
     def _content(self) -> bytes:
-        from origami_nlp.drawings import drawing_kind
         from origami_nlp.pattern import LARGEST, examples
 
         if self.is_example:
             cells = cell_options(self.cell, self.rolled)
             return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
-        if self.name != "-" and not self._ending and not Path(self.name).exists():
+        ending = Path(self.name).suffix.lower()
+        if self.name != "-" and not ending and not Path(self.name).exists():
             known = examples.names()
             those = f"{', '.join(known)}{did_you_mean(self.name.partition(':')[0], known)}"
             raise OptionError(f"{self.name!r} is no file, and no example: those are {those}")
-        if self._ending in (".fold", ".json"):
-            return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
-        if self._ending != ".toml" and drawing_kind(self.name, b""):
-            return read_limited(self.name, LARGEST, "drawing", FoldFileError)
-        return read_limited(self.name, LARGEST, "scene", SceneFileError)
+        is_scene = ending in (".toml", "")
+        what, error = ("scene", SceneFileError) if is_scene else ("FOLD", FoldFileError)
+        return read_limited(self.name, LARGEST, what, error)
 
     def _of(self, *names: str) -> dict[str, Any]:
         return {name: self.given[name] for name in names if name in self.given}
@@ -213,7 +215,8 @@ class Source:
             raise OptionError(f"--stiffness = {self.stiffness:g} must be positive and finite")
         found = self._of("stiffness", "rest_angle", "rest_from")
         if self.rest_angle is not None:
-            found["rest_angle"] = math.radians(_size(self.rest_angle))
+            size = check_number("--rest-angle", self.rest_angle, 0.0, 180.0)
+            found["rest_angle"] = math.radians(size)
         return found
 
 
@@ -230,16 +233,6 @@ def _misses(frame: Frame, whole: Pattern) -> float:
     most = max((v for v in off if v <= DRAWN), default=0.0)
     as_drawn = bool((whole.corners[: len(frame.coords)] == frame.coords).all())
     return most if most > CLOSURE_TOL and as_drawn and not frame.folded else 0.0
-
-
-def _size(text: str) -> float:
-    """Return what --rest-angle says [deg]; what stands after --rest-from is a word."""
-    if is_number(text) and 0.0 <= float(text) <= 180.0:
-        return check_number("--rest-angle", float(text))
-    raise OptionError(
-        f"--rest-angle = {shown(text)} must be a number from 0 to 180 [deg], the size for creases without an angle; "
-        "whether a folded form rests as the file says or as measured is --rest-from file|measured"
-    )
 
 
 def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:

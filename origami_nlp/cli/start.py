@@ -7,12 +7,8 @@ import logging
 import os
 import signal
 import sys
-import threading
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from origami_nlp.cli.group import Group
@@ -29,7 +25,7 @@ def main(commands: Group | None = None) -> None:
     Bad input, and output that nobody takes, end with one line and exit code 2; an interruption by the user with a line
     of its own and exit code 130.
     """
-    with _interruptible() as asked:
+    try:
         _occupy_streams()
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
@@ -41,39 +37,12 @@ def main(commands: Group | None = None) -> None:
         gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
 
-        run(commands, asked)
-
-
-@contextmanager
-def _interruptible() -> Iterator[list[int]]:
-    """Let whatever comes of Ctrl-C, even of a module half loaded, end with one line; gives the signals that came."""
-    asked: list[int] = []
-
-    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
-        asked.append(number)
-        raise KeyboardInterrupt
-
-    former = signal.getsignal(
-        signal.SIGINT
-    )  # who started us may have said that Ctrl-C does nothing
-    taken = (
-        threading.current_thread() is threading.main_thread()
-        and former == signal.default_int_handler
-    )
-    try:
-        if taken:
-            signal.signal(signal.SIGINT, interrupt)
-        yield asked
-    except BaseException as error:
-        if not asked and not isinstance(error, KeyboardInterrupt):
-            raise
+        run(commands)
+    except KeyboardInterrupt:
         # a terminal shows ^C on the line where it stands
         end = "\n" if sys.stderr is not None and sys.stderr.isatty() else ""
         print(f"{end}origami-nlp: interrupted", file=sys.stderr, flush=True)
         sys.exit(128 + signal.SIGINT)
-    finally:
-        if taken:
-            signal.signal(signal.SIGINT, former)
 
 
 def _unsaid(*_: object, **__: object) -> None:

@@ -19,7 +19,6 @@ from origami_nlp.cli.timed import Clock
 from origami_nlp.errors import OptionError, SweepError
 
 if TYPE_CHECKING:
-    from origami_nlp.minima import MinimaResult
     from origami_nlp.pattern import Pattern, Scene
 
 NO_COMPILER = (
@@ -36,26 +35,19 @@ def search(
     name: of what has no label.  last: whether the command has nothing more to find.  options: of `find_minima`.
     """
     from origami_nlp.io import screen
-    from origami_nlp.pattern import Scene
     from origami_nlp.search import compile_descents
     from origami_nlp.verbs import find_minima
 
-    terminal, label = screen("-").is_terminal, origami.name
-    if isinstance(origami, Scene):
-        label = origami.label
-        if not compile_descents(note if terminal else lambda line: None):
-            note(NO_COMPILER)
-    energies: list[float] = []
-    with progress(label or name) as show:
+    aloud = note if screen("-").is_terminal else lambda line: None
+    if not compile_descents(aloud):
+        note(NO_COMPILER)
+    with progress(getattr(origami, "label", origami.name) or name) as show:
 
         def report(starts: int, found: int, at: int | str) -> None:
-            listed = ", ".join(f"{energy:.4g}" for energy in sorted(energies))
-            shown = f" (energies {listed})" if energies and terminal else ""
             at = at if isinstance(at, str) else f"{at} of them reached once"
-            show(text=f"{starts} starts, {found} minima{shown}, {at}")
+            show(text=f"{starts} starts, {found} minima, {at}")
 
-        options |= {"progress": report, "found": lambda energy, _: energies.append(energy)}
-        return clock.within(find_minima, origami, last=last, **options)
+        return clock.within(find_minima, origami, last=last, progress=report, **options)
 
 
 @writes("json", "csv", "figure", "html", "fold", "mesh", verbose=True)
@@ -79,47 +71,30 @@ def minima(
     as --full and --no-full say.  A FOLD file or an example is
     a pattern with all its vertices coupled; --vertex takes one of them.
     """
+    from origami_nlp import proof
+
     out.check(("--certificate", certificate))
-    # a certificate asks for a proof
-    wanted = o.wanted_proof(prove) if prove or certificate is None else True
-    stated = origami.read_whole(contact=True)
-    if certificate is not None and origami.is_whole:
-        _check_provable(stated, certificate, origami.contact or "full")
+    stated: Any = origami.read_whole(contact=True)
+    if certificate is not None and origami.is_whole:  # before anything is searched for
+        stated.check_plain_hinges("--certificate")
+        known = "" if origami.contact == "fold-limits" else "it needs --contact fold-limits"
+        if why := proof.why_no_sheet(stated) or known:
+            why = f"the list of a pattern is not proved: {why}"
+            raise OptionError(f"--certificate = {certificate!r}: {why}")
     options: dict[str, Any] = {"max_starts": max_starts, "starts": starts, "full": full}
-    options |= {"contact": origami.whole_contact, "noise": noise, "prove": wanted}
-    options |= {"seed": seed, "effort": effort, "method": method}
-    found = search(clock, stated, origami.name, last=True, **options)
+    options |= {"contact": origami.whole_contact, "noise": noise, "method": method}
+    # a certificate asks for a proof
+    options["prove"] = o.wanted_proof(prove) if prove or certificate is None else True
+    found = search(clock, stated, origami.name, last=True, seed=seed, effort=effort, **options)
     if certificate is None:
         return found
     out.report(found)
-    _write_certificate(found, certificate)
+    if (told := found.completeness) is None or not told.boxes:
+        why = told.reason if told else "it was not asked for (--prove)"
+        raise OptionError(f"--certificate: there is no proof to write: {why}")
+    proof.write_certificate(proof.certify(found.origami, told.boxes), certificate)
     out.written(certificate)
     return Ended.DONE
-
-
-def _check_provable(pattern: Any, file: str, contact: str) -> None:
-    """Refuse a certificate that cannot be, before anything is searched for."""
-    from origami_nlp.proof import why_no_sheet
-
-    pattern.check_plain_hinges("--certificate")
-    if why := why_no_sheet(pattern):
-        raise OptionError(f"--certificate = {file!r}: the list of a pattern is not proved: {why}")
-    if contact == "full":
-        raise OptionError(
-            "--certificate: the check knows sheets within fold limits; it is written for --contact fold-limits"
-        )
-
-
-def _write_certificate(result: MinimaResult, file: str) -> None:
-    """Prove again, and write down what is proved."""
-    from origami_nlp import proof
-
-    found = result.completeness
-    if found is None or not found.boxes:
-        why = found.reason if found else "it was not asked for (--prove)"
-        raise OptionError(f"--certificate: there is no proof to write: {why}")
-    origami = result.pattern if result.is_pattern else result.scene
-    proof.write_certificate(proof.certify(origami, found.boxes), file)
 
 
 @writes("json")
@@ -131,7 +106,7 @@ def check_proof(out: Output, proof: str = o.PROOF) -> int:
     from origami_nlp.proof import check_proof as check
 
     found = check(proof)
-    out.say("\n".join(found.lines))
+    out.say(*found.lines)
     out.write("json", found.to_dict)
     return Ended.NO if found.refused else Ended.DONE
 
@@ -148,9 +123,9 @@ def contacts(
     """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
     from origami_nlp.contact import find_contacts
 
-    stated, contact = origami.read_whole(contact=True), origami.whole_contact
-    options: dict[str, Any] = {"contact": contact, "escape": False, "seed": seed, "effort": effort}
-    found = search(clock, stated, origami.name, **options)
+    options: dict[str, Any] = {"contact": origami.whole_contact, "seed": seed, "effort": effort}
+    stated = origami.read_whole(contact=True)
+    found = search(clock, stated, origami.name, escape=False, **options)
     return find_contacts(found, state=state, segments=segments)
 
 
@@ -185,22 +160,16 @@ def landscape(
 
     Passes between minima are for -o FILE.json and FILE.html; barriers lists them.
     """
+    from origami_nlp import paper
     from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
     from origami_nlp.display import InteractivePage
-    from origami_nlp.paper import (
-        draw_landscape,
-        find_landscape,
-        find_space,
-        landscape_to_dict,
-    )
 
     stated = origami.read()
-    if critical:
-        return _critical(stated, origami.name)
-    if space:
-        with progress(f"{stated.label or origami.name}: mesh, walls, layers"):
-            return find_space(stated)
+    name = stated.label or origami.name
+    if critical or space:
+        with progress(f"{name}: critical points" if critical else f"{name}: mesh, walls, layers"):
+            return (paper.find_critical_points if critical else paper.find_space)(stated)
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
@@ -213,26 +182,17 @@ def landscape(
         why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"
         out.refuse(why, "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
-    with progress("boundary"):
-        exact = find_landscape(result, size=size)
-    exact.print_to(out.console)
-    passes: Any = None
-    if out.files("json", "html"):
-        with progress("passes between minima"):
+    with progress(f"{name}: boundary, passes between minima"):
+        exact, passes = paper.find_landscape(result, size=size), None
+        out.say(exact)
+        if out.files("json", "html"):
             passes = find_barriers(stated, result, seed=seed)
-    if out.files("json"):
-        points = _critical(stated, origami.name)
-        out.write("json", lambda: landscape_to_dict(exact, find_space(stated), points, passes))
-    out.write("figure", draw_landscape, exact)
+        if out.files("json"):
+            more = paper.find_space(stated), paper.find_critical_points(stated), passes
+            out.write("json", paper.landscape_to_dict, exact, *more)
+    out.write("figure", paper.draw_landscape, exact)
     out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
     return None
-
-
-def _critical(stated: Scene, name: str) -> Any:
-    from origami_nlp.paper import find_critical_points
-
-    with progress(f"{stated.label or name}: critical points"):
-        return find_critical_points(stated)
 
 
 @writes("json", "csv", "scene", "fold", "figure", verbose=True)
@@ -256,7 +216,7 @@ def design(
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
     answer = find(question, seed=seed, effort=effort)
-    answer.print_to(out.console, out.verbose)
+    out.say(answer)
     out.write("json", answer.to_dict)
     out.write("csv", answer.to_csv)
     if (made := answer.scene) is not None:
@@ -268,7 +228,7 @@ def design(
     return Ended.DONE if answer.verified else Ended.NO if answer.refuted else Ended.OPEN
 
 
-@writes("figure")
+@writes("csv")
 def sweep(
     out: Output,
     clock: Clock,
@@ -279,7 +239,7 @@ def sweep(
 ) -> int | None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
     from origami_nlp.io import make_folder
-    from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
+    from origami_nlp.sweep import load_states, read_sweep, run_sweep
 
     stated = read_sweep(spec)
     note_normalized(stated.normalized, ", at most")
@@ -300,7 +260,7 @@ def sweep(
     if failed:
         out.say("failed scenes are tried again by the same command; reasons are in the store")
     out.written(folder)
-    out.write("figure", draw_sweep, folder)
+    out.write("csv", lambda: load_states(folder).to_csv(index=False))
     return Ended.NO if failed else Ended.DONE
 
 

@@ -22,7 +22,7 @@ AGAIN = 0.2
 after another (CasADi) can take what ends it for an argument of another kind."""
 
 
-class CommandOutOfTime(BaseException):
+class CommandOutOfTime(KeyboardInterrupt):
     """The time is over; no error, so that nothing takes it for an answer that failed."""
 
 
@@ -45,9 +45,10 @@ class Clock:
     def __init__(self, seconds: float | None) -> None:
         if seconds is not None:
             check_number("--seconds", seconds, 0.0)
-        self.seconds, self.end = seconds, time.monotonic() + (seconds or 0.0)
+        self.seconds = seconds
+        self.end = math.inf if seconds is None else time.monotonic() + seconds
         self.found: Any = None
-        self.late = self.interrupted = self._polite = False
+        self.late = self.interrupted = self._able = False
 
     def run(self, command: Callable[..., Any], **given: Any) -> Any:
         """Return what a command returns, None where the time, or the user, ended it."""
@@ -55,22 +56,20 @@ class Clock:
         self._able = self.seconds is not None and main and hasattr(signal, "setitimer")
         former = signal.signal(signal.SIGALRM, self._ring) if self._able else None
         try:
-            self._wait(self.end)
+            self._wake(0.0, AGAIN)
             return command(**given)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, NothingInTime) as error:
+            if isinstance(error, NothingInTime) and self.seconds is None:
+                raise
+            self.late |= not isinstance(error, KeyboardInterrupt)
             self.interrupted = not self.late
-        except (CommandOutOfTime, NothingInTime) as error:
-            if self.seconds is None:
-                raise error
-            self.late = True
         except Exception:
             # what comes of an end in the middle of a library is no answer of it
             if not self.late:
                 raise
         finally:
-            self._able = False
+            self.rest()
             if former is not None:
-                signal.setitimer(signal.ITIMER_REAL, 0.0)
                 signal.signal(signal.SIGALRM, former)
         return None
 
@@ -85,44 +84,42 @@ class Clock:
         if self.seconds is not None:
             options["seconds"] = max(self.end - time.monotonic(), 0.0)
         try:
-            self._wait(self.end + GRACE, polite=True)
+            self._wake(GRACE, GRACE)
             self.found = verb(*given, **options)
         except Interrupted as early:  # of the user, or since the verb is late
             self.found, self.interrupted = early.result, not self.late
-        self._wait(math.inf if last else self.end)
+        if last:
+            self.rest()
         if self.interrupted or (self.late and not last):
-            raise KeyboardInterrupt if self.interrupted else CommandOutOfTime
+            raise KeyboardInterrupt
         self.late |= self.seconds is not None and is_cut(self.found)
+        if not last:
+            self._wake(0.0, AGAIN)
         return self.found
 
     @property
     def over(self) -> bool:
         """Whether the time is over."""
-        return self.seconds is not None and time.monotonic() >= self.end
+        return time.monotonic() >= self.end
 
     def rest(self) -> None:
         """Let the command report and write what it found."""
-        self.late |= self.over
-        self._wait(math.inf)
+        if self._able:
+            self._able = False
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     def said(self) -> str:
         """Say that the time ended the command."""
-        rest = "what stands above was found" if self.found else "nothing was found until then"
-        return f"{OUT_OF_TIME} (--seconds {self.seconds:g}): {rest}"
+        return f"{OUT_OF_TIME} (--seconds {self.seconds:g}): what stands above was found"
 
-    def _wait(self, until: float, polite: bool = False) -> None:
-        self._polite = polite
+    def _wake(self, after: float, again: float) -> None:
+        """End the command that many seconds after its time, and again."""
         if self._able:
-            left = 0.0 if until == math.inf else max(until - time.monotonic(), SHORTEST)
-            signal.setitimer(signal.ITIMER_REAL, left, AGAIN)
+            left = self.end + after - time.monotonic()
+            signal.setitimer(signal.ITIMER_REAL, max(left, SHORTEST), again)
 
     def _ring(self, *_: object) -> None:
-        if not self._able:
-            return
         self.late = True
-        if self._polite:
-            self._wait(time.monotonic() + GRACE)
-            raise KeyboardInterrupt
         raise CommandOutOfTime
 
 

@@ -34,7 +34,6 @@ from .one_sided_branches import (
     find_one_sided_branches as find_one_sided_branches,
     is_equilibrium as is_equilibrium,
 )
-from .system import Hold as Hold, Tally as Tally
 from .tracer import (
     CLOSED_CURVE as CLOSED_CURVE,
     SINGULAR as SINGULAR,

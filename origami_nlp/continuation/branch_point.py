@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.numerics import DUPLICATE_TOL, EPS, RANK, STATIONARY, dense
+from origami_nlp.numerics import DUPLICATE_TOL, EPS, RANK, STATIONARY
 
 STEPS = 8
 """Of Newton: it converges quadratically, or is beside another kind of point."""
@@ -32,11 +32,9 @@ def refined(curve: EquilibriumCurve, frame: Equilibrium) -> Equilibrium:
     system has no rank either: then nothing is gained.
     """
     system = frame.system
-    if system.problem.sparse:
-        return frame
     n, root = len(system.imbalance), curve.root
     # constraints projected on their row space here: rows that depend on each other all along say nothing
-    u, values, _ = np.linalg.svd(dense(system.jacobian))
+    u, values, _ = np.linalg.svd(system.jacobian)
     rows = u[:, : int((values > RANK).sum())]
     left, right_of = (block_diag(np.eye(n), rows, *more) for more in ((), (1.0,)))
     z = np.concatenate([frame.x, rows.T @ system.multipliers])

@@ -8,7 +8,6 @@ import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.one_sided_branches import OneSidedBranch
-from origami_nlp.continuation.system import Tally
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED
 from origami_nlp.problem import Contact
@@ -27,7 +26,6 @@ class SpecialPoint:
     point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
     system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
     values of s between which it lies, where only that is known.
-    held: contacts that are held on the way there.
     halves: in which directions equilibria go on.  used: those that were followed, or come from there.  left: those that
     may be followed later.
     """
@@ -40,7 +38,6 @@ class SpecialPoint:
     located: bool = True
     why: str = ""
     between: tuple[float, float] | None = None
-    held: tuple[Contact, ...] = ()
     halves: list[OneSidedBranch] = field(default_factory=list)
     used: list[int] = field(default_factory=list)
     left: list[int] = field(default_factory=list)
@@ -86,7 +83,7 @@ class BranchSegment:
         """Number of directions in which the energy falls."""
         return self.frames[self.middle].index
 
-    def at(self, s: float, tally: Tally) -> Equilibrium | None:
+    def at(self, s: float) -> Equilibrium | None:
         """Return its state at s, by Newton; None outside."""
         if not self.low - SETTLED <= s <= self.high + SETTLED:
             return None
@@ -96,7 +93,7 @@ class BranchSegment:
         a, b = self.frames[max(k - 1, 0)], self.frames[min(k, len(values) - 1)]
         share = 0.0 if a.s == b.s else (s - a.s) / (b.s - a.s)
         middle = self.frames[len(self.frames) // 2]
-        curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
+        curve = EquilibriumCurve(middle.system.line, middle.hold)
         guess = a.x + share * (b.x - a.x)
         found = curve.at(guess, s, middle.tangent)
         # just outside it is beside the end: at a fold at the square root of how far outside

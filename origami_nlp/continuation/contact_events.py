@@ -40,9 +40,8 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact
 
-BISECTIONS, SOON = 24, 7
-"""Of a step in which a state is refused: what then closes is looked for by Newton.  After so many of them what nearly
-touches is what will close."""
+BISECTIONS = 24
+"""Of a step in which a state is refused: what then closes is looked for by Newton."""
 LATE = 30
 """Lengths of what bisection leaves by which is stepped back: facets that cross are seen from a depth on, and there the
 sides on which features are can no longer be determined."""
@@ -53,21 +52,16 @@ MOST_NAMED = 8
 Forces = Callable[[Equilibrium], np.ndarray]
 
 
-def first_contact_event(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, LocatedEvent | None]:
+def first_contact_event(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
     leaving = _first_leaving(curve, a, b)
     beyond = b if leaving is None else leaving.frame
     slides = _first_sliding(curve, a, beyond)
     if slides is not None and not slides.frame.seen.refused:
-        return slides.frame, slides
+        return slides
     if not beyond.seen.refused and touches(beyond):
-        if leaving is None:
-            return a, LocatedEvent(
-                "refused", a, None, np.nan, False, "no event was found in a step"
-            )
-        return leaving.frame, leaving
+        none = "no event was found in a step"
+        return leaving or LocatedEvent("refused", a, None, np.nan, False, none)
     return _closing(curve, a, beyond)
 
 
@@ -84,7 +78,7 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
         # a sign may also change through infinity, where held contacts become dependent
         if is_zero(force, frame, a, b):
             share = force(frame) / frame.system.size
-            event = found_at("leaves", frame, share, a.hold.contacts[k])
+            event = found_at("leaves", frame, share, a.hold[k])
         else:
             event = pole(curve, a, b, force)
         found.append(event)
@@ -98,7 +92,7 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> L
     facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
     found: list[LocatedEvent] = []
-    for contact in (c for c in b.hold.contacts if margin(b, c) <= 0.0):
+    for contact in (c for c in b.hold if margin(b, c) <= 0.0):
 
         def reported(f: Equilibrium, contact: Contact = contact) -> float:
             return f.problem.margin(contact, f.state) - INSIDE
@@ -148,20 +142,16 @@ def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent
     """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
     steps = [step_length(a, e.frame, curve.root) for e in found]
     together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
-    held = [e for e in together if e.contact in curve.hold.contacts]
+    held = [e for e in together if e.contact in curve.hold]
     return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
-def _closing(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, LocatedEvent]:
+def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
-    ahead = _guesses(curve, a, good, bad)
     missed = np.inf  # where Newton fails for the length of the step, not for what it meets
-    for k in range(BISECTIONS):
-        inside = [h for h in ahead if low < h < min(high, missed)]
-        middle = inside[0] if inside else 0.5 * (low + min(high, missed))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + min(high, missed))
         frame = curve.beside(a, middle)
         if frame is None and good is not a:
             frame = curve.beside(good, middle - low)
@@ -173,8 +163,6 @@ def _closing(
             high, bad = middle, frame
         if min(high, missed) - low <= NEAR_CONTACT:
             break
-        if k == SOON:
-            ahead = _guesses(curve, a, good, bad)
     back = curve.beside(a, max(0.0, low - LATE * (high - low))) or good
     passed = b.problem.beyond(b.state)
     met: list[tuple[float, float, Equilibrium, Contact]] = []
@@ -198,8 +186,7 @@ def _closing(
             event = found_at("closes", frame, float(left), contact)
             last.append((h, replace(event, why=frame.seen.refused)))
     if not met:
-        event = min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
-        return event.frame, event
+        return min(last, key=lambda m: m[0])[1] if last else _not_located(good, bad)
     first = min(h for h, *_ in met)
     # of contacts that close together, the one that does so to first order knows best where; of several the first
     together = sorted((m for m in met if m[0] <= first + ENDPOINT_TOL), key=lambda m: m[3])
@@ -207,7 +194,7 @@ def _closing(
         int(first_largest(np.array([rate for _, rate, *_ in together])))
     ]
     opening = frame.problem.local(frame.state).openings((contact,))[0][0]
-    return frame, found_at("closes", frame, float(opening), contact)
+    return found_at("closes", frame, float(opening), contact)
 
 
 def _is_shut(at: Equilibrium, contact: Contact) -> bool:
@@ -236,20 +223,6 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
     return LocatedEvent("refused", good, None, np.nan, False, why)
 
 
-def _guesses(
-    curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
-) -> list[float]:
-    """Return lengths of steps just before and after the next contact closes, as far as Newton resolves them."""
-    at_limit = (curve.where_closed(good, c, a.tangent) for c in _candidates(curve, good, bad, good))
-    first = step_length(a, good, curve.root)
-    lengths = [step_length(a, f, curve.root) for f in at_limit if f is not None]
-    return [
-        h + side
-        for h in sorted(h for h in lengths if h > first)[:1]
-        for side in (-0.25 * NEAR_CONTACT, 0.25 * NEAR_CONTACT)
-    ]
-
-
 def _rate(curve: EquilibriumCurve, frame: Equilibrium, contact: Contact) -> float:
     """Return how fast a contact closes along the curve."""
     slopes, moved = opening_rates(curve, frame.x, (contact,))
@@ -266,7 +239,7 @@ def _candidates(
     rows += [*near.base, *(c for branch in near.branches for option in branch for c in option)]
     rows += back.problem.about_to_close(back.state, NEAR_SINGULAR_TOL)
     rows += bad.problem.beyond(bad.state, CONTACT_TOL)
-    rows = [c for c in dict.fromkeys(rows) if c not in good.hold.contacts]
+    rows = [c for c in dict.fromkeys(rows) if c not in good.hold]
     if len(rows) <= MOST_TRIED:
         return rows
     opening = p.local(good.state).openings(rows)[0]

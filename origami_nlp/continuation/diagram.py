@@ -44,7 +44,7 @@ from origami_nlp.continuation.one_sided_branches import (
     one_sided_branches_at,
     turned,
 )
-from origami_nlp.continuation.system import BorderedSystem, Tally
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import (
     ALIGNED,
     CLOSED_CURVE,
@@ -71,8 +71,6 @@ class BifurcationDiagram:
         The range of s.
     steps
         Of the tracer.
-    through_folds
-        Whether unstable states beyond a fold are followed.
     functions
         Further functions of a state whose zeros are events, by type.
     stops
@@ -88,8 +86,8 @@ class BifurcationDiagram:
     ----------
     nodes, arcs
         In the order in which they were found.
-    tally
-        What it cost.
+    steps_made
+        That the tracer accepted.
     interrupted
         Whether the time was over before all that comes of the states given was followed.
     stopped
@@ -103,7 +101,6 @@ class BifurcationDiagram:
         high: float,
         *,
         steps: ContinuationOptions = STEPS,
-        through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
         stops: Sequence[str] = (),
         lazy: bool = False,
@@ -114,10 +111,10 @@ class BifurcationDiagram:
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, until=min(steps.until, until))
         self.interrupted = self.stopped = False
-        self.through_folds, self.functions = through_folds, tuple(functions)
+        self.functions = tuple(functions)
         self.nodes: list[SpecialPoint] = []
         self.arcs: list[BranchSegment] = []
-        self.tally = Tally()
+        self.steps_made = 0
         self.root = np.append(line.problem.root, line.weight)
 
     @property
@@ -137,7 +134,7 @@ class BifurcationDiagram:
 
     def states_at(self, s: float) -> list[tuple[int, Equilibrium]]:
         """Return the states of all arcs at s, with the positions of the arcs."""
-        found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
+        found = [(k, arc.at(s)) for k, arc in enumerate(self.arcs)]
         return [(k, frame) for k, frame in found if frame is not None]
 
     def alone_at(self, s: float) -> list[Equilibrium]:
@@ -159,9 +156,7 @@ class BifurcationDiagram:
         grows or falls at first; the other way is left.  follow: whether anything is followed yet.
         """
         point = np.append(x, s)
-        node = SpecialPoint(
-            START, point, halves=find_one_sided_branches(self.line, point, self.tally, verdict)
-        )
+        node = SpecialPoint(START, point, halves=find_one_sided_branches(self.line, point, verdict))
         self.nodes.append(node)
         # at an end of the range only the half-branches that lead inside are followed
         ends = {1.0: self.high, -1.0: self.low}
@@ -209,7 +204,7 @@ class BifurcationDiagram:
     def add_flat(self) -> None:
         """Follow the minima that are born where curves pass the flat state."""
         for s, direction in [] if self.late else self.flat:
-            for frame in beside_flat(self.line, s, direction, self.tally):
+            for frame in beside_flat(self.line, s, direction):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
                 known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
@@ -218,11 +213,9 @@ class BifurcationDiagram:
 
     def _follow(self, start: int, half: OneSidedBranch) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
-        curve = EquilibriumCurve(
-            self.line, half.frame.hold, self.tally, corrector=self.steps.corrector
-        )
+        curve = EquilibriumCurve(self.line, half.frame.hold, corrector=self.steps.corrector)
         frames, stop = self._trace(curve, half)
-        self.tally.steps += len(frames)
+        self.steps_made += len(frames)
         begun, here = [half.frame], start
         todo: list[tuple[int, int]] = []
         for frame in frames:
@@ -239,9 +232,6 @@ class BifurcationDiagram:
                 if event.type == "branching" and not self.lazy:
                     self.nodes[number].halves = one_sided_branches_at(curve, event.frame)
                     todo += [(number, k) for k in range(len(self.nodes[number].halves))]
-                if event.type == "fold" and not self.through_folds:
-                    self.nodes[number].why = "not followed through folds"
-                    return todo
             begun.append(frame)
         if len(begun) < 2:
             return todo
@@ -289,71 +279,57 @@ class BifurcationDiagram:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
         stop, between = list[LocatedEvent](), list[Equilibrium]()
         verdict = "" if half.signed else judged(half.frame)
+        unstable = [bool(half.frame.index)]
 
-        # of each end: `before` counts the frames up to it, `meet` locates it between the last one and the next
-        def before(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                good = self.low <= f.s <= self.high and is_equilibrium(f)
-                good = good and (not half.split or balances(f))
-                if not good or (verdict and judged(f) != verdict):
-                    return k
-            return len(frames)
+        def end(
+            passed: Callable[[Equilibrium, Equilibrium], object],
+            meet: Callable[[Equilibrium, Equilibrium], LocatedEvent],
+        ) -> End[Equilibrium]:
+            """Return what ends the curve in the first step in which something is passed."""
+            last = [half.frame]
 
-        def meet(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            frame, event = self._first(curve, a, b, verdict, half.split)
-            stop.append(event)
-            return frame
+            def before(frames: Sequence[Equilibrium]) -> int:
+                for k, f in enumerate(frames):
+                    if passed(last[0], f):
+                        return k
+                    last[0] = f
+                return len(frames)
 
-        # where no multiplier judges, each step is classified: such states mostly stand still
-        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+            def met(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+                stop.append(meet(a, b))
+                return stop[-1].frame
 
-        last_kept = [half.frame]
+            return End(before, EVENT, met)
 
-        def before_flat(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                if passes(lambda: self.flat, last_kept[0], f):
-                    return k
-                last_kept[0] = f
-            return len(frames)
+        def lost(_: Equilibrium, f: Equilibrium) -> bool:
+            good = self.low <= f.s <= self.high and is_equilibrium(f)
+            good = good and (not half.split or balances(f))
+            return not good or bool(verdict and judged(f) != verdict)
 
-        def meet_flat(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+        def at_flat(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
             root = passes(lambda: self.flat, a, b)
             assert root is not None
             between[:], event = flat_crossed(curve, root, a)
-            stop.append(event)
-            return event.frame
+            return event
 
-        before_it = [half.frame]
+        def at_pole(a: Equilibrium, b: Equilibrium) -> LocatedEvent:
+            found = multipliers_pass_infinity(curve, a, b)
+            assert found is not None
+            return found
 
-        def before_pole(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                passed = multipliers_pass_infinity(curve, before_it[0], f)
-                if passed is not None:
-                    stop.append(passed)
-                    return k
-                before_it[0] = f
-            return len(frames)
+        def stable_again(_: Equilibrium, f: Equilibrium) -> bool:
+            unstable[0] |= bool(f.index)
+            return unstable[0] and not f.index
 
-        unstable = [bool(half.frame.index)]
-
-        def before_stable(frames: Sequence[Equilibrium]) -> int:
-            for k, f in enumerate(frames):
-                unstable[0] |= bool(f.index)
-                if unstable[0] and not f.index:
-                    return k
-            return len(frames)
-
-        def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            stop.append(LocatedEvent(AGAIN, b, None, 0.0, True))
-            return b
-
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
         ends = [
-            End(before_flat, EVENT, meet_flat),
-            End(before, EVENT, meet),
-            End(before_pole, EVENT, lambda a, b: stop[-1].frame),
+            end(lambda a, b: passes(lambda: self.flat, a, b), at_flat),
+            end(lost, lambda a, b: self._first(curve, a, b, verdict, half.split)),
+            end(lambda a, b: multipliers_pass_infinity(curve, a, b), at_pole),
         ]
         if self.lazy:
-            ends.append(End(before_stable, EVENT, meet_stable))
+            ends.append(end(stable_again, lambda a, b: LocatedEvent(AGAIN, b, None, 0.0, True)))
         frames, _, why = trace_ahead(curve, half.frame, steps, ends)
         if stop:
             frames[-1:-1] = between
@@ -368,7 +344,7 @@ class BifurcationDiagram:
 
     def _first(
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
-    ) -> tuple[Equilibrium, LocatedEvent]:
+    ) -> LocatedEvent:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
@@ -377,24 +353,22 @@ class BifurcationDiagram:
             guess = a.x + share * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
-                return a, LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
+                return LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
             b = beyond
         if split and not b.seen.refused and not balances(b):
             leaving = other_piece_leaves(curve, a, b)
             if is_equilibrium(leaving.frame):
-                return leaving.frame, leaving
+                return leaving
             b = leaving.frame
         if not is_equilibrium(b):
-            frame, event = first_contact_event(curve, a, b)
-            assert event is not None
-            return frame, event
+            return first_contact_event(curve, a, b)
         if verdict and judged(b) != verdict:
             return change_of_verdict(curve, a, b, verdict)
-        return b, LocatedEvent(RANGE, b, None, 0.0, True)
+        return LocatedEvent(RANGE, b, None, 0.0, True)
 
     def _node(self, event: LocatedEvent) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
-        point = event.frame.x if event.point is None else event.point
+        point = event.frame.x
         for k, node in enumerate(self.nodes):
             if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
                 continue
@@ -413,7 +387,6 @@ class BifurcationDiagram:
             event.located,
             event.why,
             between=event.between,
-            held=event.frame.hold.contacts,
         )
         self.nodes.append(node)
         return len(self.nodes) - 1, False
@@ -435,7 +408,7 @@ class BifurcationDiagram:
         if stop.type not in ("closes", "leaves"):
             return []
         if not node.halves:
-            node.halves = find_one_sided_branches(self.line, node.point, self.tally)
+            node.halves = find_one_sided_branches(self.line, node.point)
         back = turned(half)
         came = _likest(node.halves, back.frame.tangent)
         node.used += came
@@ -455,9 +428,6 @@ class BifurcationDiagram:
         # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
         elif all(v * back.frame.ahead > 0 for v in ahead):
             node.type = "nonsmooth-fold"
-        if node.type == "nonsmooth-fold" and not self.through_folds:
-            node.why = "not followed through folds"
-            return []
         onward = [k for k in onward if k not in node.used]
         if self.lazy and half.frame.index:
             # beyond unstable states: those that become stable there wait until they are asked for
@@ -468,7 +438,7 @@ class BifurcationDiagram:
         self, node: SpecialPoint, number: int, half: OneSidedBranch, beyond: Equilibrium
     ) -> list[tuple[int, int]]:
         """Go on from a point on the other side of a singular state, with the contacts that carry there."""
-        found = find_one_sided_branches(self.line, beyond.x, self.tally)
+        found = find_one_sided_branches(self.line, beyond.x)
         onward = [h for h in found if h.is_like(half.frame)]
         known = any(
             np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)

@@ -13,10 +13,10 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.continuation.line import Line
-from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.continuation.tracer import ASIDE
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, OUTSIDE, ROUNDED, STATIONARY
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, ROUNDED, STATIONARY
 from origami_nlp.problem import Contact, Problem
 
 NEWTON = 10
@@ -59,7 +59,7 @@ class Equilibrium:
         return self.system.problem
 
     @property
-    def hold(self) -> Hold:
+    def hold(self) -> tuple[Contact, ...]:
         """The contacts held."""
         return self.system.hold
 
@@ -100,8 +100,6 @@ Row = Callable[[np.ndarray, BorderedSystem], tuple[np.ndarray, float]]
 """One more equation at (x, s): its row over (dy, w ds), and what that shall be."""
 BISECTIONS = 45
 """Of a step, down to rounding."""
-Move = Callable[[np.ndarray, BorderedSystem], np.ndarray | None]
-"""Newton's step at (x, s); None where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +111,7 @@ class EquilibriumCurve:
     """
 
     line: Line
-    hold: Hold
-    tally: Tally
+    hold: tuple[Contact, ...] = ()
     known: list[tuple[np.ndarray, BorderedSystem]] = field(default_factory=list)
     given: list[Equilibrium] = field(default_factory=list)
     corrector: int = NEWTON
@@ -131,26 +128,21 @@ class EquilibriumCurve:
         span: np.ndarray | None = None,
     ) -> BorderedSystem:
         """Evaluate the KKT system at (x, s)."""
-        self.tally.evaluations += 1
         return BorderedSystem(self.line, point, self.hold, multipliers, span)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, BorderedSystem] | None:
         """Solve the system with one more equation by Newton from (x, s); None if that fails."""
-        return self._newton(point, lambda at, system: system.step(*row(at, system)))
-
-    def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, BorderedSystem] | None:
         # rows that are independent at the last frame; all of them where closure gains rank since
-        span = self.given[0].system.range if self.given else None
-        found = None if span is None else self._newton_in(point, move, span)
-        return self._newton_in(point, move, None) if found is None else found
+        spans = [*(frame.system.range for frame in self.given), None]
+        return next(filter(None, (self._newton(point, row, span) for span in spans)), None)
 
-    def _newton_in(
-        self, point: np.ndarray, move: Move, span: np.ndarray | None
+    def _newton(
+        self, point: np.ndarray, row: Row, span: np.ndarray | None
     ) -> tuple[np.ndarray, BorderedSystem] | None:
         carried: np.ndarray | None = None
         for _ in range(self.corrector):
             system = self.system(point, carried, span)
-            step = move(point, system)
+            step = system.step(*row(point, system))
             if step is None:
                 return None
             length = float(np.linalg.norm(self.root * step))
@@ -165,7 +157,6 @@ class EquilibriumCurve:
                     break
         else:
             return None
-        point, system = self._inside(point, system)
         self.known[:] = [(point, system)]
         good = system.residual <= STATIONARY and system.missing <= max(self._least, CLOSURE_TOL)
         return (point, system) if good else None
@@ -178,18 +169,7 @@ class EquilibriumCurve:
     @property
     def _least(self) -> float:
         """Closure and openings at which Newton has arrived; off closure a gap is one along a walk, its slope too."""
-        return CLOSURE_TOL if all(c.is_limit for c in self.hold.contacts) else ROUNDED
-
-    def _inside(
-        self, point: np.ndarray, system: BorderedSystem
-    ) -> tuple[np.ndarray, BorderedSystem]:
-        """Put fold angles that are beyond their limits by rounding back onto them: contacts may keep a crease there."""
-        p, x = system.problem, point[:-1]
-        beyond = -p.fold_limits.room(x)
-        if not 0.0 < beyond.max(initial=0.0) <= OUTSIDE:
-            return point, system
-        point = np.append(p.fold_limits.clip(x), point[-1])
-        return point, self.system(point, system.multipliers)
+        return CLOSURE_TOL if all(c.is_limit for c in self.hold) else ROUNDED
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move (x, s) [n + 1] onto the curve by steps across it."""
@@ -198,11 +178,7 @@ class EquilibriumCurve:
             found = system.direction()
             return np.zeros(len(self.root)) if found is None else found[0], 0.0
 
-        def shortest(point: np.ndarray, system: BorderedSystem) -> np.ndarray | None:
-            step = system.shortest_step(self.given[0].tangent) if self.given else None
-            return system.step(*across(point, system)) if step is None else step
-
-        found = self._newton(x, shortest)
+        found = self.solve(x, across)
         return None if found is None else found[0]
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Equilibrium | None:

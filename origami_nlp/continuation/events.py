@@ -24,7 +24,7 @@ import numpy as np
 
 from origami_nlp.continuation.branch_point import refined
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
-from origami_nlp.continuation.flat import AT_FLAT, crossing, flat_passage
+from origami_nlp.continuation.flat import AT_FLAT, crossing
 from origami_nlp.continuation.one_sided_branches import is_equilibrium, judged
 from origami_nlp.numerics import CONTACT_TOL, EPS, NEARLY, SETTLED, STATIONARY, bracketed_roots
 from origami_nlp.problem import Contact
@@ -43,7 +43,7 @@ class LocatedEvent:
     type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
     comes there.  contact: that closes or leaves.  value: of its own function there.  located: whether value and KKT
     residual are rounding.  why: in words, where it is not.  beyond: a point on the other side of a singular state.
-    point, residual: of the event (x, s) where it is no frame, see `flat`.  between: values of s, where that is all.
+    residual: of the event, if not of the frame.  between: values of s, where that is all.
     """
 
     type: str
@@ -53,7 +53,6 @@ class LocatedEvent:
     located: bool
     why: str = ""
     beyond: Equilibrium | None = None
-    point: np.ndarray | None = None
     residual: float | None = None
     between: tuple[float, float] | None = None
 
@@ -134,8 +133,10 @@ def folds_and_branchings(
     turns = a.ahead * b.ahead < 0
     if turns:
         frame = root_between(curve, a, b, lambda f: f.ahead)
+        # where closure loses rank the tangent flips: its sign alone is no limit point
         if frame is not None and (a.index - b.index) % 2:
-            out.append(found_at("fold", frame, frame.ahead))
+            if is_zero(lambda f: f.ahead, frame, a, b):
+                out.append(found_at("fold", frame, frame.ahead))
         elif frame is not None:  # a pitchfork, passed along the branch that turns there
             there = refined(curve, _between(frame, a, b))
             least = frame.ahead if there.system is frame.system else _smallest(there)
@@ -167,11 +168,6 @@ def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) 
         return event
     back = _towards(curve, replace(b, tangent=-b.tangent), a, lambda f: 1.0 / value(f)) or b
     between = min(frame.s, back.s), max(frame.s, back.s)
-    flat = flat_passage(curve, frame.x, min(a.s, b.s), max(a.s, b.s))
-    if flat is not None and max(abs(flat[1]), flat[2]) <= STATIONARY:
-        point, off, residual = flat
-        why = "a flat state: closure and contacts lose rank, and multipliers pass infinity"
-        return LocatedEvent("singular", frame, None, off, True, why, b, point, residual)
     why = (
         f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
         "multipliers grow without bound: the equilibria on both sides are followed, each by itself"
@@ -229,13 +225,13 @@ def _contacts_become_one(
 
     There a state without one or more of them closes another; on the way to it only their sum is a force.
     """
-    held = curve.hold.contacts
+    held = curve.hold
     reach = 2 * float(np.linalg.norm(curve.root * (b.x - a.x)))
     # two contacts are let go first, then more; where one of them closes again the others must do so too
     for count in range(len(held) - 1):
         for rest in itertools.combinations(held, len(held) - 2 - count):
             for contact in (c for c in held if c not in rest):
-                other = replace(curve, hold=replace(curve.hold, contacts=rest), known=[], given=[])
+                other = replace(curve, hold=rest, known=[], given=[])
                 there = other.where_closed(near, contact, near.tangent)
                 if there is None or np.linalg.norm(curve.root * (there.x - a.x)) > reach:
                     continue
@@ -278,7 +274,7 @@ def _eigenvalue_passes(
 
 def change_of_verdict(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
-) -> tuple[Equilibrium, LocatedEvent]:
+) -> LocatedEvent:
     """Bisect on the verdict of states that no multiplier judges."""
     root = curve.root
     low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
@@ -291,4 +287,4 @@ def change_of_verdict(
             high = middle
     why = f"{verdict} before, {other} beyond: by bisection on the verdict"
     ends = verdict == "minimum" and other in ("saddle", "not stationary")
-    return good, LocatedEvent("branching" if ends else "singular", good, None, np.nan, False, why)
+    return LocatedEvent("branching" if ends else "singular", good, None, np.nan, False, why)

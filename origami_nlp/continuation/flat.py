@@ -1,4 +1,4 @@
-"""Where a curve of equilibria passes a flat or flat-folded state: multipliers pass infinity there.
+"""Where a curve of equilibria passes the flat state: multipliers pass infinity there.
 
 At such a state x0 closure and held contacts C lose one rank, w' C = 0.  On the curve x = x0 + h d + ..., and the
 multipliers are eta w / h + ...; torques balance on the kernel Z of C at h = 0 only if, with Q the second derivative of
@@ -20,14 +20,12 @@ from numpy.polynomial import chebyshev
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import Line
-from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
-from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots, dense
+from origami_nlp.continuation.system import BorderedSystem
+from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED
 
 MOST_ROWS = 400
 """Equations, or variables, beyond which no curve is asked for: sheets with more have many vertices, and lose a rank of
 closure at each of them."""
-FLAT = 0.1
-"""Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
 DEGREES = (4, 16, 64)
 """Of the polynomials through g' Q^-1 g: the first whose last terms are rounding.  Loads and rest angles: 2."""
 BESIDE_FLAT = (0.03, 0.01, 0.003)
@@ -39,50 +37,10 @@ NEAR, ARRIVED, STRAIGHT = 1.0, 0.02, 0.9
 cosine of both with the direction at a root is so large."""
 
 
-def flat_passage(
-    curve: EquilibriumCurve, near: np.ndarray, low: float, high: float
-) -> tuple[np.ndarray, float, float] | None:
-    """Locate the flat state that a curve passes.
-
-    Parameters
-    ----------
-    curve
-        With what it holds.
-    near
-        A point (x, s) of it close to the state, [n + 1].
-    low, high
-        Values of s between which it passes.
-
-    Returns
-    -------
-    point : numpy.ndarray
-        State and parameter, [n + 1].
-    value, residual : float
-        g' Q^-1 g there over the sizes of g and Q^-1, and the largest entry of closure and openings.
-        None is returned instead of the three where no such state is near, or where more than one rank is lost.
-    """
-    # every fold angle to the next multiple of pi: the flat state or a flat folding
-    x = np.pi * np.round(near[:-1] / np.pi)
-    if np.abs(x - near[:-1]).max() > FLAT:
-        return None
-    first: list[np.ndarray] = []
-
-    def value(s: np.ndarray) -> np.ndarray:
-        return np.array([_balance(curve.system(np.append(x, float(v))), first) for v in s])
-
-    at = [low, high]
-    ends = value(np.array(at))
-    if not np.isfinite(ends).all() or ends[0] * ends[1] > 0:
-        return None
-    s = float(bracketed_roots(value, at[:1], at[1:])[0])
-    point = np.append(x, s)
-    return point, float(value(np.array([s]))[0]), float(np.abs(curve.system(point).values).max())
-
-
 def flat_event(line: Line, s: float) -> tuple[Equilibrium, float]:
     """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
     still = np.zeros(line.problem.size)
-    system = BorderedSystem(line, np.append(still, s), Hold())
+    system = BorderedSystem(line, np.append(still, s))
     frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
     return frame, _balance(system, [])
 
@@ -106,7 +64,7 @@ def flat_roots(line: Line, low: float, high: float) -> list[tuple[float, np.ndar
     flat, first = np.zeros(line.problem.size), list[np.ndarray]()
 
     def tip(s: float) -> tuple[float, np.ndarray] | None:
-        return _tip(BorderedSystem(line, np.append(flat, s), Hold()), first)
+        return _tip(BorderedSystem(line, np.append(flat, s)), first)
 
     if tip(low) is None or not line.problem.lifts_to_one(flat):
         return []
@@ -144,7 +102,7 @@ def passes(
     """
     y, z = (f.problem.root * f.state for f in (a, b))
     sizes = np.linalg.norm(y), np.linalg.norm(z)
-    if a.hold.contacts or max(sizes) > NEAR:
+    if a.hold or max(sizes) > NEAR:
         return None
     out = []
     for s, d in roots():
@@ -166,7 +124,7 @@ def crossing(
     s, direction = root
     frame, value = flat_event(curve.line, s)
     frame = replace(frame, tangent=a.tangent)
-    beyond, before = beside_flat(curve.line, s, direction, curve.tally)
+    beyond, before = beside_flat(curve.line, s, direction)
     length = float(np.linalg.norm(a.problem.root * a.state))
     between: list[Equilibrium] = []
     if before is not None and np.linalg.norm(before.problem.root * before.state) < 0.9 * length:
@@ -178,14 +136,14 @@ def crossing(
 
 
 def beside_flat(
-    line: Line, s: float, direction: np.ndarray, tally: Tally
+    line: Line, s: float, direction: np.ndarray
 ) -> tuple[Equilibrium | None, Equilibrium | None]:
     """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
 
     direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
     """
     root = line.problem.root
-    curve = EquilibriumCurve(line, Hold(), tally)
+    curve = EquilibriumCurve(line)
     out: list[Equilibrium | None] = []
     # closed states x and -x come in pairs there, equilibria do not: each side is found by itself
     for sign in (1.0, -1.0):
@@ -232,13 +190,13 @@ def _forms(
     """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
     if min(system.jacobian.shape) > MOST_ROWS:
         return None
-    c = dense(system.jacobian)
+    c = system.jacobian
     u, values, vt = np.linalg.svd(c)
     rank = int((values > RANK).sum())
     if len(c) == rank or np.abs(system.values).max() > CLOSURE_TOL:
         return None
     lost, z = u[:, rank:], vt[rank:].T
-    p, contacts = system.problem, system.hold.contacts
+    p, contacts = system.problem, system.hold
     inside = z / p.root[:, None]
     # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
     every = np.array(

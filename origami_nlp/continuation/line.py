@@ -1,8 +1,8 @@
 """A line of parameters: which problem belongs to each value of one number s.
 
 Rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear, so that a ratio
-of stiffnesses r is followed in s = ln r; a law may move with a number that it is stated with.  What moves paper changes
-closure itself: there every value has equations of its own.
+of stiffnesses r is followed in s = ln r.  What moves paper changes closure itself: there every value has equations of
+its own.
 """
 
 from __future__ import annotations
@@ -64,9 +64,6 @@ class ParameterLine:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Differentiate the KKT system by s at a state [n] of the problem p at s: torque [n], constraints [m + r]."""
         torque, moved = p.drift(x, multipliers, contacts, self.slope(s))
-        change, laws = self.direction.laws, p.parameters.laws
-        if change is not None and change.moving is not None and laws is not None:
-            torque = torque + change.moving.rate(laws, s, x)
         return torque, moved
 
     def slope(self, s: float) -> np.ndarray:
@@ -87,13 +84,6 @@ class ParameterLine:
         still = None if a.dead is None else a.dead.divided(math.inf)
         laws = a.laws if a.laws is None else d.laws or a.laws.towards(a.laws, 1.0)
         return replace(d, dead=d.dead or still, laws=laws).vector
-
-    def from_here(self, s: float) -> ParameterLine:
-        """Return the same line with s = 0 where it is s now."""
-        here, d = self.at(s), self.direction
-        if d.laws is not None:
-            d = replace(d, laws=d.laws.from_here(s))
-        return replace(self, start=here.parameters, direction=d)
 
 
 SHARE = 1e-3

@@ -11,13 +11,11 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import Line
-from origami_nlp.continuation.system import Hold, Tally
 from origami_nlp.continuation.tracer import ALIGNED, advance
 from origami_nlp.kkt import State
 from origami_nlp.numerics import (
@@ -29,7 +27,7 @@ from origami_nlp.numerics import (
     RANK,
     STATIONARY,
 )
-from origami_nlp.problem import Contact, Sparse
+from origami_nlp.problem import Contact
 
 MOST_SETS = 128
 """Sets of held contacts that are tried at one state."""
@@ -59,7 +57,7 @@ class OneSidedBranch:
 
 
 def find_one_sided_branches(
-    line: Line, point: np.ndarray, tally: Tally, verdict: str = ""
+    line: Line, point: np.ndarray, verdict: str = ""
 ) -> list[OneSidedBranch]:
     """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
 
@@ -71,12 +69,12 @@ def find_one_sided_branches(
     out: list[OneSidedBranch] = []
     for piece in state.pieces:
         for hold in _holds(state, piece):
-            for half in _along(line, point, hold, piece, tally):
+            for half in _along(line, point, hold, piece):
                 _add(out, half)
     if not out and verdict:
         for piece in state.pieces[:1]:
-            everything = Hold(_independent(state, piece))
-            for half in _frozen(line, point, everything, verdict, tally):
+            everything = _independent(state, piece)
+            for half in _frozen(line, point, everything, verdict):
                 _add(out, half)
     return out
 
@@ -87,7 +85,7 @@ def _add(out: list[OneSidedBranch], new: OneSidedBranch) -> None:
         if old.is_like(new.frame) and np.allclose(
             old.frame.tangent, new.frame.tangent, atol=RANK, rtol=0
         ):
-            if len(new.frame.hold.contacts) > len(old.frame.hold.contacts):
+            if len(new.frame.hold) > len(old.frame.hold):
                 out[k] = new
             return
     out.append(new)
@@ -104,11 +102,8 @@ def _independent(state: State, rows: tuple[Contact, ...]) -> tuple[Contact, ...]
     return tuple(chosen)
 
 
-def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
+def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[tuple[Contact, ...]]:
     """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
-    if state.problem.sparse:
-        yield from _large_holds(state, piece)
-        return
     held, m = state.on(piece), len(state.jacobian)
     found = held.multiplier_set
     size = 1.0 + float(np.abs(state.gradient).max())
@@ -133,35 +128,22 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
         nu = np.linalg.lstsq(jacobian.T, state.gradient, rcond=DEPENDENT)[0]
         left = np.abs(state.gradient - jacobian.T @ nu).max()
         if left <= BALANCED * size and (nu[m:] >= -BALANCED * size).all():
-            yield Hold(tuple(piece[k] for k in chosen))
-
-
-def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
-    """Yield sets of fold limits of a large problem that can carry what the springs ask for: all, and those loaded."""
-    p = cast(Sparse, state.problem)
-    size = 1.0 + float(np.abs(p.torque(state.x)).max())
-    chosen = piece
-    for _ in range(2):
-        _, moments, left = p.multipliers(state.x, [c.index for c in chosen])
-        balanced = float(np.abs(left).max(initial=0.0)) <= BALANCED * size
-        if balanced and (moments >= -BALANCED * size).all():
-            yield Hold(chosen)
-        chosen = tuple(c for c, m in zip(chosen, moments, strict=True) if m > BALANCED * size)
+            yield tuple(piece[k] for k in chosen)
 
 
 def _along(
-    line: Line, point: np.ndarray, hold: Hold, piece: tuple[Contact, ...], tally: Tally
+    line: Line, point: np.ndarray, hold: tuple[Contact, ...], piece: tuple[Contact, ...]
 ) -> Iterator[OneSidedBranch]:
     """Yield the directions in which the states that hold these contacts are equilibria."""
-    curve = EquilibriumCurve(line, hold, tally)
+    curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
     found = system.direction()
     if found is None:
         return
-    others = tuple(c for c in piece if c not in hold.contacts)
+    others = tuple(c for c in piece if c not in hold)
     state = system.seen
-    alike = () if state.problem.sparse else state.choices.alike(hold.contacts)
-    alike = tuple(c for c in alike if not c.is_limit and c not in hold.contacts)
+    alike = state.choices.alike(hold)
+    alike = tuple(c for c in alike if not c.is_limit and c not in hold)
     slopes, moved = opening_rates(curve, point, others)
     first = line.problem.equation_count
     weak = system.multipliers[first:] <= BALANCED * system.size
@@ -196,10 +178,10 @@ def opening_rates(
 
 
 def _frozen(
-    line: Line, point: np.ndarray, hold: Hold, verdict: str, tally: Tally
+    line: Line, point: np.ndarray, hold: tuple[Contact, ...], verdict: str
 ) -> Iterator[OneSidedBranch]:
     """Yield the directions in which a state that nothing moves keeps its verdict."""
-    curve = EquilibriumCurve(line, hold, tally)
+    curve = EquilibriumCurve(line, hold)
     system = curve.system(point)
     found = system.direction()
     if found is None or system.free:
@@ -214,8 +196,6 @@ def _frozen(
 def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[OneSidedBranch]:
     """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
     across = frame.system.other_direction(frame.tangent)
-    if across is None:
-        return []
     both = (
         goes_on(curve, OneSidedBranch(Equilibrium(frame.x, sign * across, frame.system), True))
         for sign in (1.0, -1.0)
@@ -273,9 +253,7 @@ def _overlapping(
     for more in dict.fromkeys((at_limit, *((c,) for c in at_limit))):
         if not more or len(more) > frame.system.free:
             continue
-        other = replace(
-            curve, hold=replace(hold, contacts=(*hold.contacts, *more)), known=[], given=[]
-        )
+        other = replace(curve, hold=(*hold, *more), known=[], given=[])
         found = other.at(frame.x, frame.s, frame.tangent)
         if found is None or found.system.least <= RANK or not is_equilibrium(found):
             continue
@@ -310,7 +288,7 @@ def pushes(frame: Equilibrium) -> bool:
 
 def touches(frame: Equilibrium) -> bool:
     """Return whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
-    return not any(margin(frame, c) <= 0.0 for c in frame.hold.contacts)
+    return not any(margin(frame, c) <= 0.0 for c in frame.hold)
 
 
 def margin(frame: Equilibrium, contact: Contact) -> float:

@@ -1,4 +1,4 @@
-"""The KKT system of states over a parameter, and its linear algebra; sparse where the problem is large.
+"""The KKT system of states over a parameter, and its linear algebra.
 
 Unknowns are the state y = root x [n], multipliers nu of closure and held contacts, and the parameter s of a line:
 
@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -28,30 +27,13 @@ import scipy as sp
 
 from origami_nlp.continuation.line import Line
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import EPS, RANK, SETTLED, Factor, Normal, dense, null_space
+from origami_nlp.numerics import EPS, RANK, Factor, Normal, null_space
 from origami_nlp.problem import Contact
 
 ASLANT = 10.0
-"""One over the cosine between a curve and where it went before: up to here one factorisation gives a step across it."""
+"""One over the cosine between a curve and a row: up to here one factorisation gives its direction."""
 REFINED = 8
 """Solutions of one system at most, each of what the ones before leave."""
-LOWEST = 6
-"""Eigenvalues of a large problem that are computed, the smallest ones; as many again where all are negative."""
-
-
-@dataclass(frozen=True)
-class Hold:
-    """Which contacts are held closed."""
-
-    contacts: tuple[Contact, ...] = ()
-
-
-@dataclass
-class Tally:
-    """What following cost: steps accepted, and evaluations of the KKT system."""
-
-    steps: int = 0
-    evaluations: int = 0
 
 
 class BorderedSystem:
@@ -64,7 +46,7 @@ class BorderedSystem:
     point
         State and parameter (x, s), [n + 1].
     hold
-        The contacts.
+        The contacts that are held closed.
     multipliers
         Of closure and contacts, over `scale`, [m + r]; None: those of least squares.
     span
@@ -76,7 +58,7 @@ class BorderedSystem:
         self,
         line: Line,
         point: np.ndarray,
-        hold: Hold,
+        hold: tuple[Contact, ...] = (),
         multipliers: np.ndarray | None = None,
         span: np.ndarray | None = None,
     ) -> None:
@@ -87,32 +69,21 @@ class BorderedSystem:
         p: Any = line.at(s)
         self.problem = p
         local, root = p.rows(x), p.root
-        self._plain = not (root != 1.0).any()
-        self.values, self.jacobian = local.closure, self._in_metric(local.closure_jacobian)
-        if hold.contacts:
-            values, slopes = local.openings(hold.contacts)
-            self.jacobian = stacked(self.jacobian, slopes / root)
+        self.values, self.jacobian = local.closure, local.closure_jacobian / root
+        if hold:
+            values, slopes = local.openings(hold)
+            self.jacobian = np.concatenate([self.jacobian, slopes / root])
             self.values = np.concatenate([local.closure, values])
         gradient = local.gradient / root
         self.size = 1.0 + float(np.abs(gradient).max(initial=0.0))
         if multipliers is None:
             multipliers = self._least_squares(gradient)
         self.multipliers = multipliers
-        h = p.curvature(x, multipliers, hold.contacts)
-        self.hessian = self._in_metric(self._in_metric(h).T)
-        torque, moved = line.drift(p, s, x, multipliers, hold.contacts)
+        self.hessian = (p.curvature(x, multipliers, hold) / root).T / root
+        torque, moved = line.drift(p, s, x, multipliers, hold)
         self.drift = torque / root / line.weight
         self.moved = moved / line.weight
         self.imbalance = gradient - self.jacobian.T @ multipliers
-
-    def _in_metric(self, matrix: Any) -> Any:
-        """Return derivatives by y = root x, of those by x, in the columns of a matrix."""
-        if self._plain:
-            return matrix
-        root = self.problem.root
-        if isinstance(matrix, np.ndarray):
-            return matrix / root
-        return sp.sparse.csr_array(matrix @ sp.sparse.diags_array(1.0 / root))
 
     @cached_property
     def seen(self) -> State:
@@ -137,11 +108,9 @@ class BorderedSystem:
         )
 
     @cached_property
-    def range(self) -> np.ndarray | None:
-        """Basis of the row space of closure here, and all contacts, [m + r, q]; None: of a large problem."""
-        if not isinstance(self.jacobian, np.ndarray):
-            return None
-        r = len(self.hold.contacts)
+    def range(self) -> np.ndarray:
+        """Basis of the row space of closure here, and all contacts, [m + r, q]."""
+        r = len(self.hold)
         u, sizes, _ = np.linalg.svd(self.jacobian[: len(self.values) - r], full_matrices=False)
         return np.asarray(sp.linalg.block_diag(u[:, sizes > RANK], np.eye(r)))
 
@@ -160,12 +129,12 @@ class BorderedSystem:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure and active constraints, [n, t]."""
         p = self.problem
-        at_limit = [c.index for c in self.hold.contacts if c.is_limit]
+        at_limit = [c.index for c in self.hold if c.is_limit]
         z = p.kernel(self.x, at_limit)
-        gaps = [k for k, c in enumerate(self.hold.contacts) if not c.is_limit]
+        gaps = [k for k, c in enumerate(self.hold) if not c.is_limit]
         if not gaps:
             return np.asarray(z)
-        first = len(self.jacobian) - len(self.hold.contacts)
+        first = len(self.jacobian) - len(self.hold)
         return np.asarray(z @ null_space(self.jacobian[[first + k for k in gaps]] @ z))
 
     @property
@@ -176,67 +145,25 @@ class BorderedSystem:
     @cached_property
     def least(self) -> float:
         """Smallest singular value of contacts along what closure leaves free."""
-        p = self.problem
-        rows = self.jacobian[len(self.values) - len(self.hold.contacts) :]
-        if not len(self.hold.contacts) or p.sparse:
+        if not (r := len(self.hold)):
             return 1.0
-        rows = rows @ p.kernel(self.x)
-        return (
-            float(np.linalg.svd(rows, compute_uv=False).min())
-            if len(rows) <= rows.shape[1]
-            else 0.0
-        )
+        rows = self.jacobian[len(self.values) - r :] @ self.problem.kernel(self.x)
+        sizes = np.linalg.svd(rows, compute_uv=False)
+        return float(sizes.min()) if r <= rows.shape[1] else 0.0
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Of the Hessian on what closure and contacts leave free, ascending; of a large problem the smallest ones."""
-        if not self.problem.sparse:
-            z = self.kernel
-            return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
-        return self._smallest()
-
-    def _smallest(self) -> np.ndarray:
-        n, count = len(self.imbalance), LOWEST
-        h = sp.sparse.csr_array(self.hessian)
-        # below every eigenvalue (Gershgorin), the closest ones are the smallest
-        below = -float(abs(h).sum(axis=1).max()) - 1.0
-        # H - below I > 0, and with rows of J as constraints its inverse on the kernel has eigenvalues 1 / (lambda -
-        # below)
-        shifted = (h - below * sp.sparse.eye_array(n)).tocsr()
-        factor = Factor(shifted, self.jacobian)
-
-        def inverse(v: np.ndarray) -> np.ndarray:
-            """Solve on what is left free; zero across it."""
-            d, change = np.zeros(n), np.zeros(len(self.values))
-            for _ in range(2):
-                left = v - shifted @ d - self.jacobian.T @ change
-                more = factor.solve(left, -(self.jacobian @ d))
-                d, change = d + more[0], change + more[1]
-            return d
-
-        while True:
-            operator = sp.sparse.linalg.LinearOperator((n, n), matvec=inverse, dtype=float)
-            try:
-                values = sp.sparse.linalg.eigsh(
-                    operator, k=min(count, n - 1), v0=np.ones(n), return_eigenvectors=False
-                )
-            except sp.sparse.linalg.ArpackNoConvergence as failed:
-                values = failed.eigenvalues
-            values = values[
-                values > SETTLED / -below
-            ]  # the others are of directions that nothing leaves free
-            found = np.sort(below + 1 / values)
-            if not len(found) or found[-1] >= 0 or len(found) < count:
-                return found
-            count *= 2
+        """Of the Hessian on what closure and contacts leave free, ascending."""
+        z = self.kernel
+        return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
 
     @property
     def matrix(self) -> np.ndarray:
-        """Derivative of the system by (y, nu, w s), dense, [n + k, n + k + 1]."""
-        c = dense(self.jacobian)
+        """Derivative of the system by (y, nu, w s), [n + k, n + k + 1]."""
+        c = self.jacobian
         k, n = c.shape
         out = np.zeros((n + k, n + k + 1))
-        out[:n, :n], out[:n, n:-1], out[:n, -1] = dense(self.hessian), -c.T, self.drift
+        out[:n, :n], out[:n, n:-1], out[:n, -1] = self.hessian, -c.T, self.drift
         out[n:, :n], out[n:, -1] = c, self.moved
         return out
 
@@ -251,21 +178,9 @@ class BorderedSystem:
         h, c, moved, span = self.hessian / size, self.jacobian, self.moved, self.span
         if span is not None:
             c, moved = span.T @ c, span.T @ moved
-        if isinstance(c, np.ndarray):
-            matrix: Any = np.vstack([np.column_stack([h, self.drift / size]), row])
-            below: Any = np.column_stack([c, moved])
-            across: Any = np.vstack([c.T, np.zeros(len(c))])
-        else:
-            top = sp.sparse.hstack(
-                [sp.sparse.csr_array(h), sp.sparse.csr_array(self.drift[:, None] / size)]
-            )
-            matrix = sp.sparse.vstack([top, sp.sparse.csr_array(row[None])]).tocsr()
-            below = sp.sparse.hstack([c, sp.sparse.csr_array(self.moved[:, None])]).tocsr()
-            across = sp.sparse.vstack([c.T, sp.sparse.csr_array((1, len(self.values)))]).tocsr()
-        try:
-            factor = Factor(matrix, below, across)
-        except RuntimeError:  # of a sparse matrix that is exactly singular
-            return lambda top, right, bottom: None
+        matrix = np.vstack([np.column_stack([h, self.drift / size]), row])
+        below, across = np.column_stack([c, moved]), np.vstack([c.T, np.zeros(len(c))])
+        factor = Factor(matrix, below, across)
 
         def solve(
             top: np.ndarray, right: float, bottom: np.ndarray
@@ -304,30 +219,14 @@ class BorderedSystem:
             row = v  # the curve turns across the row: once more under what was found
         return None
 
-    def other_direction(self, along: np.ndarray) -> np.ndarray | None:
+    def other_direction(self, along: np.ndarray) -> np.ndarray:
         """Return the direction (dy, w ds) across one at a branching, of length 1."""
-        if self.problem.sparse:
-            return None
         z, n = self.kernel, len(self.imbalance)
         # on the kernel the KKT system is Z' H Z dz + Z' F_s ds = 0; multipliers follow
         inside = np.column_stack([z.T @ (self.hessian @ z), z.T @ self.drift])
         whole = np.vstack([inside, np.append(z.T @ along[:n], along[-1])])
         v = np.linalg.svd(whole)[2][-1]
         return np.append(z @ v[:-1], v[-1])
-
-    def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the corrector's step in (x, s), across the curve; None where the curve turns far from `along` [n +
-        1]."""
-        solve = self._bordered(along)
-        step = solve(-self.imbalance, 0.0, -self.values)
-        way = solve(np.zeros(len(self.imbalance)), 1.0, np.zeros(len(self.values)))
-        if step is None or way is None or not np.linalg.norm(way[0]) <= ASLANT:
-            return None
-        d, v = step[0], way[0]
-        # takes off what the step has along the curve, in multipliers as well
-        share = float(d @ v) / float(v @ v)
-        self.after = self.multipliers + step[1] - share * way[1]
-        return self._in_variables(d - share * v)
 
     def step(self, row: np.ndarray, right: float) -> np.ndarray | None:
         """Return Newton's step in (x, s) of the bordered system (pseudo-arclength): row . (dy, w ds) = right is
@@ -337,10 +236,3 @@ class BorderedSystem:
             return None
         self.after = self.multipliers + found[1]
         return self._in_variables(found[0])
-
-
-def stacked(matrix: Any, rows: np.ndarray) -> Any:
-    """Return a matrix with more rows."""
-    if isinstance(matrix, np.ndarray):
-        return np.concatenate([matrix, rows])
-    return sp.sparse.vstack([matrix, sp.sparse.csr_array(rows)]).tocsr()

@@ -16,6 +16,7 @@ from .figure import draw_boundaries as draw_boundaries, draw_path as draw_path
 from .interactive import view_path as view_path
 from .load import load_path as load_path
 from .load_result import LoadPath as LoadPath
+from .numbers import Example as Example, with_numbers as with_numbers
 from .parameter_range import (
     ParameterRange as ParameterRange,
     parse_parameter_range as parse_parameter_range,

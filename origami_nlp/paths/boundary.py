@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_until, check_whole
-from origami_nlp.continuation import Hold, SpecialPoint, Tally
+from origami_nlp.continuation import SpecialPoint
 from origami_nlp.display import Report, Section, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError, unless_stopped
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, NONZERO, SAMPLED, STATIONARY
@@ -245,7 +245,7 @@ class _Map:
     """Curves and counted lines in a plane, as far as they are known."""
 
     def __init__(self, plane: Plane, until: float) -> None:
-        self.plane, self.until, self.tally = plane, until, Tally()
+        self.plane, self.until = plane, until
         self.curves: list[EventCurve] = []
         self.lines: list[CountedLine] = []
         # of each curve its points: shares of the ranges, and states
@@ -280,7 +280,7 @@ class _Map:
             systems: Any = [(None, None)] if flat else _systems(web, number, node)
             # several systems can have the node as a solution: the first in which Newton comes back to it is followed
             for hold, contact in systems:
-                tracer = EventTracer(plane, hold, contact, self.tally, len(state), axis)
+                tracer = EventTracer(plane, hold, contact, len(state), axis)
                 first = tracer.at(share, state)
                 if first is None or abs(first.x[axis] - share[axis]) > NEAR_SINGULAR_TOL:
                     continue
@@ -320,7 +320,9 @@ class _Map:
         return len(self.curves)
 
 
-def _systems(web: Any, number: int, node: SpecialPoint) -> Iterator[tuple[Hold, Contact | None]]:
+def _systems(
+    web: Any, number: int, node: SpecialPoint
+) -> Iterator[tuple[tuple[Contact, ...], Contact | None]]:
     """Yield what is held at an event on the side that holds less, and a contact that closes there.
 
     Several contacts may close together, and not all of them to first order.
@@ -328,11 +330,11 @@ def _systems(web: Any, number: int, node: SpecialPoint) -> Iterator[tuple[Hold, 
     arcs = [arc for arc in web.arcs if number in (arc.start, arc.end)]
     holds = [arc.frames[len(arc.frames) // 2].hold for arc in arcs]
     # one system serves both sides: without the contact, where its opening vanishes
-    least = min(holds, key=lambda hold: len(hold.contacts))
+    least = min(holds, key=len)
     if node.contact is None:
         yield least, None
         return
-    rest = replace(least, contacts=tuple(c for c in least.contacts if c != node.contact))
-    more = (c for hold in holds for c in hold.contacts if c not in rest.contacts)
+    rest = tuple(c for c in least if c != node.contact)
+    more = (c for hold in holds for c in hold if c not in rest)
     for contact in dict.fromkeys((node.contact, *more)):
         yield rest, contact

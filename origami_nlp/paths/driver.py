@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -14,9 +14,10 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, load_line
 from origami_nlp.errors import Interrupted, NothingInTime, OptionError
+from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene
 from origami_nlp.numerics import DUPLICATE_TOL, SETTLED
-from origami_nlp.paths.family import at_places
+from origami_nlp.paths.numbers import with_numbers
 from origami_nlp.pattern import Pattern, Scene, dead_loads, most_torque
 from origami_nlp.pattern_problem import DeadForce, Pull, Torque, Work, Worked, one_vertex, pose
 from origami_nlp.pattern_states import find_states
@@ -79,10 +80,15 @@ class Driver:
         A torque on creases, of a scene on a crease and its images under the symmetry; a force.
     scene
         What is loaded, if that is one vertex; else it is the pattern of `work`.
+    elements
+        Symmetries that the load has.
     """
 
     work: Torque | Pull | DeadForce | OwnForces
     scene: Scene | None = None
+    elements: tuple[tuple[int, bool], ...] = field(
+        default=IDENTITY, repr=False, metadata={"plain": False}
+    )
     ALSO = ("name", "unit", "coordinate", "creases")
 
     @property
@@ -93,12 +99,8 @@ class Driver:
     @cached_property
     def unloaded(self) -> Any:
         """The origami without what drives the path."""
-        own = self.origami.loads if isinstance(self.work, OwnForces) else ()
-        return (
-            at_places(self.origami, [("loads", k) for k in range(len(own))], 0.0)
-            if own
-            else self.origami
-        )
+        own = isinstance(self.work, OwnForces)
+        return with_numbers(self.origami, {"loads": 0.0}) if own else self.origami
 
     @property
     def name(self) -> str:
@@ -116,7 +118,7 @@ class Driver:
         return self.work.creases
 
     @property
-    def images(self) -> int:
+    def alike(self) -> int:
         """How many creases of a vertex bear the torque: they turn alike, unless the symmetry is broken."""
         return len(self.creases) if self.scene and self.creases else 1
 
@@ -124,11 +126,11 @@ class Driver:
     def coordinate(self) -> str:
         """What the load works on, with its unit; of images the mean."""
         mean = f"mean fold angle of creases {', '.join(map(str, self.creases))} [rad]"
-        return mean if self.images > 1 else self.work.coordinate
+        return mean if self.alike > 1 else self.work.coordinate
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
         """Return what the load works on at states [..., N]."""
-        return self.work.conjugate(fold_angles) / self.images
+        return self.work.conjugate(fold_angles) / self.alike
 
     @property
     def farthest(self) -> float:
@@ -141,24 +143,20 @@ class Driver:
         return pose(self.origami)
 
     @property
-    def elements(self) -> tuple[tuple[int, bool], ...]:
-        """Symmetries that states keep; the identity alone where none is imposed."""
-        return IDENTITY if self.problem.orbits is None else self.origami.group.elements
+    def keeps(self) -> str:
+        """The symmetry that all states of the path are asked to keep; "" of none."""
+        return "" if self.problem.orbits is None else self.origami.group.name
 
-    def keeping(self, elements: Collection[tuple[int, bool]]) -> Driver:
-        """Return the same load on states that keep but some of the symmetries, or fewer where no scene states those."""
-        if self.problem.orbits is None:
-            return self
-        full, n = full_scene(self.origami), self.origami.degree
-        order = sum(not mirrored for _, mirrored in elements)
-        mirrors = [s for s, mirrored in elements if mirrored]
-        kept = replace(full, symmetry=f"C{order}")
-        if mirrors:
-            through = [k + 1 for k in range(n) if 2 * k % n in mirrors]
-            several = replace(full, symmetry=f"D{order}", mirror=through[0] if through else None)
-            kept = several if set(several.group.elements) == set(elements) else kept
-        # a winding belongs to its group
-        return replace(self, scene=full if len(kept.windings) > 1 else kept)
+    def images(self, fold_angles: np.ndarray, at: np.ndarray | None = None) -> list[np.ndarray]:
+        """Return the images of a state under symmetries of the load; at: under those that keep another state."""
+        every = [image_of(len(fold_angles), e) for e in self.elements]
+        kept = (i for i in every if at is None or np.abs(at[i] - at).max() <= SETTLED)
+        return [fold_angles[i] for i in kept]
+
+    @property
+    def free(self) -> Driver:
+        """The same load on states of any symmetry."""
+        return replace(self, scene=full_scene(self.scene)) if self.scene else self
 
     def line(self) -> ParameterLine:
         """Return the problems over t; a load that could turn all springs is one [rad] long."""
@@ -173,17 +171,19 @@ class Driver:
         change = Parameters(0 * p.sectors, none, none, none, dead.moved(still, -1.0))
         return ParameterLine(problem, replace(p, dead=still), change, weight)
 
-    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
+    def steps(self, steps: ContinuationOptions | None, until: float) -> ContinuationOptions:
         """Return the steps of the tracer; lengths are stated as root mean squares over creases."""
         rms, size = steps or ContinuationOptions(), math.sqrt(len(self.origami.stiffness))
-        return replace(rms, first=size * rms.first, longest=size * rms.longest)
+        until = min(until, rms.until)
+        return replace(rms, first=size * rms.first, longest=size * rms.longest, until=until)
 
     def begin(
-        self, state: Any, until: float, asked: dict[str, Any]
+        self, state: Any, until: float, asked: dict[str, Any], full: bool
     ) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its variables.
 
-        The path keeps the winding of its first state.  asked: of the search.
+        asked: of the search.  full: whether states may break the symmetry, if this one is stable without it; the path
+        keeps the winding of its first state where they may not.
         """
         number, driver = 0, self
         if not isinstance(state, JudgedState):
@@ -209,7 +209,11 @@ class Driver:
                 f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
                 "one to the other"
             )
-        if self.scene and len(self.scene.windings) > 1:
+        free = self.free
+        there = State(free.problem, free.problem.reduce(phi))
+        if full and classify(there).verdict == "minimum":
+            driver = free
+        elif self.scene and len(self.scene.windings) > 1:
             driver = replace(self, scene=replace(self.scene, winding=state.winding))
         return driver, number, driver.problem.reduce(phi)
 
@@ -232,11 +236,11 @@ def driver_of(origami: Scene | Pattern, load: Any) -> Driver:
         several = isinstance(load, Sequence) and not isinstance(load, str)
         return Driver(Torque(origami, tuple(load) if several else (load,)))
     if load is None:
-        return Driver(OwnForces(origami), origami)
+        return Driver(OwnForces(origami), origami, origami.group.elements)
     orbit = origami.group.orbit
     here = orbit[check_whole("crease", load, 1, origami.degree) - 1]
     creases = tuple(i for i, o in enumerate(orbit, start=1) if o == here)
-    return Driver(Torque(one_vertex(origami), creases), origami)
+    return Driver(Torque(one_vertex(origami), creases), origami, origami.group.elements)
 
 
 def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
@@ -244,10 +248,3 @@ def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
     shift, mirrored = element
     i = np.arange(n)
     return (shift - i if mirrored else shift + i) % n
-
-
-def kept_by(
-    elements: Sequence[tuple[int, bool]], phi: np.ndarray, near: float = SETTLED
-) -> tuple[tuple[int, bool], ...]:
-    """Return the symmetries that a state of all fold angles keeps, known as `near` [rad]."""
-    return tuple(e for e in elements if np.abs(phi[image_of(len(phi), e)] - phi).max() <= near)

@@ -21,9 +21,7 @@ from origami_nlp.continuation import (
     End,
     Equilibrium,
     EquilibriumCurve,
-    Hold,
     Line,
-    Tally,
     flat_event,
     flat_roots,
     is_equilibrium,
@@ -76,9 +74,8 @@ class EventTracer:
     """
 
     plane: Plane
-    hold: Hold | None
+    hold: tuple[Contact, ...] | None
     contact: Contact | None
-    tally: Tally
     states: int
     axis: int
     known: EventPoint | None = None
@@ -111,9 +108,9 @@ class EventTracer:
         x[axis] = plane.share(found.s, axis)
         return EventPoint(x, found, kkt, value, 0.0 * x)
 
-    def _on(self, line: Line, hold: Hold, begin: np.ndarray) -> Equilibrium | None:
+    def _on(self, line: Line, hold: tuple[Contact, ...], begin: np.ndarray) -> Equilibrium | None:
         """Return the fold, or where the contact closes, on a line, from (x, s) nearby."""
-        curve, along = EquilibriumCurve(line, hold, self.tally), np.append(0.0 * begin[:-1], 1.0)
+        curve, along = EquilibriumCurve(line, hold), np.append(0.0 * begin[:-1], 1.0)
         a = curve.at(begin, float(begin[-1]), along)
         if a is None:  # where no state has just this parameter: beyond a fold
             x = curve.correct(begin)

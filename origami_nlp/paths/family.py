@@ -1,40 +1,26 @@
 """Origami over one or two parameters, and the lines of problems between them.
 
-What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see
-`parameter_range`.
+What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see `numbers`.
 """
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.continuation import STEPS, ContinuationOptions, GeometryLine, Line, ParameterLine
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.paths.parameter_range import PLACE, ParameterRange, kind_of, meant_by
-from origami_nlp.pattern import (
-    LAW_NUMBER,
-    LAW_PLACES,
-    LawCourse,
-    Scene,
-    Vertex,
-    as_pattern,
-    check_law_place,
-    examples,
-    law_at,
-    law_course,
-    with_places,
-    with_symmetry_of,
-)
+from origami_nlp.paths.numbers import Example, with_numbers
+from origami_nlp.paths.parameter_range import ParameterRange, meant_by
+from origami_nlp.pattern import Scene, as_pattern, examples, with_symmetry_of
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.problem import LawChange, Parameters
+from origami_nlp.problem import Parameters
 
 CREASES, WEIGHT = 6, 0.3
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
@@ -55,8 +41,6 @@ class Family:
         must be linear in t (in ln t where `ParameterRange.log`).
     samples
         How many are posed before it is followed, to see whether it is smooth.
-    course
-        The hinge law that t is a number of, if it is.
     like
         A problem whose scale and numbers of contacts those of the family take.
     example
@@ -66,7 +50,6 @@ class Family:
     parameter: ParameterRange
     scene_of: Callable[[float], Any] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
-    course: LawCourse | None = field(default=None, repr=False)
     like: PatternProblem | None = field(default=None, repr=False)
     example: str = ""
 
@@ -83,7 +66,7 @@ class Family:
         made = [(one, pose(one)) for one in stated]
         if self.like is not None:
             made[0][1].numbered_as(self.like)
-        return same_problem(made, self.parameter.name, moving=self.course is not None)
+        return same_problem(made, self.parameter.name)
 
     @property
     def _size(self) -> float:
@@ -118,9 +101,6 @@ class Family:
         first = whole.parameters
         direction = change_of(first, posed[-1].parameters, length)
         start = ParameterLine(whole, first, direction).at(-low).parameters
-        if self.course is not None and direction.laws is not None:
-            laws = replace(direction.laws, moving=LawChange(self.course, 0.0))
-            direction = replace(direction, laws=laws)
         line = ParameterLine(whole, start, direction, weight)
         if not direction.sectors.any():
             return line
@@ -206,15 +186,13 @@ def change_of(p: Parameters, q: Parameters, length: float) -> Parameters:
     )
 
 
-def same_problem(
-    made: list[tuple[Any, PatternProblem]], name: str, *, moving: bool = False
-) -> list[PatternProblem]:
+def same_problem(made: list[tuple[Any, PatternProblem]], name: str) -> list[PatternProblem]:
     """Return problems with the scale and the numbers of contacts of the first; name: of the parameter.
 
     Raises
     ------
     OptionError
-        If some have other facets, another symmetry or contact, or, unless they move, hinge laws.
+        If some have other facets, hinge laws, another symmetry or contact.
     """
     _, whole = made[0]
     for _, problem in made:
@@ -224,7 +202,7 @@ def same_problem(
                 f"over {name} facets, creases, symmetry or contact do not stay: state the symmetry, or follow a "
                 "shorter range"
             )
-        if not moving and one[-1] != other[-1]:
+        if one[-1] != other[-1]:
             raise OptionError(f"over {name} hinge laws change by more than a factor and a shift")
     return [_posed_as(whole, stated, problem) for stated, problem in made]
 
@@ -271,39 +249,25 @@ def family_of(stated: Any, parameter: ParameterRange) -> Family:
     OptionError
         If there is no such parameter.
     """
-    names = [name.strip() for name in parameter.name.split("+")]
-    example = stated.partition(":")[0] if isinstance(stated, str) else ""
-    made = examples.BY_NAME.get(example)
-    options = inspect.signature(made).parameters if made else {}
-    if all(name in options for name in names):
-        of: Any = partial(examples.pattern, stated)
-        return Family(parameter, lambda t: of(**dict.fromkeys(names, t)), example=stated)
-    base: Any
+    names = parameter.names
+    example, of = "", stated
+    if isinstance(stated, str) and examples.is_example(stated.partition(":")[0]):
+        of = Example.of(stated, True)
+        example = stated if {*names} <= {*of.options} - {"rows", "columns"} else ""
     if isinstance(stated, Scene):
-        base = replace(stated.of_one_winding, symmetry=stated.group.name)
-        sprung, bent = (partial(_replaced, base, name) for name in ("stiffness", "laws"))
-        rest = base.rest_angles
-    else:
-        base = as_pattern(stated, "origami")
-        base.check_alone("following states over a parameter")
-        sprung, bent, rest = base.with_springs, base.with_laws, base.rest
-    if parameter.name == "ratio":
-        check_law_place(base.laws, "ratio")
-        k = _stiffness_over_ratio(np.array(base.stiffness), np.array(rest))
-        return Family(parameter, lambda t: sprung(k(t)))
-    if LAW_NUMBER.fullmatch(parameter.name):
-        course = law_course(base.laws, parameter.name, parameter.low, parameter.high)
-        return Family(parameter, lambda t: bent(course.moved(base.laws, t)), course=course)
-    if isinstance(stated, Scene):
-        return Family(parameter, _over_scenes(base, parameter, names))
+        of = replace(stated.of_one_winding, symmetry=stated.group.name)
+    elif not example:
+        of = as_pattern(stated, "origami")
+        of.check_alone("following states over a parameter")
+    family = Family(parameter, lambda t: with_numbers(of, dict.fromkeys(names, t)), example=example)
     try:
-        with_places(base, dict.fromkeys(names, parameter.low))
+        family.scene_of(parameter.low)
     except OptionError as error:
-        more = f"; of {example}: {', '.join(options)}" if options else ""
-        raise OptionError(
-            f"parameter = {error}, or ratio{more}{meant_by(parameter.name, options)}"
-        ) from None
-    return Family(parameter, lambda t: with_places(base, dict.fromkeys(names, t)))
+        more = f", or ratio{meant_by(parameter.name)}" * (not isinstance(stated, Scene))
+        raise OptionError(f"parameter = {error}{more}") from None
+    except OrigamiError:  # a value that does not fit is said where it is followed
+        pass
+    return family
 
 
 def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) -> Scene:
@@ -330,116 +294,11 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
     """
     if scene.symmetry != "auto" or scene.group.is_trivial:
         return scene
-    made = replace(scene, symmetry="none", mirror=None, winding=None)
+    values: dict[str, float] = {}
     for k, parameter in enumerate(parameters, start=1):
         # no rational relation between parameters
         low, high = parameter.ends
         t = parameter.t_of(low + math.exp(-k) * (high - low))
-        made = family_of(made, parameter).scene_of(t)
-    return with_symmetry_of(scene, replace(made, symmetry="auto"))
-
-
-def _replaced(scene: Scene, name: str, values: Sequence[Any]) -> Scene:
-    changed: Any = {name: tuple(values)}
-    return replace(scene, **changed)
-
-
-def _stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], list[float]]:
-    """Multiply stiffnesses [n] of mountains by sqrt(r / r_0), divide those of valleys by it."""
-    mountain = rest < 0
-    if mountain.all() or not mountain.any():
-        raise OptionError(
-            "parameter = 'ratio' is the stiffness of mountains over that of valleys: there is only one of them"
-        )
-    log = np.log(k)
-    # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
-    now = log[mountain].mean() - log[~mountain].mean()
-    side = np.where(mountain, 0.5, -0.5)
-    return lambda ratio: (k * np.exp(side * (math.log(ratio) - now))).tolist()  # type: ignore[no-any-return]
-
-
-def _over_scenes(
-    scene: Scene, parameter: ParameterRange, names: list[str]
-) -> Callable[[float], Scene]:
-    """Return what sets a parameter of a scene: sector angles of the paper's families, factors of forces, or places."""
-    if parameter.name == "alpha":
-        return _over_alpha(scene)
-    if parameter.name == "loads" and scene.loads:
-        return partial(at_places, scene, [("loads", k) for k in range(len(scene.loads))])
-    places = []
-    for name in names:
-        match = PLACE.fullmatch(name)
-        most = len(scene.loads) if match and match[3] else scene.degree
-        number = int(next(filter(None, match.groups()))) if match else 0
-        if not 1 <= number <= most:
-            raise OptionError(
-                f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
-                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1], law_shift[1] or "
-                f"laws.NAME.energy, with entries 1 to {scene.degree}"
-                + (f", or loads, loads[1] to loads[{len(scene.loads)}]" if scene.loads else "")
-                + meant_by(name)
-            )
-        places.append((kind_of(name), number - 1))
-        check_law_place(scene.laws, *places[-1])
-    return partial(at_places, scene, places)
-
-
-def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
-    """Set alpha_1 of the paper's families, sector angles that are linear in it."""
-    now = np.array(scene.vertex.sector_angles)
-    for made in (examples.degree6, examples.degree8):
-        zero, one = (np.array(made(t).vertex.sector_angles) for t in (0.5, 1.0))
-        slope = 2 * (one - zero)
-        if len(zero) == len(now) and np.abs(zero + (now[0] - 0.5) * slope - now).max() <= RESOLVED:
-            slope = np.round(slope)
-            origin = zero - 0.5 * slope
-            return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * slope).tolist())))
-    raise OptionError(
-        "parameter = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
-    )
-
-
-def _images(scene: Scene, entry: int, facet: bool) -> list[int]:
-    """Return the creases, or facets, that a symmetry of the scene makes of one."""
-    moved = ((s - entry - facet) if mirrored else entry + s for s, mirrored in scene.group.elements)
-    return sorted({place % scene.degree for place in moved})
-
-
-def at_places(scene: Scene, places: list[tuple[str, int]], t: float) -> Scene:
-    """Return a scene with t at some places."""
-    preload = scene.preload or (0.0,) * scene.degree
-    lists = {name: list(getattr(scene, name)) for name in ("stiffness", "rest_angles")}
-    lists |= {"preload": list(preload), "loads": list(scene.loads), "laws": list(scene.laws)}
-    vertex = scene.vertex
-    for what, entry in places:
-        if what == "sector_angles":
-            vertex = Vertex(_with_sector(scene, vertex, entry, t), vertex.flat)
-        elif what == "loads":
-            force: Any = tuple(t * f for f in scene.loads[entry].force or (0.0,) * 3)
-            lists["loads"][entry] = replace(scene.loads[entry], force=force)
-        else:
-            for i in _images(scene, entry, False):
-                if what in LAW_PLACES:
-                    # of what is stated: an image may be named as well
-                    lists["laws"][i] = law_at(scene.laws[i], what, t)
-                elif what == "torque":
-                    lists["preload"][i] = preload[i] + t
-                else:
-                    lists[what][i] = t
-    changed: Any = {name: tuple(v) for name, v in lists.items()}
-    return replace(scene, vertex=vertex, **changed)
-
-
-def _with_sector(scene: Scene, vertex: Vertex, entry: int, t: float) -> tuple[float, ...]:
-    """Return sector angles with t at a facet and its images; where the sheet is flat the others give way alike."""
-    images, out = _images(scene, entry, True), np.array(vertex.sector_angles)
-    others = [i for i in range(len(out)) if i not in images]
-    if scene.vertex.flat and not others:
-        raise OptionError(
-            f"vertex.sector_angles[{entry + 1}]: its images are all facets of the sheet"
-        )
-    if scene.vertex.flat:
-        # the sum stays 2 pi
-        out[others] -= len(images) * (t - out[entry]) / len(others)
-    out[images] = t
-    return tuple(out.tolist())
+        values |= dict.fromkeys(parameter.names, t)
+    generic = with_numbers(replace(scene, mirror=None, winding=None), values)
+    return with_symmetry_of(scene, generic)  # type: ignore[arg-type]

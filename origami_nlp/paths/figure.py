@@ -23,8 +23,6 @@ OTHER = "#CC79A7"
 MARKS = dict(
     zip("fold nonsmooth-fold closes leaves branching singular".split(), "sDooXx", strict=True)
 )
-WIDE = 60.0
-"""Energies whose largest is so many times the smallest are drawn on a logarithmic scale."""
 SNAP = "#c1121f"
 BAND: Any = {"color": "#222222", "lw": 6, "alpha": 0.13, "solid_capstyle": "round", "zorder": 1}
 DOTS: Any = {"color": "white", "lw": 1.4, "ls": (0, (1, 1.5)), "zorder": 2.5}
@@ -91,39 +89,28 @@ def _shown(path: Path, panel: Plot, points: Any) -> np.ndarray:
 
 def _branches(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
     """Draw minima by solid lines, other states by dashed ones."""
-    stable, energies = [0.0], list[float]()
     for branch in path.branches:
         at = _shown(path, panel, branch.points)
-        energies += at[np.isfinite(at[:, 1]), 1].tolist()
         for r in branch.kind_ranges:
             own = slice(r.points[0], r.points[1] + 1)
             look: Any = {"ls": "-", "lw": 1.6} if r.stable else {"ls": (0, (4, 2)), "lw": 1.1}
             line = axes.plot(*at[own].T, color=COLOURS.get(r.kind, OTHER), **look)[0]
             handles.setdefault(r.kind, line)
             if r.stable:
-                stable += at[own, 1].tolist()
                 kept = np.array([p.full_space_eigenvalue < 0 for p in branch.points[own]])
                 axes.plot(*np.where(kept[:, None], at[own], np.nan).T, **DOTS)
-    if panel.y == "energy [J]" and energies and 0 < min(energies) * WIDE < max(energies):
-        axes.set_yscale("log")
-    if panel.y.startswith("largest moment"):  # those of saddles can be huge
-        most = float(np.nanmax(stable)) or 1.0
-        axes.set_ylim(-0.05 * most, 1.1 * most)
 
 
 def _events(path: Path, panel: Plot, axes: Any, handles: dict[str, Line2D]) -> None:
-    """Mark events; those that fall on one place have their numbers beside each other."""
+    """Mark events with their numbers."""
     low, high = _shown_range(path)
-    named: dict[tuple[float, ...], list[str]] = {}
+    beside: Any = {"textcoords": "offset points", "fontsize": 8, "annotation_clip": True}
     for e in (e for e in path.events if low <= e.t <= high):
         place = panel.values([path.point_of(e)])[0]
         look = {"marker": MARKS.get(e.type, "P"), "mfc": "white" if e.type == "leaves" else "black"}
         mark = axes.plot(*place, **look, ls="none", color="black", ms=4.5, zorder=5)[0]
         handles.setdefault(e.type, mark)
-        named.setdefault(tuple(float(f"{v:.6g}") for v in place), []).append(str(e.id))
-    for where, ids in named.items():
-        beside: Any = {"textcoords": "offset points", "fontsize": 8, "annotation_clip": True}
-        axes.annotate(", ".join(ids), where, (3, 4), **beside)
+        axes.annotate(str(e.id), place, (3, 4), **beside)
 
 
 def _over(axes: Any, side: str, parameter: ParameterRange, low: float, high: float) -> None:

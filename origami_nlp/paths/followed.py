@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from origami_nlp.contact import breaking_stiffnesses
 from origami_nlp.continuation import (
     AGAIN,
     LATE,
@@ -19,55 +17,18 @@ from origami_nlp.continuation import (
     Equilibrium,
     Line,
 )
+from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce, State
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SETTLED, rank
 from origami_nlp.paths import records as r
 from origami_nlp.paths.parameter_range import ParameterRange
-from origami_nlp.pattern import Scene
 from origami_nlp.problem import Contact
 
 QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
 Chain: TypeAlias = list[tuple[int, bool]]
 """Arcs in order, each with whether it is run from its start to its end."""
-Pieces: TypeAlias = tuple[tuple[Contact, ...], ...]
-
-
-class Part(NamedTuple):
-    """A part of an arc: positions of its first and last frame, and what its states are."""
-
-    first: int
-    last: int
-    kind: str
-    certificate: str
-
-
-class Across:
-    """The smallest stiffness of states across their symmetry, in the space without it, with loaded contacts held.
-
-    nan where there is no one Hessian, or no line of problems without the symmetry; inf where nothing breaks the
-    symmetry and keeps the contacts.
-    """
-
-    def __init__(self, line: Line | None, scene: Scene) -> None:
-        self.line, self._scene = line, scene
-        self._known = dict[Equilibrium, float]()
-
-    def __call__(self, frame: Equilibrium) -> float:
-        """Return that of a state."""
-        if self.line is None:
-            return math.nan
-        if frame not in self._known:
-            self._known[frame] = self._stiffness(self.line, frame)
-        return self._known[frame]
-
-    def _stiffness(self, line: Line, frame: Equilibrium) -> float:
-        full = State(line.at(frame.s), frame.problem.expand(frame.state))
-        pieces = full.pieces if frame.hold.contacts else ((),)
-        one = len(pieces) == 1
-        found = breaking_stiffnesses(full, self._scene, pieces[0]) if one else (math.nan,)
-        return min(found, default=math.inf)
 
 
 class FollowedDiagram(BifurcationDiagram):
@@ -81,8 +42,6 @@ class FollowedDiagram(BifurcationDiagram):
         The problems.
     parameter
         The parameter, or load, and its range.
-    across
-        Eigenvalue across the symmetry.
     functions, options
         As of `BifurcationDiagram`.
     """
@@ -91,15 +50,20 @@ class FollowedDiagram(BifurcationDiagram):
         self,
         line: Line,
         parameter: ParameterRange,
-        across: Across,
         *,
         functions: Sequence[tuple[str, Callable[[Equilibrium], float]]] = (),
         **options: Any,
     ) -> None:
-        broken = [("breaks-symmetry", across)] if across.line else []
-        super().__init__(line, *parameter.ends, functions=[*broken, *functions], **options)
-        self.parameter, self.across, self.cut = parameter, across, False
-        self._parts, self._points = dict[int, list[Part]](), dict[Equilibrium, r.PathPoint]()
+        if line.problem.sparse:
+            many = f"a pattern of {line.problem.size} creases"
+            raise OptionError(f"states of {many} are not followed: its closure has sparse factors")
+        super().__init__(line, *parameter.ends, functions=functions, **options)
+        self.parameter, self.cut = parameter, False
+        self._kinds, self._points = dict[int, tuple[str, str]](), dict[Equilibrium, r.PathPoint]()
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest stiffness of a state across its symmetry; nan where it keeps none that is imposed."""
+        return math.nan
 
     def seen_as(self, frame: Equilibrium, phi: np.ndarray) -> dict[str, Any]:
         """Return the energy of a state at all fold angles, and what else its point has."""
@@ -124,8 +88,8 @@ class FollowedDiagram(BifurcationDiagram):
         number_of = {k: n for n, chain in enumerate(chains, start=1) for k, _ in chain}
         meets: dict[int, set[int]] = {}
         for k, arc in enumerate(self.arcs):
-            if k not in self._parts:
-                self._parts[k] = parts_of(arc, judged=not self.cut)
+            if k not in self._kinds:
+                self._kinds[k] = kind_of(arc, judged=not self.cut)
             for node in (arc.start, arc.end):
                 meets.setdefault(node, set()).add(number_of[k])
         shown = [k for k, node in enumerate(self.nodes) if node.type not in QUIET]
@@ -140,9 +104,9 @@ class FollowedDiagram(BifurcationDiagram):
             return self._points[frame]
         p, forces = frame.problem, []
         phi = p.expand(frame.state) + 0.0
-        if frame.hold.contacts:
+        if frame.hold:
             spread = _spread(frame.seen)
-            for contact, value in zip(frame.hold.contacts, frame.forces.tolist(), strict=True):
+            for contact, value in zip(frame.hold, frame.forces.tolist(), strict=True):
                 # moment at each single contact, in the scene's units
                 unit, who = p.scale / p.weight(contact), p.words(contact, frame.state)
                 low, high = (unit * v for v in spread.get(contact, (value, value)))
@@ -234,7 +198,7 @@ class FollowedDiagram(BifurcationDiagram):
         if node.type not in ("closes", "leaves"):
             return "singular" if node.type == "refused" else node.type
         held = [
-            (arc.frames[1].hold.contacts, arc.high > node.s + (node.s - arc.low))
+            (arc.frames[1].hold, arc.high > node.s + (node.s - arc.low))
             for arc in self.arcs
             if at in (arc.start, arc.end)
         ]
@@ -249,15 +213,12 @@ class FollowedDiagram(BifurcationDiagram):
         for k, forward in chain:
             arc = self.arcs[k]
             frames = arc.frames if forward else arc.frames[::-1]
-            last = len(frames) - 1
-            # positions in the whole branch
             begin = len(points) - bool(points)  # arcs share the point at which they meet
             points += [self.point(f) for f in frames[bool(points) :]]
-            for part in self._parts[k] if forward else reversed(self._parts[k]):
-                a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
-                t = self.parameter.t_of(frames[a].s), self.parameter.t_of(frames[b].s)
-                place, what = (begin + a, begin + b), (part.kind, arc.index, part.certificate)
-                ranges = _joined(ranges, r.KindRange(t, *what, place))
+            t = self.parameter.t_of(frames[0].s), self.parameter.t_of(frames[-1].s)
+            kind, why = self._kinds[k]
+            place = begin, len(points) - 1
+            ranges = _joined(ranges, r.KindRange(t, kind, arc.index, why, place))
         (a, forward), (b, onward) = chain[0], chain[-1]
         first = self.arcs[a].start if forward else self.arcs[a].end
         final = self.arcs[b].end if onward else self.arcs[b].start
@@ -278,69 +239,20 @@ def least_eigenvalue(frame: Equilibrium) -> float:
     return frame.problem.scale * float(min(frame.eigenvalues, default=math.nan))
 
 
-def parts_of(arc: BranchSegment, judged: bool = True) -> list[Part]:
-    """Return what the states of an arc are, judged in the middle and beside its ends."""
+def kind_of(arc: BranchSegment, judged: bool = True) -> tuple[str, str]:
+    """Return what the states of an arc are, and why: judged in the middle and beside its ends.
+
+    If one of these is no minimum that is said of all.
+    """
     last = len(arc.frames) - 1
     if arc.index:
-        return [Part(0, last, "saddle", "")]
+        return "saddle", ""
     if not judged:
-        return [Part(0, last, "undecided", "interrupted before it was judged")]
-    inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
-    if last == 1:
-        inner = [arc.middle]
-    known = {k: _judged(arc.frames[k]) for k in inner}
-    cuts = [0]
-    for a, b in itertools.pairwise(inner):
-        if known[a][0] == known[b][0]:
-            continue
-        low, high = a, b
-        while high - low > 1:
-            middle = (low + high) // 2
-            known[middle] = _judged(arc.frames[middle])
-            # one change between a and b is assumed; events, where kinds change as a rule, cut arcs already
-            low, high = (middle, high) if known[middle][0] == known[a][0] else (low, middle)
-        cuts.append(high)
-    out = []
-    for first, end in zip(cuts, [*cuts[1:], last], strict=True):
-        # the judged frame nearest to the middle of the part
-        k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
-        out.append(Part(first, end, *known[k]))
-    return out
-
-
-def _judged(frame: Equilibrium) -> tuple[str, str]:
-    what = frame.judged
-    return (what.kind or what.verdict, what.reason)
-
-
-def joined(
-    diagrams: Sequence[tuple[Sequence[r.PathBranch], Sequence[r.PathEvent]]],
-    one: Callable[[r.PathEvent, r.PathEvent], bool],
-    order: Callable[[r.PathEvent], tuple[float, ...]],
-) -> tuple[list[r.PathBranch], list[r.PathEvent]]:
-    """Return the branches and events of several diagrams of one system as those of one, numbered anew.
-
-    one: whether two events are one, of which the first is kept.  order: of events that are.
-    """
-    if len(diagrams) == 1:
-        return list(diagrams[0][0]), list(diagrams[0][1])
-    shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
-    found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
-    found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
-    groups: list[list[tuple[int, r.PathEvent]]] = []
-    for which, e in found:
-        if not (same := next((g for g in groups if one(g[0][1], e)), [])):
-            groups.append(same)
-        same.append((which, e))
-    groups.sort(key=lambda group: group[0][1].t)
-    events = []
-    for k, g in enumerate(groups, start=1):
-        own = sorted({b + shifts[which] for which, e in g for b in e.branches})
-        events.append(replace(g[0][1], id=k, branches=tuple(own)))
-    branches = []
-    for which, (several, _) in enumerate(diagrams):
-        branches += [replace(b, id=b.id + shifts[which]) for b in several]
-    return branches, events
+        return "undecided", "interrupted before it was judged"
+    inner = [last // 2, 1, last - 1] if last > 1 else [arc.middle]
+    found = [arc.frames[k].judged for k in dict.fromkeys(inner)]
+    worst = next((what for what in found if what.kind not in r.COUNTED), found[0])
+    return worst.kind or worst.verdict, worst.reason
 
 
 def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
@@ -355,7 +267,7 @@ def _joined(ranges: list[r.KindRange], new: r.KindRange) -> list[r.KindRange]:
 def _spread(state: State) -> dict[Contact, tuple[float, float]]:
     """Return the smallest and largest multiplier of each contact that has no unique one, scaled energy."""
     out: dict[Contact, tuple[float, float]] = {}
-    for piece in () if state.problem.sparse else state.pieces:
+    for piece in state.pieces:
         found = state.on(piece).multiplier_set
         if not found.unique:
             for contact, low, high in zip(piece, found.lower, found.upper, strict=True):

@@ -14,7 +14,7 @@ from origami_nlp.arguments import (
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime, unless_stopped
 from origami_nlp.minima import JudgedState
-from origami_nlp.paths.driver import IDENTITY, driver_of
+from origami_nlp.paths.driver import driver_of
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.load_result import LoadPath
 from origami_nlp.paths.parameter_range import ParameterRange
@@ -59,8 +59,8 @@ def load_path(
     unload
         Whether the load then falls back to 0, also from where it snapped.
     full
-        Whether states may break the symmetry.  Where a symmetric state loses stability
-        without its symmetry the path goes on along what branches off there, or snaps.
+        Whether states may break the symmetry, where the state that is loaded is stable without it: at a pitchfork the
+        path goes on along what branches off there, or snaps.
     yield_torque
         Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
         (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
@@ -103,15 +103,17 @@ def load_path(
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-driver.farthest, driver.farthest] if to == "snap" else [check_number("to", to)]
     until = check_until(seconds)
-    driver, number, x = driver.begin(state, until, asked)
+    driver, number, x = driver.begin(state, until, asked, full)
     hinges = None
     if yield_torque is not None:
         x = driver.problem.expand(x)
-        hinges = YieldingHinges.of(driver, yield_torque, x, number)
-        driver, full = driver.keeping(IDENTITY), False
+        hinges, driver = YieldingHinges.of(driver, yield_torque, x, number), driver.free
     over = ParameterRange(driver.name, min(0.0, *ends), max(0.0, *ends), driver.unit, False)
-    job = FollowedLoad(driver, over, full, options, until, hinges, state=number)
+    job = FollowedLoad(driver, over, driver.steps(options, until), number)
     kept = job.record
+    if full and driver.keeps:
+        why = f"state {number or 'given'} is stable with its symmetry {driver.keeps} alone"
+        kept.alarms.append(f"{why}: the path keeps it")
     try:
         for end in ends:
             if hinges:
@@ -122,13 +124,13 @@ def load_path(
             arrived = job.go(x, 0.0, end, once=to == "snap")
             if unload and arrived is not None:
                 job.low, job.high = min(0.0, end), max(0.0, end)
-                arrived[0].go(*arrived[1:], 0.0, once=False)
+                job.go(*arrived, 0.0, once=False)
                 job.low, job.high = over.low, over.high
     except OutOfTime:  # of a descent
         kept.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
     except KeyboardInterrupt:
         job.stop()
-    if any(one.stopped for one in kept.jobs):
+    if any(one.stopped for one in kept.stages):
         job.stop()
     if job.stopped and not kept.ways:
         raise KeyboardInterrupt

@@ -228,13 +228,6 @@ class LoadPath(Path):
 
 
 def _kept(leg: r.Leg) -> dict[str, Cell]:
-    """Return what a leg keeps: symmetry, stability without it, and rest angles that have moved."""
-    kept = "" if leg.symmetry == "none" else leg.symmetry
-    since = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g}"
-    shown = leg.full_space + since if kept else ""
+    """Return by how much the rest angles have moved that a leg leaves behind."""
     moved = ((i, math.degrees(m)) for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED)
-    return {
-        "symmetry": kept,
-        "without it": shown if leg.full_space in ("", "stable") else Words(shown, "bold"),
-        "rest angles\nmoved [deg]": ", ".join(f"{i}: {m:+.4g}" for i, m in moved),
-    }
+    return {"rest angles\nmoved [deg]": ", ".join(f"{i}: {m:+.4g}" for i, m in moved)}

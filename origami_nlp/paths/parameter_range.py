@@ -1,42 +1,23 @@
 """What states are followed over: a parameter by name, and its range.
 
-Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
-``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
-by ``+`` take the same value.  ``rest_angles_deg[1]`` and ``sector_angles_deg[1]`` are the
-same in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
-that the scene states, ``loads[1]`` that of one.  ``law_scale[1]`` multiplies the hinge law of a crease as it is stated
-(of wells and detents that is their depth), ``law_shift[1]`` moves it towards valley; ``laws.NAME.width`` and
-``laws.NAME.sum[2].energy`` are numbers that a law is stated with, of all creases that have it.  Of patterns
-they are those of `pattern.with_places`.
+Names: see `numbers`.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.pattern import LAW_NUMBER, parse_angle
+from origami_nlp.pattern import parse_angle
 
 UNITS = {"stiffness": "N m/rad", "preload": "N m", "torque": "N m"}
 UNITS |= dict.fromkeys(("ratio", "x", "y", "loads", "law_scale"), "")
 UNITS |= dict.fromkeys(("alpha", "rest_angles", "sector_angles", "law_shift"), "rad")
 """Of what can be followed over."""
-LAW = "laws."
-"""Before the kind of a number of a hinge law."""
-LAW_UNITS = {"energy": "J", "stiffness": "N m/rad", "coefficients": "N m"}
-"""Of numbers of laws that are no angles; coefficients [N m/rad, N m/rad^2, ...]."""
-PLACE = re.compile(
-    r"(?:creases\.)?(?:stiffness|rest_angles|preload|torque|law_scale|law_shift)\[(\d{1,4})\]"
-    r"|(?:vertex\.)?sector_angles\[(\d{1,4})\]|loads\[(\d{1,4})\]"
-)
-_DEGREES = re.compile(r"(.*?)\s*deg")
-_IN_DEGREES = re.compile(
-    r"(rest_angles|sector_angles|law_shift|^laws\..*\.(?:at|width|centre|rest))_deg(\[|$)"
-)
+_IN_DEGREES = re.compile(r"_deg(?=\[|$)")
 
 
 @dataclass(frozen=True)
@@ -60,6 +41,11 @@ class ParameterRange:
     high: float
     unit: str
     log: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the numbers that take the same value."""
+        return tuple(name.strip() for name in self.name.split("+"))
 
     def s_of(self, t: float) -> float:
         """Return the number that is followed: t, or its logarithm."""
@@ -126,53 +112,39 @@ def parse_parameter_range(text: str) -> ParameterRange:
     low, colon, high = ends.partition(":")
     if not equals or not colon:
         raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
-    name, values = _stated(name.strip(), low, high)
-    kind, *others = {kind_of(part) for part in name.split("+")}
-    log, (a, b) = kind in ("ratio", "stiffness", "law_scale"), values
+    # with ``_deg`` in the name, as in scene files, numbers are degrees
+    bare = _IN_DEGREES.sub("", name.strip())
+    unit = "deg" * (bare != name.strip())
+    a, b = (
+        _number(v.strip().removesuffix("deg" if unit else "") + unit, bare) for v in (low, high)
+    )
+    kind, *others = {kind_of(part) for part in bare.split("+")}
+    log = kind in ("ratio", "stiffness", "law_scale")
     for wrong, why in (
         (others, "what takes the same value must be of one kind"),
         (not a < b, "the range must run from a smaller to a larger value"),
-        (log and a <= 0, f"{name} must be above 0"),
+        (log and a <= 0, f"{bare} must be above 0"),
     ):
         if wrong:
             raise OptionError(f"parameter = {text!r}: {why}")
-    return ParameterRange(name, a, b, unit_of(kind), log)
-
-
-def unit_of(kind: str) -> str:
-    """Return the unit of a kind of parameter (`kind_of`)."""
-    units = LAW_UNITS if kind.startswith(LAW) else UNITS
-    return units.get(kind.removeprefix(LAW), "rad")
-
-
-def kind_of(name: str) -> str:
-    """Return what a parameter is, such as ``stiffness``, without its place; of a law's number `LAW` before it."""
-    if number := LAW_NUMBER.fullmatch(name.strip()):
-        return LAW + number["key"]
-    return re.sub(r".*\.|\[.*", "", name.strip())
-
-
-def meant_by(name: str, options: Iterable[str] = ()) -> str:
-    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing; options: what it could be as well."""
-    known = [*UNITS, *options]
-    bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
-    return "".join(did_you_mean(part, known) for part in bare if part not in known)
-
-
-def _stated(name: str, *ends: str) -> tuple[str, list[float]]:
-    """Return a name and values in radians: with ``_deg`` in the name, as in scene files, numbers are degrees."""
-    if _IN_DEGREES.search(name):
-        name = _IN_DEGREES.sub(r"\1\2", name)
-        ends = tuple(text.strip().removesuffix("deg") + "deg" for text in ends)
-    return name, [_number(text.strip(), name) for text in ends]
+    return ParameterRange(bare, a, b, UNITS.get(kind, "rad"), log)
 
 
 def _number(text: str, name: str) -> float:
-    if match := _DEGREES.fullmatch(text):
-        return math.radians(parse_angle(match[1], name))
     try:
         return parse_angle(text, name)
     except AngleError:
-        if unit_of(kind_of(name.partition("+")[0])) == "rad":
+        if UNITS.get(kind_of(name.partition("+")[0]), "rad") == "rad":
             raise
         raise OptionError(f"parameter: {name} = {text} must be a finite number") from None
+
+
+def kind_of(name: str) -> str:
+    """Return what a number is, such as ``stiffness``, without its place."""
+    return re.sub(r".*\.|\[.*", "", name.strip())
+
+
+def meant_by(name: str) -> str:
+    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing."""
+    bare = map(kind_of, name.split("+"))
+    return "".join(did_you_mean(part, UNITS) for part in bare if part not in UNITS)

@@ -262,7 +262,7 @@ class Snap(ShortRepr):
     t
         The load there.
     type
-        ``fold``, ``nonsmooth-fold``, ``branching``, ``breaks-symmetry`` or ``flat state``.
+        ``fold``, ``nonsmooth-fold``, ``branching`` or ``flat state``.
     before, after
         Fold angles of the last state and, at the same load, of the one it descends to, all N [rad].
     angle
@@ -296,17 +296,10 @@ class Leg(ShortRepr):
         States in order.
     why
         ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
-        ``breaks-symmetry``, ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
+        ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
         (hinges yield, and nothing stable goes on), or what stopped it.
     snap
         Number (1-based) of the snap that ends it, or None.
-    full_space
-        ``stable``, ``unstable`` or ``undecided`` without the symmetry, judged at both ends and in the middle; empty
-        where none is imposed, or it was not asked for.
-    full_space_from
-        First load at which it is not stable there; None where it is.
-    symmetry
-        That its states keep, such as ``"D2"``; ``"none"``, of a pattern empty.
     stiffness
         Derivative of the load by what it works on where the leg begins [N m/rad, N/m, or 1/m of a factor]; inf where
         that stays, nan at a bifurcation, and where no state goes on.
@@ -318,8 +311,5 @@ class Leg(ShortRepr):
     points: tuple[PathPoint, ...] = field(repr=False)
     why: str
     snap: int | None
-    full_space: str
-    full_space_from: float | None
-    symmetry: str = ""
     stiffness: Unbounded = math.nan
     moved: tuple[float, ...] = ()

@@ -17,14 +17,16 @@ from origami_nlp.arguments import (
     check_until,
     check_whole,
 )
-from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium
+from origami_nlp.contact import breaking_stiffnesses
+from origami_nlp.continuation import STEPS, ContinuationOptions, Equilibrium, Line
 from origami_nlp.errors import OUT_OF_TIME, unless_stopped
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.paths.atlas import Atlas
 from origami_nlp.paths.driver import search_minima
 from origami_nlp.paths.family import Family, family_of, with_generic_symmetry
-from origami_nlp.paths.followed import Across, FollowedDiagram, nearest
+from origami_nlp.paths.followed import FollowedDiagram, nearest
 from origami_nlp.paths.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.paths.records import SearchCheck
 from origami_nlp.pattern import Scene, Stated, as_origami
@@ -100,16 +102,19 @@ def follow(
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     check_callback("progress", progress)
-    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
+    check_whole("checks", checks, 1)
+    check_flag("full", full)
+    check_prove("prove", prove)
+    check_type("options", options or STEPS, ContinuationOptions)
     asked: dict[str, Any] = {"full": full, "prove": prove, "options": options, "checks": checks}
-    asked |= {"until": until, "progress": progress, **search}
+    asked |= {"effort": effort, "seed": seed, "max_starts": max_starts, "starts": starts}
     what: Any = as_origami(origami)
     whole = origami if isinstance(origami, str) else what
     others = ""
     if isinstance(what, Scene):
         whole = with_generic_symmetry(what, (stated,))
         others = " and ".join(map(str, whole.windings[1:]))
-    found = follow_family(family_of(whole, stated), **asked)
+    found = follow_family(family_of(whole, stated), until=until, progress=progress, **asked)
     if others:  # each winding is a problem of its own
         more = (
             f"states that wind {others} times round the axis are not followed: state their winding"
@@ -123,7 +128,6 @@ def follow_family(
     *,
     checks: int = 3,
     full: bool = True,
-    prove: bool | float | ProofOptions = False,
     options: ContinuationOptions | None = None,
     until: float = math.inf,
     progress: Callable[[str], object] | None = None,
@@ -133,13 +137,9 @@ def follow_family(
 
     options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
-    check_whole("checks", checks, 1)
-    check_flag("full", full)
-    check_prove("prove", prove)
-    check_type("options", STEPS if options is None else options, ContinuationOptions)
     survey = _Survey(family, full, options, until, progress or (lambda _: None))
     try:
-        survey.run(checks, {**search, "prove": prove})
+        survey.run(checks, search)
     except KeyboardInterrupt:
         if not survey.arcs:
             raise KeyboardInterrupt from None  # nothing is followed yet
@@ -159,12 +159,15 @@ class _Survey(FollowedDiagram):
         until: float,
         say: Callable[[str], object],
     ) -> None:
-        self._say, self.family, line = say, family, None
-        if full and family.symmetric:
-            line = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2).line
-        across = Across(line, family.scene_of(family.parameter.low))
+        self._say, self.family = say, family
+        self._free: Line | None = None
         options: Any = {"steps": steps or family.steps, "until": until, "progress": self._followed}
-        super().__init__(family.line, family.parameter, across, **options)
+        if full and family.symmetric:
+            free = Family(family.parameter, lambda t: full_scene(family.scene_of(t)), 2)
+            self._free = free.line
+            options["functions"] = [("breaks-symmetry", self.across)]
+        super().__init__(family.line, family.parameter, **options)
+        self._known = dict[Equilibrium, float]()
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
 
@@ -172,6 +175,24 @@ class _Survey(FollowedDiagram):
         """Say how much of the diagram is known, and where a branch is followed from."""
         at = f"{self.parameter.name} = {self.parameter.t_of(s):.4g}"
         self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest stiffness of a state across its symmetry, with loaded contacts held.
+
+        nan where there is no one Hessian, or none is asked for; inf where nothing breaks the symmetry and keeps the
+        contacts.
+        """
+        if self._free is None:
+            return math.nan
+        if frame not in self._known:
+            state = State(self._free.at(frame.s), frame.problem.expand(frame.state))
+            pieces = state.pieces if frame.hold else ((),)
+            scene = self.family.scene_of(self.parameter.low)
+            found = (
+                breaking_stiffnesses(state, scene, pieces[0]) if len(pieces) == 1 else [math.nan]
+            )
+            self._known[frame] = min(found, default=math.inf)
+        return self._known[frame]
 
     def run(self, checks: int, search: dict[str, Any]) -> None:
         """Search at both ends and in the middle, then in the widest gaps; follow what is new."""
@@ -233,7 +254,7 @@ class _Survey(FollowedDiagram):
         over, family, (branches, events) = self.parameter, self.family, self.records()
         self.alarms += [line for branch in branches for line in branch.alarms()]
         return Atlas(
-            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.tally.steps,
+            over, branches, events, tuple(dict.fromkeys(self.alarms)), self.steps_made,
             self.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
             family.scene_of(over.low), tuple(self.checks), family, self, example=family.example,
         )  # fmt: skip

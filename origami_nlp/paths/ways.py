@@ -13,8 +13,6 @@ from origami_nlp.numerics import SETTLED, first_largest
 from origami_nlp.paths.followed import FollowedDiagram
 from origami_nlp.search import TRUST, descent_path
 
-BRANCHES = ("branching", "breaks-symmetry")
-"""Events at which states lose stability without a limit point."""
 OFF_BRANCH = 1e-3
 """How far beside such a state a descent begins [rad]."""
 LEAST_SPAN = 1e-3
@@ -29,9 +27,8 @@ WALL = ("refused", "singular", "touches", "closes")
 
 
 class Fall(NamedTuple):
-    """Where a snap leads: to a state, known at the load s, in one diagram."""
+    """Where a snap leads: to a state, known at the load s."""
 
-    into: Any
     state: np.ndarray
     s: float
     what: Classification
@@ -40,9 +37,9 @@ class Fall(NamedTuple):
 class Run(NamedTuple):
     """Stable states that a load passes in one diagram, one way.
 
-    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, ``breaks-symmetry``, a type of
-    event beyond which nothing is followed, or what stopped it.  fall: the snap that ends them.  branches_off: whether
-    the first of them is a bifurcation.
+    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, a type of event beyond which
+    nothing is followed, or what stopped it.  fall: the snap that ends them.  branches_off: whether the first of them is
+    a bifurcation.
     """
 
     job: Any
@@ -56,6 +53,11 @@ class Run(NamedTuple):
 
 class Ways(FollowedDiagram):
     """A diagram over a load, through which stable states lead."""
+
+    @property
+    def problem(self) -> Any:
+        """Of the line that is followed."""
+        return self.line.problem
 
     def holding(self, x: np.ndarray, s: float) -> list[tuple[int, Equilibrium]]:
         """Return the arcs that hold the stable state x at s, and the state there."""
@@ -71,12 +73,12 @@ class Ways(FollowedDiagram):
         )
 
     def walk(
-        self, x: np.ndarray, s: float, toward: float, end: float, kept: bool = True
+        self, x: np.ndarray, s: float, toward: float, end: float, last: int = -1
     ) -> Run | None:
         """Go from the stable state x at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
         None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the
-        way goes on there.  kept: whether the way ends where states lose stability across their symmetry.
+        way goes on there.  last: a node at which the way ends, too.
         """
 
         def ahead() -> list[int]:
@@ -86,7 +88,7 @@ class Ways(FollowedDiagram):
         if not (arcs := ahead()):
             begun, known = self.given(x, s), self.holding(x, s)
             if begun is not None and self.resume(begun, toward):
-                return self.walk(x, s, toward, end, kept)
+                return self.walk(x, s, toward, end, last)
             if not known:
                 return None
             number, frame = known[0]
@@ -96,25 +98,21 @@ class Ways(FollowedDiagram):
             if not arcs:
                 return Run(self, (frame,), near, self._why(near, end), toward)
         k = arcs[0]
-        here = self.arcs[k].at(s, self.tally)
+        here = self.arcs[k].at(s)
         frames = [] if here is None else [here]
         while True:
             arc = self.arcs[k]
             forward = (arc.frames[-1].s - arc.frames[0].s) * toward > 0
-            last = frames[-1].s if frames else s
+            begin = frames[-1].s if frames else s
             # what of an arc lies behind the state is left out
-            frames += [f for f in arc.frames[:: 1 if forward else -1] if (f.s - last) * toward > 0]
+            frames += [f for f in arc.frames[:: 1 if forward else -1] if (f.s - begin) * toward > 0]
             node = arc.end if forward else arc.start
             why, onward = self._why(node, end), self._onward(node, k, toward)
             if not onward and why != "range" and self.resume(node, toward):
                 onward = self._onward(node, k, toward)
-            if why == "range" or not onward or self._leaves_flat(node):
+            if why == "range" or not onward or node == last or self._leaves_flat(node):
                 return Run(self, tuple(frames), node, why, toward)
             k = onward[0]
-            beyond = self.arcs[k].frames
-            # the event alone says that the eigenvalue changes sign, not which
-            if kept and why == "breaks-symmetry" and self.across(beyond[len(beyond) // 2]) < 0:
-                return Run(self, tuple(frames), node, why, toward)
 
     def _leaves_flat(self, node: int) -> bool:
         """Return whether a node is the flat state, and the load pulls from there along another branch than the one that
@@ -146,7 +144,7 @@ class Ways(FollowedDiagram):
             return found.type
         if found.type in WALL or (found.type == "slides" and not found.located):
             return f"stopped: {found.why or 'closure or contacts lose rank'}"
-        return "breaks-symmetry" if found.type == "breaks-symmetry" else "snap"
+        return "snap"
 
     def release(
         self, node: SpecialPoint, toward: float
@@ -155,7 +153,7 @@ class Ways(FollowedDiagram):
         phi, why = node.point[:-1], ""
         posed: Any = self.line.problem
         span = max(abs(node.s), LEAST_SPAN * (self.high - self.low))
-        slides, forks = node.type == "slides", node.type in BRANCHES
+        slides, forks = node.type == "slides", node.type == "branching"
         # lower states are beside where a facet ends, unless others hold
         lower = classify(State(self.line.at(node.s), phi)).lower if slides else phi
         posed.until = self.steps.until

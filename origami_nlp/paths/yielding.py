@@ -1,10 +1,10 @@
 """Hinges that yield along a load path: elastic up to a torque, perfectly plastic at it.
 
-A hinge with the elastic law U_i and the yield torque T_i bears tau = U_i'(phi - p), |tau| <= T_i.  Where |tau| comes to
-T_i it yields: the torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about the
-rest angle that has moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a
-spring.  Which of the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of
-plasticity: a hinge yields forwards or its torque falls, not both).
+A spring k with the yield torque T bears tau = k (phi - rest - p), |tau| <= T.  Where |tau| comes to T it yields: the
+torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about a rest angle that has
+moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a spring.  Which of
+the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of plasticity: one
+yields forwards or its torque falls, not both).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from origami_nlp.paths.driver import Driver
 from origami_nlp.paths.job import FollowedLoad
 from origami_nlp.paths.records import COLLAPSE, HOLDS, YIELDS, PathEvent
 from origami_nlp.paths.ways import Run
-from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
+from origami_nlp.pattern import read_torque_bounds
 
 MOST_STAGES = 100
 """Of one path, one way: more are taken for a mistake."""
@@ -30,16 +30,16 @@ MOST_STAGES = 100
 
 @dataclass(frozen=True, eq=False)
 class YieldingHinges:
-    """Elastic and perfectly plastic hinges at one stage of a path: some yield, the others are elastic.
+    """Springs at one stage of a path: some yield, the others are elastic.
 
     Attributes
     ----------
     most
         Yield torques [N m], inf where a hinge has none, [N].
-    stiffness, rest, laws
-        The elastic hinges, as stated.
+    stiffness, rest
+        The elastic springs, as stated.
     preload
-        Torques that act beside the hinges [N m], [N].
+        Torques that act beside them [N m], [N].
     moved
         By how much rest angles had moved when the stage began, [N] [rad].
     since
@@ -49,7 +49,6 @@ class YieldingHinges:
     most: np.ndarray
     stiffness: np.ndarray
     rest: np.ndarray
-    laws: Laws
     preload: np.ndarray
     moved: np.ndarray
     since: np.ndarray
@@ -61,22 +60,27 @@ class YieldingHinges:
         Raises
         ------
         OptionError
-            If a hinge bears more than its yield torque there.
+            If a hinge bears more than its yield torque there, or has a law in place of a spring.
         """
         scene, stated = driver.scene, driver.origami
-        k = np.array(stated.stiffness, float)
-        none = np.zeros(len(k))
+        k, none = np.array(stated.stiffness, float), np.zeros(len(stated.stiffness))
         rest = np.array(scene.rest_angles if scene else stated.rest, float)
         preload = none + np.array(scene.preload or 0.0 if scene else 0.0)
         most = read_torque_bounds(given, len(k), "yield_torque")
-        hinges = YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+        hinges = YieldingHinges(most, k, rest, preload, none, none + np.nan)
         borne = np.abs(hinges.torque(phi))
-        for i in np.flatnonzero(borne > most)[:1].tolist():
-            raise OptionError(
-                f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
-                f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges have "
-                "after yielding"
-            )
+        for i, law in enumerate(stated.laws or [None] * len(k)):
+            if law is not None and np.isfinite(most[i]):
+                why = "has a hinge law: springs yield"
+                raise OptionError(
+                    f"yield_torque of crease {i + 1} = {most[i]:.6g}: the crease {why}"
+                )
+            if law is None and borne[i] > most[i]:
+                raise OptionError(
+                    f"yield_torque of crease {i + 1} = {most[i]:.6g} N m: the crease bears {borne[i]:.6g} N m in state "
+                    f"{state or 'given'} at load 0 already; load another state, or give the rest angles that hinges "
+                    "have after yielding"
+                )
         return hinges
 
     @property
@@ -84,22 +88,18 @@ class YieldingHinges:
         """Which hinges yield, [N]."""
         return np.isfinite(self.since)
 
-    def _elastic(self, phi: np.ndarray) -> np.ndarray:
-        """Return fold angles of states [..., N] less the plastic angle of each hinge."""
-        return np.where(self.yielding, self.since, phi) - self.moved
-
     def torque(self, phi: np.ndarray) -> np.ndarray:
-        """Torques of hinges at states [..., N], without preload, same shape."""
-        return torque_with_laws(self._elastic(phi), self.stiffness, self.rest, self.laws)
+        """Torques of springs at states [..., N], without preload, same shape."""
+        return self.stiffness * (np.where(self.yielding, self.since, phi) - self.moved - self.rest)
 
     def moved_at(self, phi: np.ndarray) -> np.ndarray:
         """Return by how much rest angles have moved at states [..., N]."""
         return self.moved + np.where(self.yielding, phi - self.since, 0.0)
 
-    def stored(self, phi: np.ndarray) -> np.ndarray:
-        """Energy that hinges store at states [..., N] above what they would without having yielded, [...]."""
-        given = self.stiffness, self.rest, self.laws
-        return energy_with_laws(self._elastic(phi), *given) - energy_with_laws(phi, *given)
+    def stored(self, phi: np.ndarray) -> float:
+        """Energy that springs store at a state [N] above what they would without having yielded."""
+        elastic = self.stiffness * (phi - self.rest)
+        return float((0.5 * (self.torque(phi) ** 2 - elastic**2) / self.stiffness).sum())
 
     def work(self, phi: np.ndarray) -> float:
         """Plastic work since the stage began, at a state [N]."""
@@ -120,21 +120,17 @@ class YieldingHinges:
 
     def named(self, event: PathEvent) -> PathEvent:
         """Return an event of this stage with the creases that it is of."""
-        if event.type not in (YIELDS, HOLDS):
-            return event
         full = (self.full(np.array(event.fold_angles)) != 0) & ~self.yielding
-        which = self.yielding if event.type == HOLDS else full
-        return replace(event, contact=creases_named(which))
+        which = {HOLDS: self.yielding, YIELDS: full}.get(event.type)
+        return event if which is None else replace(event, contact=creases_named(which))
 
     @property
     def events(self) -> list[tuple[str, Any]]:
         """Functions of a state that are zero where a hinge begins to yield, or turns back."""
-
         elastic = np.flatnonzero(np.isfinite(self.most) & ~self.yielding).tolist()
+        yields = [(YIELDS, partial(self._room, i)) for i in elastic]
         on = np.flatnonzero(self.yielding).tolist()
-        return [(YIELDS, partial(self._room, i)) for i in elastic] + [
-            (HOLDS, partial(_rate, i)) for i in on
-        ]
+        return [*yields, *((HOLDS, partial(_rate, i)) for i in on)]
 
     def _room(self, i: int, at: Equilibrium) -> float:
         return 1.0 - float((self.torque(at.state)[i] / self.most[i]) ** 2)
@@ -143,36 +139,15 @@ class YieldingHinges:
         """Return the problems over the load in this stage; every crease is a variable."""
         line = driver.line()
         p, on = line.start, self.yielding
-        held = self.torque(np.zeros(len(on)))
-        # of springs preload is part of the rest angle, beside laws it is a load
-        linear = np.array([law is None for law in self.laws or [None] * len(on)])
-        torque = np.where(on, np.where(linear, self.preload, 0.0) - held, 0.0) / line.problem.scale
-        laws = p.laws
-        if laws is not None:
-            left = tuple(None if y else law for law, y in zip(laws.laws, on, strict=True))
-            laws = replace(
-                laws,
-                laws=left,
-                weight=np.where(on, 0.0, laws.weight),
-                shift=np.where(on | (laws.weight == 0), laws.shift, laws.shift + self.moved),
-            )
+        # preload is part of the rest angle
+        held = np.where(on, self.preload - self.torque(self.since), 0.0)
         start = replace(
             p,
             stiffness=np.where(on, 0.0, p.stiffness),
             rest=p.rest + self.moved,
-            load=p.load + torque,
-            laws=laws,
+            load=p.load + held / line.problem.scale,
         )
         return replace(line, problem=line.problem.varied(start), start=start)
-
-    def beyond_law(self, phi: np.ndarray) -> int | None:
-        """Return the first crease (1-based) whose law, moved with its rest angle, is not known at a state, or None."""
-        angle = self._elastic(phi)
-        for i, law in enumerate(self.laws):
-            low, high = (law.breaks[0], law.breaks[-1]) if law else (-np.inf, np.inf)
-            if not low - SETTLED <= angle[i] <= high + SETTLED:
-                return i + 1
-        return None
 
 
 def _rate(i: int, at: Equilibrium) -> float:
@@ -195,12 +170,12 @@ def go_yielding(
         job = _begin(path, x, t, toward, hinges)
         if job is None:
             return None
-        kept.jobs.append(job)
+        kept.stages.append(job)
         ways = len(kept.ways)
         job.go(x, t, end, once=True)
         if len(kept.ways) == ways:
             return None
-        kept.ways[ways:] = [run := _cut(kept.ways[ways], job.hinges, kept.alarms)]
+        kept.ways[ways:] = [run := _cut(kept.ways[ways], job.hinges)]
         x, t = run.frames[-1].state, run.frames[-1].s
         kept.work += job.hinges.work(x)
         hinges = job.hinges.at(x)
@@ -243,21 +218,12 @@ def _begin(
     return None
 
 
-def _cut(run: Run, hinges: YieldingHinges, alarms: list[str]) -> Run:
+def _cut(run: Run, hinges: YieldingHinges) -> Run:
     """Cut a run where a hinge turns back at a contact, which no function of the states between shows."""
-    frames = run.frames
     on = np.flatnonzero(hinges.yielding)
-    side = np.sign(hinges.torque(frames[0].state))[on]
-    for k, frame in enumerate(frames):
-        crease = hinges.beyond_law(frame.state)
-        if crease is not None:
-            alarms.append(
-                f"the law of crease {crease}, whose rest angle has moved, is not known at load {frame.s:.6g}: give "
-                "extrapolate = 'linear' in the law, or stops"
-            )
-            why = "stopped: law not known"
-            return run._replace(why=why, frames=frames[: max(k, 1)], fall=None)
+    side = np.sign(hinges.torque(run.frames[0].state))[on]
+    for k, frame in enumerate(run.frames):
         rates = side * frame.tangent[:-1][on] * np.sign(frame.ahead * run.toward)
         if k > 1 and (rates < -SETTLED).any() and frame.ahead:
-            return run._replace(why=HOLDS, frames=frames[:k], fall=None)
+            return run._replace(why=HOLDS, frames=run.frames[:k], fall=None)
     return run

@@ -67,19 +67,9 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
         If xarray is not installed, or the folder holds no sweep.
     """
     xarray = require("xarray", "reading a sweep", "sweep", SweepError)
-    grid = sweep_grid(folder)
-    dims = ("scene",) if grid["mode"] == "list" else tuple(grid["axes"])
-    along = dict(zip(grid["axes"], dims * len(grid["axes"]), strict=False))
-    coords = {name: (along[name], v) for name, v in grid["axes"].items()}
-    data = {key: (dims, v) for key, v in grid["data"].items()}
-    return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
-
-
-def sweep_grid(folder: str | Path) -> dict[str, Any]:
-    """The same as plain NumPy arrays over the sweep's shape (what figures use)."""
     sweep, rows = read_store(folder)
     with readable(folder):
-        shape = tuple(sweep["shape"])
+        shape, axes = tuple(sweep["shape"]), sweep["axes"]
         names = ["count", "count_shallow", *(f"count_{kind.replace('-', '_')}" for kind in KINDS)]
         data: dict[str, Any] = {name: np.full(shape, -1) for name in names}
         for name in ("count_stable", "count_unstable", "lowest_energy"):
@@ -90,13 +80,10 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
             if row["status"] == "done":
                 for name, value in _counted(row["states"]).items():
                     data[name].flat[k] = value
-        axes = sweep["axes"]
-        return {
-            "axes": {name: np.array(values, float) for name, _, values, _ in axes},
-            "log": {name: scale == "log" for name, _, _, scale in axes},
-            "mode": sweep["search"]["mode"],
-            "data": data,
-        }
+        along = ["scene"] * len(axes) if sweep["search"]["mode"] == "list" else [a[0] for a in axes]
+        coords = {a[0]: (d, np.array(a[2], float)) for a, d in zip(axes, along, strict=True)}
+        whole = {key: (along[: len(shape)], v) for key, v in data.items()}
+        return xarray.Dataset(whole, coords=coords, attrs={"source": "origami_nlp sweep"})
 
 
 def _counted(states: list[dict[str, Any]]) -> dict[str, float]:

@@ -7,7 +7,7 @@ alpha = "pi/3"
 ratio = 1
 
 [[axes]]
-set = "ratio"                  # an argument of the example, or a place in the scene file
+set = "ratio"                  # an argument of the example, or a number as `follow` names it
 from = 0.01
 to = 100
 count = 41
@@ -17,9 +17,7 @@ scale = "log"                  # linear (default) or log; or values = [...] in p
 set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several places take the same value
                                # angles: "creases.rest_angles[1]" in radians, "creases.rest_angles_deg[1]" in
                                # degrees, whichever the scene states
-                               # of hinge laws and stops: "laws.NAME.energy", "laws.NAME.sum[2].at_deg",
-                               # "laws.NAME.scale", "laws.NAME.shift_deg", "creases.limits_deg[1][2]" (the upper stop)
-                               # of a load: "loads[1].force[3]", "loads[1].distance"
+                               # of hinge laws "law_scale[1]", "law_shift[1]"; of loads "loads[1]", a factor
 values = ["pi/4", 1.2]
 
 [search]
@@ -62,36 +60,36 @@ import contextlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_path, shown
+from origami_nlp.arguments import check_flag, check_path, check_whole, shown
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import check_tables, read_toml
-from origami_nlp.pattern import Pattern, Scene, parse_angle, with_symmetry_of
-from origami_nlp.sweep.places import (
-    LARGEST,
-    make_pattern,
-    make_scene,
-    read_pattern_base,
-    read_scene,
+from origami_nlp.paths import Example, with_numbers
+from origami_nlp.pattern import (
+    Pattern,
+    Scene,
+    parse_angle,
+    pattern_from_dict,
+    pattern_to_dict,
+    read_pattern,
+    scene_from_dict,
+    with_symmetry_of,
 )
+from origami_nlp.pattern_problem import PatternProblem, check_orders
 
 if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
 
+LARGEST = 10_000_000
+"""Bytes of a file."""
 MOST_SCENES = 10_000_000
-MOST_COMPARED = 64
-"""Scenes whose symmetries are compared where none can be made at generic values."""
-_STATED: dict[str, tuple[Any, Any]] = {
-    "scene": (read_scene, make_scene),
-    "pattern": (read_pattern_base, make_pattern),
-}
-"""What a sweep may be of: by the name of its table, what reads the table, and what makes one with places set."""
+SPRINGS = ("stiffness", "rest_angle")
 _AXIS_KEYS = ("name", "set", "values", "from", "to", "count", "scale")
 _MODES = {"mode": ("grid", "list"), "effort": ("quick", "normal", "thorough")}
 _SEARCH: dict[str, Any] = {"mode": "grid", "effort": "normal", "starts": 0, "seed": 0}
@@ -111,14 +109,11 @@ class Axis:
         What it sets.
     values
         [m] numbers (angles in radians).
-    scale
-        ``"linear"`` or ``"log"``.
     """
 
     name: str
     places: tuple[str, ...]
     values: tuple[float, ...] = field(repr=False)
-    scale: str = "linear"
 
 
 @dataclass(frozen=True)
@@ -190,51 +185,47 @@ class Sweep:
         return find_states(made, escape=False, prove=False, **options)
 
     @cached_property
+    def stated(self) -> Scene | Pattern | Example:
+        """What the axes change."""
+        base = dict(self.base)
+        springs = [base.pop(key, None) for key in SPRINGS] if self.of == "pattern" else []
+        if "sheet" in base:
+            return pattern_from_dict(base["sheet"]).with_springs(*springs)
+        if "example" not in base:
+            return scene_from_dict(base)
+        made = Example.of(base.pop("example"), self.of == "pattern", **base)
+        return replace(made, make=partial(_sprung, made.make, *springs)) if springs else made
+
+    @cached_property
     def generic(self) -> Scene | None:
         """A scene at values that no symmetry asks for: all scenes keep its symmetry.  None where one is stated.
 
         A larger symmetry that single values happen to have (equal rest angles) is not imposed there: numbers of
         states along an axis would not count the same thing.
         """
-        values = {}
+        values, alike = {}, self.search["mode"] == "list"
         for k, axis in enumerate(self.axes):
             a = axis.values[0]
             b = next((v for v in axis.values if v != a), a)
-            alike = self.search["mode"] == "list"
-            share = math.exp(-1.0 - (0 if alike else k))  # no rational relation between axes
-            values[axis.name] = a + share * (b - a)
-        some: list[Any] = []
-        # sector angles may sum to 2 pi at the values of the axes alone
-        for each in (values, *map(self.parameters, range(min(self.count, MOST_COMPARED)))):
-            with contextlib.suppress(OrigamiError):
-                some.append(self._made(each))
-                if each is values or getattr(some[0], "symmetry", "") != "auto":
-                    break
-        if not some or getattr(some[0], "symmetry", "") != "auto":
-            return None
-        return min(some, key=lambda scene: len(scene.group.elements))
+            # no rational relation between axes
+            values[axis.name] = a + math.exp(-1.0 - (0 if alike else k)) * (b - a)
+        with contextlib.suppress(OrigamiError):
+            if getattr(made := self._made(values), "symmetry", "") == "auto":
+                return made  # type: ignore[return-value]
+        return None
 
     def _made(self, values: Mapping[str, float]) -> Scene | Pattern:
         given = {place: values[axis.name] for axis in self.axes for place in axis.places}
-        made: Scene | Pattern = _STATED[self.of][1](self.base, given)
-        return made
+        return with_numbers(self.stated, given)
 
     @property
     def normalized(self) -> float:
-        """The largest change that ``normalize`` makes to sector angles of a scene [rad], with its sign."""
-        if not dict(self.base.get("vertex", {})).get("normalize"):
-            return 0.0
-        sectors = any("sector_angles" in place for axis in self.axes for place in axis.places)
-        changes = [0.0]
-        for index in range(self.count if sectors else 1):
-            with contextlib.suppress(OrigamiError):  # it has no states, and the store says why
-                made: Any = self._made(self.parameters(index))
-                changes.append(made.vertex.normalized)
-        return max(changes, key=abs)
+        """The change that ``normalize`` makes to sector angles of a vertex [rad], with its sign."""
+        return self.stated.vertex.normalized if isinstance(self.stated, Scene) else 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the whole sweep as plain data: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
+        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
         whole = {self.of: self.base, "axes": axes, "search": self.search, "shape": self.shape}
         data: dict[str, Any] = json.loads(json.dumps(whole))
         return data
@@ -298,9 +289,8 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if folder is not None:
         check_path("folder", folder)
     of = "pattern" if "pattern" in data else "scene"
-    own = [
-        key for key in _SEARCH if key != "contact" or of == "pattern"
-    ]  # a scene states it itself
+    # a scene states its contact itself
+    own = [key for key in _SEARCH if key != "contact" or of == "pattern"]
     known: dict[str, Any] = {of: (), "axes": _AXIS_KEYS, "search": own}
     check_tables(data, known, "a sweep has", SweepError, ("axes",))
     if not isinstance(data.get(of), Mapping):
@@ -308,10 +298,34 @@ def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
     if not data.get("axes"):
         raise SweepError("a sweep needs [[axes]] with set and values (or from, to, count)")
     axes = tuple(_axis(one, f"axes[{number}]") for number, one in enumerate(data["axes"], 1))
-    base = _STATED[of][0](data[of], Path(folder or ""))
+    base = _read(of, data[of], Path(folder or ""))
     sweep = Sweep(of, base, axes, _checked(_SEARCH | data.get("search", {})))
     sweep.scene(0)  # a mistake is found now, not in every worker
     return sweep
+
+
+def _read(of: str, stated: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return what [scene] or [pattern] states; of a file, what is in it."""
+    base = dict(stated)
+    if of == "scene":
+        if "file" in base and (len(base) > 1 or not isinstance(base["file"], str)):
+            raise SweepError('[scene] with file = "..." takes nothing else')
+        return read_toml(folder / base["file"], LARGEST, of, SweepError) if "file" in base else base
+    if len({"example", "file"} & set(base)) != 1:
+        raise SweepError('[pattern] needs example = "miura:4x4" or file = "sheet.fold"')
+    base |= {k: parse_angle(base[k], f"pattern.{k}") for k in SPRINGS if k in base}
+    if "file" in base:
+        for key in base.keys() - {"file", *SPRINGS}:
+            raise SweepError(f"unknown key {key!r} in [pattern]: file, stiffness, rest_angle")
+        sheet = read_pattern(folder / str(base.pop("file")))
+        check_orders(PatternProblem(sheet))
+        base["sheet"] = pattern_to_dict(sheet)
+    return base
+
+
+def _sprung(make: Any, *springs: Any, **options: Any) -> Pattern:
+    made: Pattern = make(**options).with_springs(*springs)
+    return made
 
 
 def _axis(stated: Mapping[str, Any], where: str) -> Axis:
@@ -325,44 +339,35 @@ def _axis(stated: Mapping[str, Any], where: str) -> Axis:
         raise SweepError(f"{where}.scale = {scale!r} must be linear or log")
     if not isinstance(name, str) or not name:
         raise SweepError(f"{where}.name = {name!r} must be text")
-    values = stated.get("values")
-    if values is None:
-        return Axis(name, tuple(places), tuple(_spaced(stated, where, scale)), scale)
-    if spaced := [key for key in ("from", "to", "count") if key in stated]:
-        raise SweepError(f"{where} has both values and {', '.join(spaced)}: give one")
-    if not isinstance(values, list) or not values:
-        raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
-    numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
-    return Axis(name, tuple(places), tuple(numbers), scale)
-
-
-def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
-    for key in ("from", "to", "count"):
-        if key not in stated:
-            raise SweepError(f"{where}.{key} is missing: give values, or from, to and count")
-    low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
-    count = stated["count"]
-    if type(count) is not int or not 1 <= count <= MOST_SCENES:
-        what = f"a whole number from 1 to {MOST_SCENES:,}"
-        raise SweepError(f"{where}.count = {count!r} must be {what}")
-    if scale == "log" and min(low, high) <= 0:
-        raise SweepError(f"{where}: a log scale needs from and to above 0")
-    numbers: list[float] = (np.geomspace if scale == "log" else np.linspace)(
-        low, high, count
-    ).tolist()
-    return numbers
+    spaced = [key for key in ("from", "to", "count") if key in stated]
+    if ("values" in stated) == bool(spaced):
+        raise SweepError(f"{where} needs values, or from, to and count")
+    if spaced:
+        if missing := {"from", "to", "count"} - {*spaced}:
+            raise SweepError(
+                f"{where}.{min(missing)} is missing: give values, or from, to and count"
+            )
+        low, high = (parse_angle(stated[key], f"{where}.{key}") for key in ("from", "to"))
+        count = check_whole(f"{where}.count", stated["count"], 1, MOST_SCENES)
+        if scale == "log" and min(low, high) <= 0:
+            raise SweepError(f"{where}: a log scale needs from and to above 0")
+        numbers = (np.geomspace if scale == "log" else np.linspace)(low, high, count).tolist()
+    else:
+        values = stated["values"]
+        if not isinstance(values, list) or not values:
+            raise SweepError(f"{where}.values must be a list of one or more numbers or angles")
+        numbers = [parse_angle(v, f"{where}.values[{k}]") for k, v in enumerate(values, 1)]
+    return Axis(name, tuple(places), tuple(numbers))
 
 
 def _checked(search: dict[str, Any]) -> dict[str, Any]:
     """Return a [search] table; its defaults say of what kind its values are."""
     for key, value in search.items():
-        what = f"search.{key} = {value!r} must be "
-        if key in _MODES:
-            if value not in _MODES[key]:
-                raise SweepError(what + " or ".join(_MODES[key]))
-        elif type(value) is not type(_SEARCH[key]):
-            kind = "true or false" if type(_SEARCH[key]) is bool else "a whole number"
-            raise SweepError(what + kind)
-        elif value < 0:
-            raise SweepError(f"{what}at least 0")
+        name, words = f"search.{key}", _MODES.get(key, ())
+        if words and value not in words:
+            raise SweepError(f"{name} = {shown(value)} must be {' or '.join(words)}")
+        if not words and isinstance(_SEARCH[key], bool):
+            check_flag(name, value)
+        elif not words:
+            check_whole(name, value, 0)
     return search

@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_path
 from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.sweep.spec import Sweep
 
-SCHEMA = "origami-nlp/sweep/4"
+SCHEMA = "origami-nlp/sweep/5"
 FILE, LOCK = "sweep.jsonl", "sweep.lock"
 
 

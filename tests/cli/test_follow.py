@@ -20,7 +20,7 @@ def test_states_are_followed_over_a_parameter(tmp_path):
     assert [e["type"] for e in data["events"]] == ["nonsmooth-fold", "closes"]
     assert all(f.stat().st_size > 1000 for f in files)
     wrong = run("follow", scene, "--parameter", "colour=1:5")
-    assert wrong.code == 2 and "no parameter" in wrong.err
+    assert wrong.code == 2 and "no number" in wrong.err
 
 
 @pytest.mark.slow  # a survey over two parameters

@@ -2,10 +2,8 @@
 
 import codecs
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -68,45 +66,6 @@ def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked,
     assert run("--version").code == 0
     reported = {name: os.environ[name] for name in THREADS if name in os.environ}
     assert reported == (asked or {"OMP_NUM_THREADS": "1"})
-
-
-@POSIX
-def test_an_interruption_while_modules_load_is_one_line(tmp_path):
-    begun = tmp_path / "begun"
-    code = (
-        "import pathlib, signal, sys, time\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "class Slow:\n"
-        "    def find_spec(self, name, path=None, target=None):\n"
-        f"        if name == 'numpy':\n"
-        f"            pathlib.Path({str(begun)!r}).touch()\n"
-        "            try:\n"
-        "                time.sleep(60)\n"
-        "            except BaseException:\n"
-        "                raise ImportError('what some modules make of it')\n"
-        "sys.meta_path.insert(0, Slow())\n"
-        "sys.argv = ['origami-nlp', 'inspect', 'miura:2x2']\n"
-        "from origami_nlp.cli import main\n"
-        "main()\n"
-    )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    while not begun.exists() and process.poll() is None:
-        time.sleep(0.02)
-    time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=100)[1] == "origami-nlp: interrupted\n"
-    assert process.returncode == 130
-
-
-def test_a_command_leaves_the_interruptions_of_others_as_they_were():
-    before = signal.getsignal(signal.SIGINT)
-    assert run("--version").code == 0
-    assert signal.getsignal(signal.SIGINT) is before
 
 
 @pytest.mark.parametrize("kind", ["toml", "fold"])

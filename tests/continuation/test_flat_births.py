@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import origami_nlp as o
 from benchmarks import random_vertex
 from origami_nlp.continuation import BifurcationDiagram, flat_roots
-from origami_nlp.paths import family_of, find_bifurcation_set, parse_parameter_range
+from origami_nlp.paths import family_of, parse_parameter_range
 
 
 def drawn(seed, degree):
@@ -104,23 +101,3 @@ def test_a_minimum_that_comes_out_of_the_flat_state_is_followed_without_a_search
         found = o.find_minima(family.scene_of(s), prove=False, max_starts=24, escape=False).minima
         apart = [np.abs(state - m.fold_angles).max() for m in found]
         assert min(apart) < 1e-8
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_over_two_parameters_each_point_is_where_curves_pass_and_counts_change():
-    scene = drawn(70001, 5)
-    found = find_bifurcation_set(
-        scene, "rest_angles[1]=-1:-0.85", "rest_angles[2]=-3:-2.6", lines=1, across=0
-    )
-    (curve,) = [c for c in found.curves if c.type == "flat"]
-    assert curve.ends == ("range", "range") and len(curve.points) > 5
-    for p in curve.points:
-        rest = (p.t[0], p.t[1], *scene.rest_angles[2:])
-        slope = tip(replace(scene, rest_angles=(p.t[0] + 0.1, *rest[1:])))
-        assert abs(tip(replace(scene, rest_angles=rest))) < 1e-9 * abs(slope)
-        assert not any(p.fold_angles)
-    line = found.lines[0]
-    (where,) = (t for t, number in line.events if number == curve.id)
-    (k,) = (k for k, i in enumerate(line.intervals[1:], start=1) if i.t[0] == where)
-    assert abs(line.intervals[k].minima - line.intervals[k - 1].minima) == 1
-    assert json.dumps(found.to_dict(), allow_nan=False)

@@ -8,7 +8,7 @@ from scipy.linalg import null_space
 
 import origami_nlp as o
 from origami_nlp.continuation.equilibrium import EquilibriumCurve
-from origami_nlp.continuation.system import BorderedSystem, Hold
+from origami_nlp.continuation.system import BorderedSystem
 from origami_nlp.paths import Driver
 from origami_nlp.pattern_problem import PatternProblem, Pull, Torque
 from origami_nlp.search import descend_by_newton
@@ -23,7 +23,7 @@ def systems():
     out = []
     for work in (Torque(pattern, (2,)), Pull(pattern, (0, 15))):
         line = Driver(work).line()
-        out.append((line, BorderedSystem(line, np.append(start, 0.3), Hold())))
+        out.append((line, BorderedSystem(line, np.append(start, 0.3))))
     return out
 
 
@@ -50,7 +50,7 @@ def test_drift_is_the_derivative_by_the_load():
     for line, system in systems():
         s = 0.3
         ahead, behind = (
-            BorderedSystem(line, np.append(system.x, s + d), Hold(), system.multipliers).imbalance
+            BorderedSystem(line, np.append(system.x, s + d), (), system.multipliers).imbalance
             for d in (h, -h)
         )
         slope = (ahead - behind) / (2 * h) / line.weight
@@ -59,6 +59,6 @@ def test_drift_is_the_derivative_by_the_load():
 
 def test_a_point_beside_the_curve_comes_back_to_it():
     for line, system in systems():
-        curve = EquilibriumCurve(line, Hold(), o.continuation.Tally())
+        curve = EquilibriumCurve(line)
         found = curve.at(np.append(system.x, 0.0), 0.0, np.append(np.zeros(len(system.x)), 1.0))
         assert found is not None and found.system.residual < 1e-12 and found.index == 0

@@ -108,17 +108,3 @@ def test_two_folds_end_at_a_cusp_and_counts_change_across_them():
         assert counts[0] == counts[1] + 1
     for line in found.lines:
         assert all(number for _, number in line.events)
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_curves_of_events_have_a_row_a_point():
-    few = {"lines": 1, "across": 0, "effort": "quick"}
-    found = o.find_bifurcation_set(
-        o.examples.degree6("pi/3"), "ratio=0.3:0.4", "alpha=59deg:60deg", **few
-    )
-    frame = found.to_frame()
-    assert len(frame) == sum(len(curve.points) for curve in found.curves) > 1
-    assert set(frame["curve"]) == {curve.id for curve in found.curves}
-    for name, low, high in (("1", 0.3, 0.4), ("2", np.radians(59), np.radians(60))):
-        assert frame[f"t_{name}"].between(low - 1e-12, high + 1e-12).all()
-    assert (np.abs(frame[[f"phi_{k}_rad" for k in range(1, 7)]].to_numpy()) <= np.pi).all()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve, Hold
+from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve
 from origami_nlp.pattern_problem import PatternProblem, Torque
 from tests.paths.test_loads_in_contact import Turned, by_small_steps, loaded, sprung
 from tests.patterns import downhill
@@ -44,7 +44,7 @@ def test_facets_that_meet_between_two_steps_are_not_passed():
     web = BifurcationDiagram(path.driver.line(), -5.1, 0.0)
     before = next(p for p in path.legs[0].points if -4.9 < p.t < -4.5)
     held = tuple(c for c in web.line.at(before.t).closed(np.array(before.fold_angles)).base)
-    curve = EquilibriumCurve(web.line, Hold(held), web.tally)
+    curve = EquilibriumCurve(web.line, held)
     point = np.append(before.fold_angles, before.t)
     for t in np.linspace(before.t, -5.05, 6):
         along = np.append(np.zeros(len(point) - 1), -1.0)

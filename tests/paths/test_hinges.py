@@ -57,16 +57,6 @@ def test_a_shifted_linear_law_is_a_rest_angle(limits):
     )
 
 
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_a_scaled_linear_law_is_a_stiffness():
-    plain = random_scene()
-    k = plain.stiffness[0]
-    laws = (linear(k, plain.rest_angles[0]), None, None, None)
-    one = o.follow(plain, f"stiffness[1]={k / 3!r}:{k * 3!r}", checks=2)
-    two = o.follow(replace(plain, laws=laws), f"law_scale[1]={1 / 3!r}:3", checks=2)
-    same_atlas(one, two)
-
-
 def test_kkt_systems_change_with_laws_as_differences_say():
     law = double_well(1.0, 1.0)
     limits = ((-2.5, 2.5),) * 4
@@ -189,13 +179,6 @@ def test_a_linear_law_has_the_path_of_the_spring(seed):
 def test_linear_laws_have_the_path_of_a_panel_with_its_symmetry():
     plain = o.examples.degree6("5*pi/12")
     same_path(*(o.load_path(s, 1, to=0.05) for s in (plain, of_laws(plain))))
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_a_linear_law_has_the_path_of_the_spring_on_a_pattern():
-    plain = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
-    laws = plain.with_laws([linear(k, r) for k, r in zip(plain.stiffness, plain.rest, strict=True)])
-    same_path(*(o.load_path(p, 1, to=0.3) for p in (plain, laws)), atol=1e-7)
 
 
 def test_a_snap_is_where_a_scan_loses_the_state():

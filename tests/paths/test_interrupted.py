@@ -70,7 +70,7 @@ def test_a_load_path_keeps_its_legs(after):
 @pytest.mark.parametrize("what", ["follow", "load"])
 def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
     """Arcs that were not judged by then are undecided: no state is called stable that nobody looked at."""
-    judged, own = [], followed.parts_of
+    judged, own = [], followed.kind_of
 
     def second(arc, *, judged=True, seen=judged):
         seen.append(arc)
@@ -78,7 +78,7 @@ def test_what_was_followed_is_kept_while_it_is_judged(monkeypatch, what):
             raise KeyboardInterrupt
         return own(arc, judged=judged)
 
-    monkeypatch.setattr(followed, "parts_of", second)
+    monkeypatch.setattr(followed, "kind_of", second)
     with pytest.raises(Interrupted) as stop:
         if what == "follow":
             o.follow(SCENE, "ratio=0.2:1", checks=1, full=False)

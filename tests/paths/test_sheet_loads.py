@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-from scipy.linalg import null_space
 from scipy.optimize import minimize_scalar
 
 import origami_nlp as o
@@ -127,27 +126,6 @@ def test_miura_follows_its_law_to_its_snap(size):
         for b in path.branches for r in b.kind_ranges if r.kind == "saddle" and b.id == 1
         for p in b.points[r.points[0] : r.points[1] + 1]
     )  # fmt: skip
-
-
-@pytest.mark.slow  # a second look at what other tests of the room say
-def test_a_sheet_of_more_than_600_creases_follows_its_law():
-    """By sparse factors: states, loads and the smallest eigenvalue, which singular values give a second time."""
-    pattern, start = folded_miura(18, 18, *SNAPPING)
-    i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
-    path = o.load_path(pattern, i + 1, to=20.0, state=start)
-    (leg,) = path.legs
-    assert pattern.creases > 600 and leg.why == "range" and not path.alarms
-    for p in leg.points:
-        phi, t = law(pattern, 18, i, abs(p.fold_angles[i]))
-        assert np.abs(phi - p.fold_angles).max() < 1e-9
-        assert t == pytest.approx(p.t, abs=1e-9 * 18**2)
-    end = leg.points[-1]
-    problem, phi = PatternProblem(pattern).under(path.driver.work, end.t), np.array(end.fold_angles)
-    jacobian = problem.closure(phi)[1]
-    lam = np.linalg.lstsq(jacobian.T, problem.torque(phi), rcond=1e-9)[0]
-    z = null_space(jacobian, rcond=1e-8)
-    values = np.linalg.eigvalsh(z.T @ (problem.hessian(phi, lam) @ z))
-    assert end.eigenvalue == pytest.approx(values[0] * problem.scale, rel=1e-8)
 
 
 def test_a_path_stops_where_the_sheet_is_flat():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Scene, Vertex
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.pattern import double_well, linear
+from origami_nlp.pattern import double_well
 from tests.independent import scan_four
 from tests.paths.test_hinges import SECTORS, random_scene
 
@@ -94,11 +93,6 @@ def test_a_pattern_yields_as_its_vertex():
     assert [e.type for e in path.events].count("yields") >= 1
     assert not np.allclose(path.legs[-1].points[-1].fold_angles, angle, atol=1e-3)
     assert np.allclose(again.legs[-1].points[-1].fold_angles, angle, atol=1e-9)
-    laws = sheet.with_laws([linear(k, r) for k, r in zip(sheet.stiffness, sheet.rest, strict=True)])
-    with_laws = o.load_path(laws, 1, to=1.5, yield_torque={2: 1.0, 3: 1.2}, unload=True)
-    assert [e.words() for e in with_laws.events] == [e.words() for e in path.events]
-    assert [e.t for e in with_laws.events] == pytest.approx([e.t for e in path.events], abs=1e-8)
-    assert with_laws.legs[-1].moved == pytest.approx(path.legs[-1].moved, abs=1e-8)
 
 
 def test_torques_far_beyond_the_path_change_nothing():
@@ -112,6 +106,9 @@ def test_what_is_refused():
     scene = random_scene(seed=4)
     with pytest.raises(OptionError, match=r"bears .* at load 0 already"):
         o.load_path(scene, 1, to=1.0, yield_torque=0.01)
+    law = double_well(1.0, 1.0)
+    with pytest.raises(OptionError, match="has a hinge law"):
+        o.load_path(random_scene((law, None, None, None)), 1, to=1.0, yield_torque={1: 3.0})
     with pytest.raises(OptionError, match="yield_torque: crease = 7"):
         o.load_path(scene, 1, to=1.0, yield_torque={7: 0.1})
     with pytest.raises(OptionError, match="for each of 4 creases"):
@@ -124,15 +121,6 @@ stiffness = [1, 1, 1, 1]
 rest_angles = [1, 1, 1, 1]
 yield_torque = [1, 1, 1, 1]
 """)
-
-
-def test_a_law_that_is_not_known_so_far_ends_the_path():
-    law = double_well(1.0, 1.0)
-    scene = Scene(
-        Vertex.from_degrees(SECTORS), (1.0,) * 4, (0.5,) * 4, "none", laws=(None, law, None, None)
-    )
-    path = o.load_path(scene, 1, to=6.0, yield_torque={1: 3.0})
-    assert path.legs[0].moved
 
 
 def test_a_path_that_begins_far_away_snaps_at_the_flat_state():

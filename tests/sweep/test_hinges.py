@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 
 import pytest
 
 import origami_nlp as o
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OptionError
 from origami_nlp.pattern import same_laws
 from origami_nlp.sweep import parse_sweep
 
@@ -26,30 +27,21 @@ contact = "fold-limits"
 """
 
 
-@pytest.mark.parametrize(
-    ("place", "value", "was", "becomes"),
-    [
-        ("creases.limits_deg[3][2]", 40.0, "[-90, 90]", "[-90, {}]"),
-        ("laws.snap.scale", 0.5, "[model]", "scale = {}\n[model]"),
-        ("laws.snap.shift_deg", -10.0, "[model]", "shift_deg = {}\n[model]"),
-        ("laws.snap.sum[2].energy", 0.2, "energy = 0.5", "energy = {}"),
-    ],
-)
-def test_each_scene_of_a_sweep_is_the_one_stated_alone(place, value, was, becomes):
-    axes = f'[[axes]]\nname = "x"\nset = "{place}"\nvalues = [1.0, {value}]\n'
-    sweep = parse_sweep(tomllib.loads(BASE + axes))
-    stated = BASE.replace("[scene.", "[")
-    alone, made = o.parse_scene(stated.replace(was, becomes.format(value))), sweep.scene(1)
-    assert same_laws(made.laws, alone.laws) and made.limits == alone.limits
-    plain = o.parse_scene(stated)
-    assert not same_laws(made.laws, plain.laws) or made.limits != plain.limits
+def swept(place, *values):
+    axes = f'[[axes]]\nset = "{place}"\nvalues = {[*values]}\n'
+    return parse_sweep(tomllib.loads(BASE + axes))
 
 
-@pytest.mark.parametrize(
-    "place",
-    ["laws.snip.energy", "laws.snap.energy", "laws.snap.sum[3].energy", "creases.limits_deg[9][1]"],
-)
+def test_each_scene_of_a_sweep_has_the_law_stated_alone():
+    law = o.parse_scene(BASE.replace("[scene.", "[")).laws[0]
+    for made, wanted in (
+        (swept("law_scale[1]", 1.0, 0.4), law.times(0.4)),
+        (swept("law_shift_deg[1]", 1.0, -10.0), law.shifted(math.radians(-10.0))),
+    ):
+        assert same_laws(made.scene(1).laws, (wanted, None, None, law))
+
+
+@pytest.mark.parametrize("place", ["laws.snap.energy", "law_scale[9]", "law_scale[2]"])
 def test_places_that_are_not_there_are_named(place):
-    axes = f'[[axes]]\nset = "{place}"\nvalues = [1, 2]\n'
-    with pytest.raises(SweepError, match="is not in the scene"):
-        parse_sweep(tomllib.loads(BASE + axes))
+    with pytest.raises(OptionError):
+        swept(place, 1, 2)

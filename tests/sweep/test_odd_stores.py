@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from origami_nlp.errors import SweepError
-from origami_nlp.sweep import draw_sweep, load_states, load_sweep, parse_sweep, run_sweep
+from origami_nlp.sweep import load_states, load_sweep, parse_sweep, run_sweep
 from origami_nlp.sweep.store import FILE, read_store
 from tests.computed_once import thinned
 from tests.sweep.test_sweep import FEW, Inline, answers
@@ -41,7 +41,7 @@ def test_a_changed_store_is_named(store, tmp_path, was, becomes):
     assert was in text
     (tmp_path / FILE).write_text(text.replace(was, becomes))
     failed = 0
-    for read in (load_sweep, load_states, draw_sweep):
+    for read in (load_sweep, load_states):
         try:
             read(tmp_path)
         except SweepError as error:

@@ -16,8 +16,8 @@ import psutil
 import pytest
 
 from origami_nlp import OrigamiError, examples, find_minima
-from origami_nlp.sweep import draw_sweep, load_states, parse_sweep, run_sweep
-from origami_nlp.sweep.load import load_sweep, sweep_grid
+from origami_nlp.sweep import load_states, parse_sweep, run_sweep
+from origami_nlp.sweep.load import load_sweep
 from origami_nlp.sweep.run import run_scene
 from origami_nlp.sweep.store import read_store
 from tests.command_line import run
@@ -192,7 +192,6 @@ def test_a_sweep_is_its_sheets(stores):
         here = states[states.scene == index]
         assert np.array_equal(here["energy_J"], [m.energy for m in alone.minima])
         assert list(here["dimension"]) == [m.dof for m in alone.minima]
-    assert draw_sweep(finished).axes
 
 
 def test_labelled_arrays(finished):
@@ -231,7 +230,7 @@ def test_progress_and_interruption(stores, tmp_path, text):
 
     report = run_sweep(small(text), tmp_path, executor=Inline(), workers=1, progress=stop)
     assert report.interrupted and report.ran == count // 2 and seen == [*range(1, count // 2 + 1)]
-    assert sweep_grid(tmp_path)["data"]["count"].min() == -1  # not yet run
+    assert load_sweep(tmp_path)["count"].min() == -1  # not yet run
     assert run_sweep(small(text), tmp_path, executor=Inline()).ran == count - count // 2
     assert answers(tmp_path) == answers(stores(text))
 
@@ -322,15 +321,3 @@ def test_a_local_dask_cluster_gives_the_same(finished, tmp_path):
             done = run("sweep", spec, "--folder", tmp_path / "o", "--dask", address)
     assert done.code == 0, done.err
     assert answers(tmp_path / "o") == answers(finished)
-
-
-# ---------------------------------------------------------------- the file, the figure
-
-
-def test_figures(finished, tmp_path):
-    figure = draw_sweep(finished)
-    titles = {axes.get_title() for axes in figure.axes}
-    kinds = {k for k in load_states(finished).kind}
-    assert "all minima" in titles and kinds <= titles
-    figure.savefig(tmp_path / "a.png")
-    assert (tmp_path / "a.png").stat().st_size > 1000
