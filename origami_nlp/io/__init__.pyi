@@ -11,7 +11,6 @@ from .plain import (
 from .reading import (
     as_text as as_text,
     check_tables as check_tables,
-    inputs_kept as inputs_kept,
     one_of as one_of,
     parse_json as parse_json,
     parse_toml as parse_toml,

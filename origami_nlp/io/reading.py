@@ -7,8 +7,7 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -20,26 +19,6 @@ MOST_PARTS = 100
 """Parts of a dotted key; `tomllib` takes time and memory that grow with their square."""
 _PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{MOST_PARTS}}}")
-
-_kept: list[dict[str, bytes]] = []
-"""Where `read_limited` keeps what it read, if anywhere."""
-
-
-@contextmanager
-def inputs_kept() -> Iterator[dict[str, bytes]]:
-    """Keep the content of each file that is read meanwhile, for a report on an internal error.
-
-    Returns
-    -------
-    dict
-        Bytes by the name of the file; filled while they are read.
-    """
-    inputs: dict[str, bytes] = {}
-    _kept.append(inputs)
-    try:
-        yield inputs
-    finally:
-        _kept.remove(inputs)
 
 
 def read_limited(
@@ -90,8 +69,6 @@ def read_limited(
         raise error(
             "standard input is empty" if str(source) == "-" else f"{what} {str(source)!r} is empty"
         )
-    for inputs in _kept:
-        inputs[str(source)] = raw
     return raw.removeprefix(codecs.BOM_UTF8)
 
 

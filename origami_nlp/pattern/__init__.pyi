@@ -88,7 +88,6 @@ from .lattice_stated import (
     ROLLED_KEY as ROLLED_KEY,
     check_rolled as check_rolled,
 )
-from .law_course import LAW_NUMBER as LAW_NUMBER, LawCourse as LawCourse, law_course as law_course
 from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,

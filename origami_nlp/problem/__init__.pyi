@@ -7,7 +7,7 @@ from .contact import (
     held as held,
     openings as openings,
 )
-from .hinge_laws import HingeLaws as HingeLaws, LawChange as LawChange
+from .hinge_laws import HingeLaws as HingeLaws
 from .nlp import Nlp as Nlp
 from .parameters import Energies as Energies, Parameters as Parameters
 from .protocol import Problem as Problem, Sparse as Sparse

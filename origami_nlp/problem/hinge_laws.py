@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.pattern import HingeLaw, LawCourse
+from origami_nlp.pattern import HingeLaw
 
 FEWEST_CELLS = 64
 """Of a law, in which its pieces are found."""
@@ -16,26 +16,6 @@ PIECE = 6
 """Numbers of a piece: where it begins, and coefficients of its energy from the fourth power down."""
 AT_BREAK = 1e-9
 """Fold angles so near to a break of a law [rad] are at it: Newton ends there to less."""
-
-
-@dataclass(frozen=True, eq=False)
-class LawChange:
-    """Laws that change with s beyond factors and shifts: by t = start + s, a number that they are stated with."""
-
-    course: LawCourse
-    start: float
-
-    def moved(self, laws: HingeLaws, s: float) -> tuple[HingeLaw | None, ...]:
-        """Return laws at s."""
-        return self.course.moved(laws.laws, self.start + s)
-
-    def rate(self, laws: HingeLaws, s: float, x: np.ndarray) -> np.ndarray:
-        """Return how torques change with s at a state [n]; laws: those at s."""
-        which = np.array([law is not None and law.name == self.course.name for law in laws.laws])
-        rate = self.course.rate(self.start + s, (x - laws.shift)[which])
-        out = np.zeros(len(x))
-        out[which] = laws.weight[which] * rate
-        return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,14 +31,11 @@ class HingeLaws:
         the problem's scale; 0 where there is none, [n].
     shift
         By which each is shifted, [n] [rad].
-    moving
-        Of a change (`towards`): the laws that it moves through, if it does.
     """
 
     laws: tuple[HingeLaw | None, ...]
     weight: np.ndarray
     shift: np.ndarray
-    moving: LawChange | None = None
 
     @staticmethod
     def of(laws: Sequence[HingeLaw | None], counts: np.ndarray | float) -> HingeLaws:
@@ -73,10 +50,9 @@ class HingeLaws:
         return np.concatenate([self.weight, self.shift])
 
     def along(self, change: HingeLaws, s: float) -> HingeLaws:
-        """Return laws with s times a change: of the logarithm of weights, of shifts, and of what moves laws."""
+        """Return laws with s times a change: of the logarithm of weights, and of shifts."""
         return replace(
             self,
-            laws=self.laws if change.moving is None else change.moving.moved(self, s),
             weight=self.weight * np.exp(s * change.weight),
             shift=self.shift + s * change.shift,
         )
@@ -88,12 +64,6 @@ class HingeLaws:
         return replace(
             self, weight=np.log(ratio) / length, shift=(other.shift - self.shift) / length
         )
-
-    def from_here(self, s: float) -> HingeLaws:
-        """Return a change of laws that are s along it."""
-        if self.moving is None:
-            return self
-        return replace(self, moving=replace(self.moving, start=self.moving.start + s))
 
     def made(self, scale: float) -> tuple[HingeLaw | None, ...]:
         """Return the laws with their weights times a scale, shifted."""

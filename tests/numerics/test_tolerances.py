@@ -53,9 +53,6 @@ BESIDE_THE_TABLE = {
     "what a formula is resolved to by its pieces": """
         pattern/hinge_types.AS_STATED
     """,
-    "steps along the imaginary axis, and what stands for 0": """
-        pattern/law_course.IMAGINARY pattern/law_course.TINY
-    """,
     "what is shown, or said in words": """
  chart/boundary.GRID chart/boundary.SLIVER
         paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
