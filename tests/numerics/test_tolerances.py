@@ -35,8 +35,8 @@ BESIDE_THE_TABLE = {
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG search/layers.AJAR
         pattern_problem/pop_signs.JUMPS
-        escapes/terrain.FIRST escapes/rays.POPPED search/descent_path.TRIED search/descent_path.RISE
-        search/ipopt.BESIDE pattern_states/near_folded.INSIDE
+        escapes/terrain.FIRST search/descent_path.TRIED search/descent_path.RISE
+        search/ipopt.BESIDE pattern_states/search.BESIDE pattern_states/near_folded.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         contact/margin.LEAST_DAMPING contact/margin.SOFT
