@@ -15,7 +15,7 @@ from origami_nlp.arguments import check_number, check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_sheet
-from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
+from origami_nlp.pattern.coordinate_repair import made_exact
 from origami_nlp.pattern.fold_faces import (
     Oddity,
     check_drawing,
@@ -307,12 +307,15 @@ class _Sheet:
             )
 
     def _make_exact(self) -> None:
-        unit, coarse = self.frame.unit, COARSE
-        if self.snap is not None:
-            size = float(np.ptp(self.corners, axis=0).max())
-            unit, coarse = max(unit, 0.5 * self.snap * size), SNAPPED
-        made = made_exact(self.corners, self.polygons, self.joins, unit, coarse)
+        snap = (self.snap or 0.0) * float(np.ptp(self.corners, axis=0).max())
+        made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit, snap)
         self.corners = made.corners
+        if made.misses and self.snap is None and not self.frame.folded:
+            self.notes.append(
+                f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees, as those of a drawing "
+                "do: --snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets "
+                "facets bend"
+            )
         if not made.moved:
             if self.snap is not None:
                 self.notes.append(
