@@ -176,7 +176,8 @@ def read_result(path: str | PathLike[str]) -> Any:
     for wanted, key, room, name in _READ:
         if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
-            inside = {k: v for k, v in inside.items() if k != "frames"}  # of `inspect`
+            if isinstance(inside, dict):  # of `inspect`
+                inside = {k: v for k, v in inside.items() if k != "frames"}
             kind: Any = getattr(import_module(f"origami_nlp.{room}"), name)
             found = kind.from_dict(inside, repr(str(path)))
             try:

@@ -104,7 +104,8 @@ def made_exact(
     size = float(np.abs(corners - origin).max())
     x = (corners - origin) / size
     at = _Sectors(polygons, joins)
-    shortest = size * float(at.lengths(x).min())
+    if not (shortest := size * float(at.lengths(x).min())):
+        return Exact(corners, 0.0, 0, 0.0)
     new, many = x, 0
     for rows in at.choices(x, unit / size, snap / size):
         wanted = rows.missing(at.measures(x)) if rows is not None else np.zeros(0)

@@ -105,10 +105,14 @@ def samples(folder: Path) -> Iterator[Sample]:
     targets = run("example", "switch").out.encode()
     yield Sample("targets.toml", targets, ("design {} --seconds 1 --effort quick",))
     swept = (ROOT / "docs" / "files" / "sweep.toml").read_bytes()
-    yield Sample("sweep.toml", swept, ("sweep {} --folder swept --seconds 1",))
+    yield Sample("sweep.toml", swept, ("sweep {} --folder swept --workers 1 --seconds 1",))
     run("sweep", ROOT / "docs" / "files" / "sweep.toml", "--folder", folder / "swept")
     rows = (folder / "swept" / "sweep.jsonl").read_bytes()
-    yield Sample("swept/sweep.jsonl", rows, (f"sweep {ROOT}/docs/files/sweep.toml --folder swept",))
+    yield Sample(
+        "swept/sweep.jsonl",
+        rows,
+        (f"sweep {ROOT}/docs/files/sweep.toml --folder swept --workers 1",),
+    )
     tape = (ROOT / "docs" / "files" / "tape.csv").read_bytes()
     yield Sample("tape.csv", tape, ("hinge {} --seconds 1",))
     proof = folder / "proof.json"
