@@ -51,7 +51,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The figure; in Jupyter, after ``%matplotlib inline``, the last line of a cell shows it.
+        The figure; in Jupyter the last line of a cell shows it.
 
     Raises
     ------

@@ -38,7 +38,16 @@ from tests.hostile.spoiling import spoil
 
 SECONDS, OVER, HANGS, MOST = 1.0, 2.0, 30.0, 2 << 30
 """Of `--seconds`; processor time allowed over it; wall time after which a file hangs; memory [bytes]."""
-FILES = "inspect {}", "check {}", "convert {} out.svg", "minima {} --seconds 1"
+FILES = (
+    *("inspect {}", "check {}", "convert {} out.svg", "minima {} --seconds 1"),
+    *("check {} --orders --seconds 1", "inspect {} --path --seconds 1"),
+    *("minima {} --snap 1e-3 --bend 0.1 --seconds 1", "load {} --crease 1 --seconds 1"),
+)
+SCENES = (
+    *("inspect {}", "minima {} --seconds 1", "load {} --crease 1 --seconds 1"),
+    *("contacts {} --seconds 1", "barriers {} --seconds 1", "landscape {} --seconds 1"),
+    "follow {} --parameter creases.stiffness[1]=0.5:1.5 --seconds 1",
+)
 
 
 class Sample(NamedTuple):
@@ -101,7 +110,7 @@ def samples(folder: Path) -> Iterator[Sample]:
         ("stops.toml", "thick-panel"),
     ):
         text = run("example", scene).out.encode()
-        yield Sample(name, text, ("inspect {}", FILES[3]))
+        yield Sample(name, text, SCENES)
     targets = run("example", "switch").out.encode()
     yield Sample("targets.toml", targets, ("design {} --seconds 1 --effort quick",))
     swept = (ROOT / "docs" / "files" / "sweep.toml").read_bytes()
