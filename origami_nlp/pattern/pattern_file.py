@@ -154,7 +154,24 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
-    return replace(made, source=frame.source)
+    return replace(made, source=frame.source, notes=(*made.notes, *_locked(made)))
+
+
+def _locked(p: Pattern) -> Iterator[str]:
+    """Name creases that join the same two facets and run in no one line: they cannot fold."""
+    along: dict[Side, list[int]] = {}
+    for c, pair in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
+        along.setdefault(side(*pair), []).append(c)
+    for creases in along.values() if p.is_flat and p.cell is None else ():
+        first, *others = creases
+        x = p.corners[p.ends[others]].reshape(-1, 3) - p.corners[p.ends[first, 0]]
+        off = float(np.linalg.norm(np.cross(x, p.directions[first]), axis=1).max(initial=0.0))
+        if off > NOISE * float(np.ptp(p.corners, axis=0).max()):
+            numbers = ", ".join(map(str, p.numbers[creases]))
+            yield (
+                f"edges {numbers} join the same two facets along lines {off:.2g} apart: none of them folds; draw them "
+                "in one line"
+            )
 
 
 class _Sheet:

@@ -33,7 +33,7 @@ from origami_nlp.validity.faults import (
     Findings,
 )
 
-ODD = ("border", "cuts", "turned over", "in points", "few digits", "folding flat")
+ODD = ("border", "cuts", "turned over", "in points", "few digits", "folding flat", "same two")
 """Words of the notes of a pattern that are about the sheet, not its springs."""
 MOST_SIDES = 40
 """Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
