@@ -105,6 +105,7 @@ from .pattern_file import (
     read_pattern as read_pattern,
 )
 from .places import is_place as is_place, with_places as with_places
+from .polygons import Side as Side, side as side, sides_of as sides_of
 from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
