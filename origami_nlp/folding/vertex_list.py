@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.folding.flat_fold import explained, folds_flat
@@ -120,7 +121,9 @@ def print_vertices(lists: Sequence[VertexList], console: Console) -> None:
     for one in lists:
         frame = one.frame
         kind = "folded form" if frame.folded else "crease pattern"
-        title = f"frame {frame.number} ({kind}){': ' + frame.title if frame.title else ''}"
+        name = Path(frame.source).name or "frame 0"
+        name += f", frame {frame.number}" * bool(frame.number)
+        title = f"{name} ({kind}){': ' + frame.title if frame.title else ''}"
         many = len(one.vertices)
         title += f": {many} interior {'vertex' if many == 1 else 'vertices'} with creases"
         rows = [HEADS, *map(_row, one.vertices, one.flat)]

@@ -358,10 +358,16 @@ class _Sheet:
             )
         used = {*self.edge.values(), *alone}
         for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
-            twins = coincident(self.frame, self.frame.edges[e])
+            ends = self.frame.edges[e].tolist()
+            bare = "B" not in self.frame.assignment and not self.frame.faces
+            way_on = (
+                "no border is drawn, add the outline of the paper"
+                if bare
+                else "give its faces in faces_vertices, or leave it out"
+            )
             raise FoldFileError(
-                f"edges_vertices[{self.frame.numbers[e]}] is a fold but the side of no face: "
-                + (twins or "give its faces in faces_vertices, or leave it out")
+                f"edges_vertices[{self.frame.numbers[e]}] from {' to '.join(map(self.frame.place, ends))} is a fold "
+                f"but the side of no face: {coincident(self.frame, ends) or way_on}"
             )
 
     def measured(self) -> tuple[dict[Side, float], float]:

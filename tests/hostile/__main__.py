@@ -1,4 +1,4 @@
-"""Spoil files of every format and see how each reader ends: `python -m tests.hostile [COUNT] [FIRST]`.
+"""Spoil files of every format and see how each reader ends: `python -m tests.hostile [COUNT [FIRST]]`.
 
 Prints a line for each file that ends in a traceback, takes more than its time or 2 GB, and a count by format; the exit
 code is 1 where there is one.
