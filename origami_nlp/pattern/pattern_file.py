@@ -32,6 +32,8 @@ from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
 """Share of the sheet by which corners may be moved."""
+NAMED = 3
+"""Corners that moved most, which a note names."""
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 
@@ -326,7 +328,7 @@ class _Sheet:
     def _make_exact(self) -> None:
         snap = (self.snap or 0.0) * float(np.ptp(self.corners, axis=0).max())
         made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit, snap)
-        self.corners = made.corners
+        before, self.corners = self.corners, made.corners
         if made.misses and self.snap is None and not self.frame.folded:
             self.notes.append(
                 f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees, as those of a drawing "
@@ -343,8 +345,11 @@ class _Sheet:
         if made.relations:
             what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
             what += " and faces are plane" if self.frame.folded else ""
+        moves = np.linalg.norm(made.corners - before, axis=1)
+        most = ", ".join(f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
         self.notes.append(
             f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+            + f"; most: vertices {most}" * (self.snap is not None)
         )
 
     def _note_borders(self, sides: dict[Side, list[int]]) -> None:

@@ -41,6 +41,8 @@ def test_a_sheet_that_is_off_folds_as_the_clean_one(noise, seed):
     made = frame_pattern(frame, snap=tolerance)
     moved = np.linalg.norm(made.corners - frame.coords, axis=1).max()
     assert 0 < moved <= tolerance * size
+    worst = int(np.linalg.norm(made.corners - frame.coords, axis=1).argmax())
+    assert any(f"most: vertices {worst} (" in note for note in made.notes)
     clean = o.examples.pattern("miura", 2, 3)
     assert o.analyze_mobility(made).dof == o.analyze_mobility(clean).dof == 1
     flat = parse_fold(json.dumps({**data, "vertices_coords": made.corners.tolist()}))[0]
