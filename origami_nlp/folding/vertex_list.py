@@ -12,8 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from origami_nlp.folding.flat_fold import explained, folds_flat
 from origami_nlp.io import pick, printable, to_plain
+from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 
 if TYPE_CHECKING:
@@ -85,9 +88,10 @@ def list_vertices(frame: Frame) -> VertexList:
     found, notes = fold_vertices(frame)
     off = [v.kawasaki or 0.0 for v in found if explained(v)]
     if off:
+        known = max(frame.error or frame.unit, NOISE * float(np.ptp(frame.coords, axis=0).max()))
         notes += (
             f"{len(off)} vertices miss Kawasaki's condition by up to {math.degrees(max(off)):.2g} degrees, no more "
-            f"than coordinates known to {frame.error or frame.unit:.2g} leave open: judged as the nearest that meet it",
+            f"than coordinates known to {known:.2g} leave open: judged as the nearest that meet it",
         )
     return VertexList(frame, found, tuple(map(folds_flat, found)), (*frame.notes, *notes))
 

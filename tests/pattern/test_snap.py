@@ -122,3 +122,16 @@ def test_every_command_names_both_ways_on(command, tmp_path):
     done = run(command, path, *options)
     told = " ".join((done.out + done.err).split())
     assert "--snap 1e-3 moves corners" in told and "--bend K" in told
+
+
+@pytest.mark.parametrize("noise", [1e-6, 1e-5, 1e-4, 3e-4])
+def test_inspect_and_check_judge_vertices_alike(noise, tmp_path):
+    path = tmp_path / "noisy.fold"
+    data, _ = noisy(noise)
+    path.write_text(json.dumps(data))
+    rows = run("inspect", path).out.splitlines()[2:4]
+    seen = o.check(path)
+    blamed = {v for fault in seen.faults for v in fault.vertices}
+    for row in rows:
+        number, folds = int(row.split()[0]), row.split()[-2]
+        assert folds == ("no" if number in blamed else "yes")
