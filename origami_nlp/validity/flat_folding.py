@@ -30,18 +30,18 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             else:
                 undecided.append(v.number)
             continue
-        largest = max(largest, v.kawasaki)
+        largest = max(largest, miss := v.kawasaki)
         ends = f.frame.coords[f.frame.edges[np.isin(f.frame.numbers, v.edges)]]
         whole = misses_of_noise(f.frame, np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), 1.0)
         if f.tolerance is not None:
             v = replace(v, kawasaki_error=f.tolerance * whole)
-        good = v.kawasaki <= v.kawasaki_error
+        good = miss <= v.kawasaki_error
         if not good:
-            needs = v.kawasaki / whole
-            differ = f"differ by {math.degrees(v.kawasaki):.3g} degrees"
+            needs = miss / whole
+            differ = f"differ by {math.degrees(miss):.3g} degrees"
             drawn = f"a drawing that is off by {needs:.1e} of its size would explain it"
             text = f"alternate angles round vertex {v.number} {differ}; {drawn}"
-            f.fault(KAWASAKI, text, v.kawasaki, vertices=where)
+            f.fault(KAWASAKI, text, miss, vertices=where)
         if v.maekawa is None:
             unassigned += 1
             continue
