@@ -268,7 +268,7 @@ def design(
     return Ended.DONE if answer.verified else Ended.NO if answer.refuted else Ended.OPEN
 
 
-@writes("figure")
+@writes("csv", "figure")
 def sweep(
     out: Output,
     clock: Clock,
@@ -279,7 +279,7 @@ def sweep(
 ) -> int | None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
     from origami_nlp.io import make_folder
-    from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
+    from origami_nlp.sweep import draw_sweep, load_states, read_sweep, run_sweep
 
     stated = read_sweep(spec)
     note_normalized(stated.normalized, ", at most")
@@ -300,6 +300,7 @@ def sweep(
     if failed:
         out.say("failed scenes are tried again by the same command; reasons are in the store")
     out.written(folder)
+    out.write("csv", lambda: load_states(folder).to_csv(index=False))
     out.write("figure", draw_sweep, folder)
     return Ended.NO if failed else Ended.DONE
 

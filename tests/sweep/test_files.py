@@ -225,3 +225,16 @@ def test_a_sweep_says_by_how_much_it_normalizes():
     search = {"mode": "list"}
     swept = parse_sweep({"scene": MEASURED, "axes": every, "search": search})
     assert np.degrees(swept.normalized) == pytest.approx(-0.2)
+
+
+def test_states_of_all_scenes_are_written_as_a_table(tmp_path):
+    pytest.importorskip("pandas", reason="extra sweep")
+    spec, table = tmp_path / "s.toml", tmp_path / "states.csv"
+    spec.write_text(
+        '[scene]\nexample = "degree6"\n[[axes]]\nset = "ratio"\nvalues = [1.0, 2.0]\n'
+        '[search]\neffort = "quick"\n'
+    )
+    words = ("sweep", spec, "--folder", tmp_path / "o", "--workers", 1, "-o", table)
+    assert run(*words).code == 0
+    rows = table.read_text().splitlines()
+    assert rows[0].startswith("scene,ratio,number,energy_J") and len(rows) > 2
