@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import random
 import re
@@ -65,7 +66,7 @@ def _change(at: Any, key: Any, rng: random.Random) -> None:
     elif way == 3 and type(at[key]) in (int, float):
         at[key] = rng.choice((-1, 1e-9, 1e9, 1 + 1e-7, 0)) * at[key]
     else:
-        at[key] = rng.choice(ODD_VALUES)
+        at[key] = copy.deepcopy(rng.choice(ODD_VALUES))
 
 
 def _swap(what: re.Pattern[bytes], by: Callable[[random.Random, list[bytes]], bytes]) -> Any:
