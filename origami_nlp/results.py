@@ -51,7 +51,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The figure; in Jupyter, after ``%matplotlib inline``, the last line of a cell shows it.
+        The figure; in Jupyter the last line of a cell shows it.
 
     Raises
     ------
@@ -176,7 +176,8 @@ def read_result(path: str | PathLike[str]) -> Any:
     for wanted, key, room, name in _READ:
         if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
-            inside = {k: v for k, v in inside.items() if k != "frames"}  # of `inspect`
+            if isinstance(inside, dict):  # of `inspect`
+                inside = {k: v for k, v in inside.items() if k != "frames"}
             kind: Any = getattr(import_module(f"origami_nlp.{room}"), name)
             found = kind.from_dict(inside, repr(str(path)))
             try:

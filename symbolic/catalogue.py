@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from origami_nlp.errors import OptionError
-from origami_nlp.workers import worker_pool
+from origami_nlp.workers import stop_workers, worker_pool
 
 from .claim import Claim, Verdict
 
@@ -93,7 +93,10 @@ def _verdicts(chosen: Sequence[Claim], workers: int) -> Iterator[tuple[Claim, Ve
         for claim in chosen:
             yield claim, claim.decide()
         return
-    with worker_pool(workers) as pool:
+    pool = worker_pool(workers)
+    try:
         running = {pool.submit(_decide, c.id): c for c in chosen}
         for done in as_completed(running):
             yield running[done], done.result()
+    finally:  # all are done, or nobody waits for them
+        stop_workers(pool)

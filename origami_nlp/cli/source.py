@@ -157,12 +157,6 @@ class Source:
             self._refuse("is for facets that bend: give their stiffness, --bend K", {"diagonal"})
         frame = self._frame()
         whole = frame_pattern(frame, snap=self.snap, **self._springs())
-        if self.snap is None and (off := _misses(frame, whole)):
-            note(
-                f"vertices miss folding flat by up to {math.degrees(off):.2g} degrees, as those of a drawing do: "
-                "--snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets facets "
-                "bend"
-            )
         whole = whole.with_springs(per_length=True) if self.per_length else whole
         return (
             whole if self.bend is None else with_bending(whole, self.bend, self.diagonal or "short")
@@ -218,21 +212,6 @@ class Source:
             size = check_number("--rest-angle", self.rest_angle, 0.0, 180.0)
             found["rest_angle"] = math.radians(size)
         return found
-
-
-DRAWN = 0.02
-"""What alternate angles round a vertex of a drawing that is meant to fold flat miss, at most [rad]."""
-
-
-def _misses(frame: Frame, whole: Pattern) -> float:
-    """Return by how much vertices miss folding flat [rad], of those that do by what a drawing does; else 0."""
-    from origami_nlp.numerics import CLOSURE_TOL
-    from origami_nlp.pattern import fold_vertices
-
-    off = [v.kawasaki for v in fold_vertices(frame)[0] if v.kawasaki is not None]
-    most = max((v for v in off if v <= DRAWN), default=0.0)
-    as_drawn = bool((whole.corners[: len(frame.coords)] == frame.coords).all())
-    return most if most > CLOSURE_TOL and as_drawn and not frame.folded else 0.0
 
 
 def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping
+from functools import partial
 from importlib import import_module
 from io import StringIO
 from os import PathLike
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from origami_nlp.arguments import check_path, require
 from origami_nlp.display.records import record_row
 from origami_nlp.errors import OptionError
-from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json
+from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json, write_whole
 
 if TYPE_CHECKING:
     from typing import Self
@@ -69,7 +70,7 @@ class Result:
         Returns
         -------
         matplotlib.figure.Figure
-            The figure; in Jupyter, after ``%matplotlib inline``, the last line of a cell shows it.
+            The figure; in Jupyter the last line of a cell shows it.
 
         Raises
         ------
@@ -80,10 +81,12 @@ class Result:
             check_path("path", path)
         if not self.PICTURE:
             raise self._lacks("no picture")
-        figure: Figure = self._from_room(self.PICTURE)(self)  # matplotlib loads here
-        if path is not None:
-            from origami_nlp.io import save_figure
+        from origami_nlp.io import figure_bytes, save_figure
 
+        figure: Figure = self._from_room(self.PICTURE)(self)  # matplotlib loads here
+        # what IPython asks of a result of a cell; without pyplot it knows no figures
+        figure.__dict__["_repr_png_"] = partial(figure_bytes, figure, "png")
+        if path is not None:
             save_figure(figure, path)
         return figure
 
@@ -93,7 +96,7 @@ class Result:
         Parameters
         ----------
         path
-            The file.
+            The file, ``.json``.
 
         Raises
         ------
@@ -101,6 +104,11 @@ class Result:
             If there is no schema for such a result, or the file cannot be written.
         """
         check_path("path", path)
+        if Path(path).suffix.lower() != ".json":
+            raise OptionError(
+                f"path = {str(path)!r} must end in .json: to_csv(path) writes tables, draw(path) pictures, write_fold "
+                "and write_mesh states"
+            )
         write_json(self.to_dict(), Path(path))
 
     @classmethod
@@ -144,8 +152,13 @@ class Result:
         frame: pandas.DataFrame = require("pandas", "to_frame", "sweep").DataFrame(rows)
         return frame
 
-    def to_csv(self) -> str:
-        """Return the rows of `to_frame` as comma-separated text; it needs no pandas.
+    def to_csv(self, path: str | PathLike[str] | None = None) -> str:
+        """Return the rows of `to_frame` as comma-separated text, and write them; it needs no pandas.
+
+        Parameters
+        ----------
+        path
+            Where to save them, if anywhere.
 
         Returns
         -------
@@ -155,7 +168,7 @@ class Result:
         Raises
         ------
         OptionError
-            If such a result has no rows.
+            If such a result has no rows, or the file cannot be written.
 
         Examples
         --------
@@ -169,6 +182,9 @@ class Result:
         table = csv.DictWriter(text, list(dict.fromkeys(key for row in rows for key in row)))
         table.writeheader()
         table.writerows(rows)
+        if path is not None:
+            check_path("path", path)
+            write_whole(Path(path), text.getvalue().encode())
         return text.getvalue()
 
     def to_dict(self) -> dict[str, Any]:

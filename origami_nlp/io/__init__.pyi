@@ -28,6 +28,7 @@ from .text import is_number as is_number, is_unicode as is_unicode, printable as
 from .writing import (
     check_outputs as check_outputs,
     check_writable as check_writable,
+    figure_bytes as figure_bytes,
     is_stdout as is_stdout,
     make_folder as make_folder,
     save_figure as save_figure,

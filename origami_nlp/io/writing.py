@@ -76,9 +76,29 @@ def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] =
             f"figure = {_shown(target)} must end in a picture format: "
             + ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
         )
+    write_whole(target, figure_bytes(figure, ending, dpi))
+
+
+def figure_bytes(figure: Figure, ending: str, dpi: float | Literal["figure"] = "figure") -> bytes:
+    """Return a matplotlib figure in a format.
+
+    Parameters
+    ----------
+    figure
+        The figure.
+    ending
+        Of the files of the format, such as ``"png"``.
+    dpi
+        Dots an inch; by default those that the figure was made with.
+
+    Returns
+    -------
+    bytes
+        What a file of it holds.
+    """
     content = io.BytesIO()
     figure.savefig(content, format=ending, dpi=dpi)
-    write_whole(target, content.getvalue())
+    return content.getvalue()
 
 
 def is_stdout(target: Target | None) -> bool:

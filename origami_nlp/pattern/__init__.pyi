@@ -13,6 +13,7 @@ from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,
     make_vertex as make_vertex,
+    misses_of_noise as misses_of_noise,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_faces import Oddity as Oddity, drawing_oddities as drawing_oddities
@@ -104,6 +105,7 @@ from .pattern_file import (
     read_pattern as read_pattern,
 )
 from .places import is_place as is_place, with_places as with_places
+from .polygons import Side as Side, side as side, sides_of as sides_of
 from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (

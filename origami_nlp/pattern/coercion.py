@@ -16,7 +16,7 @@ from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import frame_of
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
-from origami_nlp.pattern.polygons import sides_of
+from origami_nlp.pattern.polygons import Side, sides_of
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern
@@ -168,9 +168,6 @@ def as_pattern(
         return frame_pattern(frame_of(stated))
     check_type(name, stated, Pattern)
     return stated
-
-
-Side = tuple[int, int]
 
 
 def from_mesh(

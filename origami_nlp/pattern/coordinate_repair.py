@@ -13,7 +13,7 @@ little as that takes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,6 +29,10 @@ COARSE = 1e-3
 """Angles [rad] below which a file must state its sectors, or nothing can be said of what was drawn."""
 SNAPPED = 0.1
 """As much where a person says how far corners may be off."""
+SHARES = 0.5, 0.125, 0.03, 0.008, 0.0
+"""Of that distance, within which relations are looked for; flat folds of vertices within all of it."""
+DRAWN = 0.02
+"""What alternate angles round a vertex of a drawing that is meant to fold flat miss, at most [rad]."""
 SOFT = 1e-10
 """Rows that depend on others are weighed with this, so that they need not be known beforehand."""
 SHORTENS = 0.1
@@ -51,11 +55,14 @@ class Exact:
         How far the one that moved most did, 0 for none.
     relations
         Number of relations between sectors that missed by more than rounding and hold now.
+    misses
+        By how much vertices still miss folding flat [rad], of those that do by what a drawing does; else 0.
     """
 
     corners: np.ndarray
     moved: float
     relations: int
+    misses: float
 
 
 def made_exact(
@@ -63,7 +70,7 @@ def made_exact(
     polygons: Sequence[Sequence[int]],
     joins: Sequence[Side] = (),
     unit: float = 0.0,
-    coarse: float = COARSE,
+    snap: float = 0.0,
 ) -> Exact:
     """Move corners as little as makes faces plane and relations between sectors hold.
 
@@ -77,8 +84,8 @@ def made_exact(
         Sides that are no creases.
     unit
         Last decimal place of the corners; 0 for whole doubles.
-    coarse
-        Angles [rad] up to which that may leave sectors open, or nothing is said of what was drawn.
+    snap
+        How far a person lets corners move; 0: within the digits alone.
 
     Returns
     -------
@@ -97,22 +104,25 @@ def made_exact(
     size = float(np.abs(corners - origin).max())
     x = (corners - origin) / size
     at = _Sectors(polygons, joins)
-    shortest = size * float(at.lengths(x).min())
-    rows = at.relations(x, unit / size, coarse)
-    most = 2 * unit if rows is not None and rows.by_digits else RESOLVED * size
-    for relations in (rows, None) if rows is not None else (None,):
-        wanted = relations.missing(at.measures(x)) if relations is not None else np.zeros(0)
+    if not (shortest := size * float(at.lengths(x).min())):
+        return Exact(corners, 0.0, 0, 0.0)
+    new, many = x, 0
+    for rows in at.choices(x, unit / size, snap / size):
+        wanted = rows.missing(at.measures(x)) if rows is not None else np.zeros(0)
         if max(_unplane(x, at), np.abs(wanted).max(initial=0.0)) <= at.rounding(x):
-            return Exact(corners, 0.0, 0)
-        new = _solved(x, at, relations)
-        if new is None:
+            break
+        if (found := _solved(x, at, rows)) is None:
             continue
-        moved = size * float(np.linalg.norm(new - x, axis=1).max())
+        moved = size * float(np.linalg.norm(found - x, axis=1).max())
+        most = size * rows.most if rows is not None else math.inf
         # sides that moves change the length of by more than a share of it are not what was drawn
-        if moved <= SHORTENS * shortest and (relations is None or moved <= most):
-            many = int((np.abs(wanted) > at.rounding(x)).sum())
-            return Exact(origin + size * new, moved, many)
-    return Exact(corners, 0.0, 0)
+        if moved <= min(most, SHORTENS * shortest):
+            new, many = found, int((np.abs(wanted) > at.rounding(x)).sum())
+            break
+    misses = at.misses(new)
+    if new is x:
+        return Exact(corners, 0.0, 0, misses)
+    return Exact(origin + size * new, moved, many, misses)
 
 
 class _Sectors:
@@ -175,6 +185,13 @@ class _Sectors:
         angle = np.arctan2((n * cross(v, u)).sum(axis=1), (u * v).sum(axis=1))
         return np.concatenate([np.where(angle < 0, angle + 2 * math.pi, angle), self.lengths(x)])
 
+    def misses(self, x: np.ndarray) -> float:
+        """Return the largest miss of Kawasaki's condition that is one of a drawing [rad]; 0 for rounding."""
+        angles = self.measures(x)
+        even = [ring[::2] for ring in self.rings if len(ring) % 2 == 0]
+        off = [abs(sum(angles[c] for s in half for c in s) - math.pi) for half in even]
+        return 2 * max((o for o in off if self.rounding(x) < 2 * o <= DRAWN), default=0.0)
+
     def slopes(self, x: np.ndarray) -> sp.sparse.csr_array:
         """Return the derivatives of the measures, [C + S, 3 V]."""
         u, v, n = self.frames(x)
@@ -197,42 +214,61 @@ class _Sectors:
             [of_angles, spread([self.start, self.end], [-along, along])]
         ).tocsr()
 
-    def relations(self, x: np.ndarray, unit: float, coarse: float) -> _Relations | None:
-        """Find what holds within the digits; None where there is nothing to hold."""
-        if not self.rings or self.many > MOST_POLYGONS:
-            return None
+    def choices(self, x: np.ndarray, unit: float, snap: float) -> Iterator[_Relations | None]:
+        """Go through what may be asked for, the most first; None: plane faces alone."""
+        if self.rings and self.many <= MOST_POLYGONS:
+            for share in SHARES if snap else ():
+                blur = self.blur(x, share * snap)
+                if self._widest(blur) <= SNAPPED:
+                    yield self.relations(x, blur, self.blur(x, 0.5 * snap), snap)
+            blur = self.blur(x, unit)
+            by_digits = RESOLVED < self._widest(blur) <= COARSE
+            blur = blur if by_digits else self.blur(x, 0.0)
+            yield self.relations(x, blur, blur, 2 * unit if by_digits else RESOLVED)
+        yield None
+
+    def _widest(self, blur: np.ndarray) -> float:
+        return float(blur[: len(self.inside)][self.inside].max())
+
+    def blur(self, x: np.ndarray, unit: float) -> np.ndarray:
+        """Return what a last place leaves open of each measure, [C + S]."""
         u, v, _ = self.frames(x)
         # both ends of a side off by a last place turn it by twice that over its length
-        with np.errstate(divide="ignore"):  # two corners in one place: nothing is stated there
-            blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
-        by_digits = RESOLVED < float(blur[self.inside].max()) <= coarse
-        angles, sides = len(u), len(self.start)
-        if not by_digits:
-            blur[:] = RESOLVED
-        blur = np.concatenate([blur, np.full(sides, 2 * unit if by_digits else RESOLVED)])
-        found = _Relations(self.measures(x), blur, by_digits)
+        with np.errstate(divide="ignore", invalid="ignore"):  # corners in one place: nothing stated
+            angles = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
+        return np.fmax(np.concatenate([angles, np.full(len(self.start), 2 * unit)]), RESOLVED)
+
+    def relations(
+        self, x: np.ndarray, blur: np.ndarray, of_folds: np.ndarray, most: float
+    ) -> _Relations:
+        """Find what holds within a blur of each measure, and within another one where that folds a vertex flat."""
+        found = _Relations(self.measures(x), blur, most)
         for ring in self.rings:
             d = len(ring)
             # paper that lies flat; Kawasaki's theorem; two creases in one line
             found.hold(ring, 2 * math.pi)
             if d % 2 == 0:
-                found.hold(ring[::2], math.pi)
-                found.hold(ring[1::2], math.pi)
+                found.hold(ring[::2], math.pi, of_folds)
+                found.hold(ring[1::2], math.pi, of_folds)
             for first in range(d) if d <= MOST_ROUND else ():
                 for many in range(2, d - 1):
                     found.hold([ring[(first + j) % d] for j in range(many)], math.pi)
         sectors = [sector for ring in self.rings for sector in ring]
         rim = [[int(c)] for c in np.flatnonzero(~self.inside)]
         found.group([*sectors, *rim], math.pi / 2)
-        found.group([[angles + k] for k in range(sides)], 0.0)
+        corners = len(self.here)
+        found.group([[corners + k] for k in range(len(self.start))], 0.0)
         return found
 
 
 class _Relations:
-    """Sums of measures and what they come to, of those that hold within the digits `blur` of each measure."""
+    """Sums of measures and what they come to, of those that hold within the `blur` of each measure.
 
-    def __init__(self, values: np.ndarray, blur: np.ndarray, by_digits: bool) -> None:
-        self.values, self.blur, self.by_digits = values, blur, by_digits
+    Corners may move by `most` for them.
+    """
+
+    def __init__(self, values: np.ndarray, blur: np.ndarray, most: float) -> None:
+        self.values, self.blur, self.most = values, blur, most
         self.terms: list[tuple[int, int, float]] = []
         self.totals: list[float] = []
 
@@ -240,10 +276,12 @@ class _Relations:
         self.terms += [(len(self.totals), c, sign) for sign, sector in sectors for c in sector]
         self.totals.append(total)
 
-    def hold(self, sectors: Sequence[Sequence[int]], total: float) -> None:
-        """Ask for a sum of sectors, each a sum of measures, if that is so within the digits."""
+    def hold(
+        self, sectors: Sequence[Sequence[int]], total: float, blur: np.ndarray | None = None
+    ) -> None:
+        """Ask for a sum of sectors, each a sum of measures, if that is so within the blur."""
         row = [c for sector in sectors for c in sector]
-        if abs(self.values[row].sum() - total) <= self.blur[row].sum():
+        if abs(self.values[row].sum() - total) <= (self.blur if blur is None else blur)[row].sum():
             self._ask([(1.0, row)], total)
 
     def group(self, sectors: Sequence[Sequence[int]], middle: float) -> None:

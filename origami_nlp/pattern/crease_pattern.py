@@ -23,6 +23,8 @@ from origami_nlp.pattern.fold_springs import stated_sign, target_notes
 from origami_nlp.pattern.polygons import fold_between, rings, sides_of
 from origami_nlp.pattern.vertex import Vertex
 
+AMPLIFIED = 5.0
+"""Over the noise of places divided by the shortest crease, what alternate sectors round a vertex miss at most."""
 VAGUE = 0.1
 """Angles [rad] that decimal places leave open: where it is more, they are not those of rounding."""
 
@@ -55,7 +57,8 @@ class FoldVertex:
         What was assumed.
     kawasaki_error
         How far the alternating sum may be off [rad], corners being known as they are: those of drawings to what their
-        ends were joined over, others to their last decimal place where that says anything.
+        ends were joined over, others to their last decimal place where that says anything, all to the noise of a
+        drawing, 1e-4 of the sheet.
     """
 
     ALSO = ("degree",)
@@ -278,7 +281,16 @@ def _kawasaki_error(frame: Frame, lengths: np.ndarray) -> float:
         return 0.0
     error = float(2.0 * (2.0 * (frame.error or frame.unit) / lengths).sum())
     # whole numbers on a small grid are exact, not rounded
-    return error if frame.error or error <= VAGUE else 0.0
+    stated = error if frame.error or error <= VAGUE else 0.0
+    return max(stated, misses_of_noise(frame, lengths, NOISE))
+
+
+def misses_of_noise(frame: Frame, lengths: np.ndarray, noise: float) -> float:
+    """Return what alternate sectors round a vertex miss at most [rad], of creases [d] whose ends are off.
+
+    noise: by so much of the size of the frame.
+    """
+    return AMPLIFIED * noise * float(np.ptp(frame.coords, axis=0).max()) / float(lengths.min())
 
 
 def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:

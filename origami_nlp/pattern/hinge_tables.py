@@ -102,7 +102,7 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
         return replace(_stated(kind, given), name=name)
     except SceneError:
         raise
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         why = error if isinstance(error, OptionError) else f"its entries must be numbers ({error})"
         raise SceneError(f"laws.{name} of type {kind!r}: {why}") from None
 

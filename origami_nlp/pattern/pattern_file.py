@@ -15,7 +15,7 @@ from origami_nlp.arguments import check_number, check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
 from origami_nlp.pattern.cells import make_sheet
-from origami_nlp.pattern.coordinate_repair import COARSE, SNAPPED, made_exact
+from origami_nlp.pattern.coordinate_repair import made_exact
 from origami_nlp.pattern.fold_faces import (
     Oddity,
     check_drawing,
@@ -32,6 +32,8 @@ from origami_nlp.pattern.sheet import Pattern
 
 LARGEST_SNAP = 0.02
 """Share of the sheet by which corners may be moved."""
+NAMED = 3
+"""Corners that moved most, which a note names."""
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 
@@ -154,7 +156,24 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
-    return replace(made, source=frame.source)
+    return replace(made, source=frame.source, notes=(*made.notes, *_locked(made)))
+
+
+def _locked(p: Pattern) -> Iterator[str]:
+    """Name creases that join the same two facets and run in no one line: they cannot fold."""
+    along: dict[Side, list[int]] = {}
+    for c, pair in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
+        along.setdefault(side(*pair), []).append(c)
+    for creases in along.values() if p.is_flat and p.cell is None else ():
+        first, *others = creases
+        x = p.corners[p.ends[others]].reshape(-1, 3) - p.corners[p.ends[first, 0]]
+        off = float(np.linalg.norm(np.cross(x, p.directions[first]), axis=1).max(initial=0.0))
+        if off > NOISE * float(np.ptp(p.corners, axis=0).max()):
+            numbers = ", ".join(map(str, p.numbers[creases]))
+            yield (
+                f"edges {numbers} join the same two facets along lines {off:.2g} apart: none of them folds; draw them "
+                "in one line"
+            )
 
 
 class _Sheet:
@@ -307,12 +326,15 @@ class _Sheet:
             )
 
     def _make_exact(self) -> None:
-        unit, coarse = self.frame.unit, COARSE
-        if self.snap is not None:
-            size = float(np.ptp(self.corners, axis=0).max())
-            unit, coarse = max(unit, 0.5 * self.snap * size), SNAPPED
-        made = made_exact(self.corners, self.polygons, self.joins, unit, coarse)
-        self.corners = made.corners
+        snap = (self.snap or 0.0) * float(np.ptp(self.corners, axis=0).max())
+        made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit, snap)
+        before, self.corners = self.corners, made.corners
+        if made.misses and self.snap is None and not self.frame.folded:
+            self.notes.append(
+                f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees, as those of a drawing "
+                "do: --snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets "
+                "facets bend"
+            )
         if not made.moved:
             if self.snap is not None:
                 self.notes.append(
@@ -323,8 +345,11 @@ class _Sheet:
         if made.relations:
             what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
             what += " and faces are plane" if self.frame.folded else ""
+        moves = np.linalg.norm(made.corners - before, axis=1)
+        most = ", ".join(f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
         self.notes.append(
             f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+            + f"; most: vertices {most}" * (self.snap is not None)
         )
 
     def _note_borders(self, sides: dict[Side, list[int]]) -> None:
@@ -338,10 +363,16 @@ class _Sheet:
             )
         used = {*self.edge.values(), *alone}
         for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
-            twins = coincident(self.frame, self.frame.edges[e])
+            ends = self.frame.edges[e].tolist()
+            bare = "B" not in self.frame.assignment and not self.frame.faces
+            way_on = (
+                "no border is drawn, add the outline of the paper"
+                if bare
+                else "give its faces in faces_vertices, or leave it out"
+            )
             raise FoldFileError(
-                f"edges_vertices[{self.frame.numbers[e]}] is a fold but the side of no face: "
-                + (twins or "give its faces in faces_vertices, or leave it out")
+                f"edges_vertices[{self.frame.numbers[e]}] from {' to '.join(map(self.frame.place, ends))} is a fold "
+                f"but the side of no face: {coincident(self.frame, ends) or way_on}"
             )
 
     def measured(self) -> tuple[dict[Side, float], float]:

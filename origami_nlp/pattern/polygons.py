@@ -41,7 +41,8 @@ def rings(polygons: Sequence[Sequence[int]]) -> list[list[Side]]:
             continue
         seen.add(first[0])
         ring, here = [first], after[first]
-        while here in after and here != first:
+        # of faces that come to a corner twice the sides may never lead back
+        while here in after and here != first and len(ring) < many[first[0]]:
             ring.append(here)
             here = after[here]
         if here == first and len(ring) == many[first[0]]:

@@ -24,6 +24,7 @@ from origami_nlp.search.starts import at_limits
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
+CROSSES = "layers have no order"
 NO_ORDER = "facets that lie on each other have no order"
 NOWHERE = "facets come to lie on each other again and again"
 
@@ -127,7 +128,7 @@ class Follower:
             if end.why == CLOSES_NOT:  # what is fully folded opens as it closes
                 start = replace(start, side=np.zeros_like(start.side))
             elif (ordered := self._ordered(end.x, None, known, aside)) is None:
-                return end.x, NO_ORDER
+                return end.x, self._unordered(end.x)
             else:
                 slots = (*slots, *ordered)
                 start = replace(start, x=end.x, slots=slots)
@@ -175,7 +176,11 @@ class Follower:
         """Return why an end that is not known is no state: paper may run through a fold that is level by itself."""
         if not self._is_level(end.x) or known_end(end.x):
             return ""
-        return NO_ORDER if self.problem.faces(end.x).reason else ""
+        return self._unordered(end.x)
+
+    def _unordered(self, x: np.ndarray) -> str:
+        """Return that layers have no order; "" where they may have one, which the judge of the state decides."""
+        return NO_ORDER if self.problem.faces(x).reason == CROSSES else ""
 
     def _is_level(self, x: np.ndarray) -> bool:
         """Return whether creases are fully folded whose facets must not cross."""

@@ -47,7 +47,9 @@ class StartKind(ABC):
     def _anywhere(self, rng: np.random.Generator, count: int) -> np.ndarray:
         """Return any states [count, n], up to a random size each; each fold angle in any of its lifts."""
         most = min(self.problem.bound, math.pi)
-        x = rng.uniform(0.3, most, (count, 1)) * rng.uniform(-1.0, 1.0, (count, self.problem.size))
+        x = rng.uniform(min(0.3, most), most, (count, 1)) * rng.uniform(
+            -1.0, 1.0, (count, self.problem.size)
+        )
         if self.problem.bound > math.pi:
             x -= 2 * math.pi * np.sign(x) * (rng.random(x.shape) < 0.5)
         return self.labels.drawn(x)

@@ -106,6 +106,9 @@ def read_store(folder: str | Path) -> tuple[dict[str, Any], dict[int, dict[str, 
         stated = json.loads(head)
         if not isinstance(stated["schema"], str) or not stated["shape"]:
             raise ValueError("its first line is no sweep")
+        kinds = {"scene": int, "status": str, "reason": str, "parameters": dict, "states": list}
+        if not all(type(row[key]) is kind for row in rows for key, kind in kinds.items()):
+            raise ValueError("a line of it is no scene")
         found = {row["scene"]: row for row in rows}
         return stated, {k: found[k] for k in sorted(found) if 0 <= k < math.prod(stated["shape"])}
 

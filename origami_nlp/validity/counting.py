@@ -14,6 +14,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_whole
 from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.folding import Orders
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import (
@@ -21,7 +22,6 @@ from origami_nlp.pattern_problem import (
     PatternProblem,
     Stack,
     Unclear,
-    conflict,
     pose_stack,
     state_frame,
     states_to_fold,
@@ -31,6 +31,8 @@ GUESSES = 20_000
 """Of the search in each part."""
 WIDENED = 4.0
 """Over how far facets miss each other, the distance up to which they lie on each other."""
+MOST_PIECES, MOST_LAYERS = 5_000, 50_000
+"""Facets, and pairs of layers, whose order is asked: 30 kB a pair."""
 UNCLEAR = "facets are closer than can be resolved, but not on each other"
 
 
@@ -241,9 +243,10 @@ def count_orders(
         f, g = pierced[0]
         found = Counted(reason=f"facets {f + 1} and {g + 1} pass through each other")
     else:
-        stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
-        found, pairs = count_stack(stack, unassigned, guesses), len(stack.pairs)
-        if found.orders is not None and not found.reason and most:
+        near = max(INSIDE, WIDENED * misses)
+        stack, orders = posed_orders(problem, phi, near, unassigned, guesses)
+        found, pairs = count_posed(orders, guesses), len(stack.pairs) if stack else 0
+        if stack and found.orders is not None and not found.reason and most:
             written = [*itertools.islice(_listed(stack, found, most), most)]
     parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
     told = (tuple(written), found.reason, found.decided, len(unassigned), misses)
@@ -270,23 +273,37 @@ class Counted(NamedTuple):
     orders: Any = None
 
 
-def count_stack(
-    stack: Stack,
+def posed_orders(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    near: float,
     unassigned: Container[int] = (),
     guesses: int = GUESSES,
-    stated: Sequence[tuple[int, int, int]] = (),
-) -> Counted:
-    """Count the orders of pieces that lie on each other, with what is stated of them."""
+) -> tuple[Stack | None, Orders | Counted]:
+    """Return what lies on each other, nearer than a share of the sheet, and its orders; or why there are none.
+
+    What creases force is settled.
+    """
+    if (pieces := len(problem.crossings.facet)) > MOST_PIECES:
+        why = f"{pieces:,} facets: layers of more than {MOST_PIECES:,} are not ordered"
+        return None, Counted(reason=why, decided=False)
+    stack = Stack(problem.crossings, phi, near=near)
+    if (many := len(stack.pairs)) > MOST_LAYERS:
+        why = f"{many:,} pairs of layers: more than {MOST_LAYERS:,} are not ordered"
+        return stack, Counted(reason=why, decided=False)
     try:
         posed = pose_stack(stack, unassigned, guesses)
-        if isinstance(posed, Layers):
-            return Counted(reason=posed.reason)
-        orders = posed[0]
-        if stated:
-            conflict(stack, orders, stated)
-        parts = orders.counts()
     except Unclear:
-        return Counted(reason=UNCLEAR, decided=False)
+        return stack, Counted(reason=UNCLEAR, decided=False)
+    return stack, Counted(reason=posed.reason) if isinstance(posed, Layers) else posed[0]
+
+
+def count_posed(orders: Orders | Counted, guesses: int = GUESSES) -> Counted:
+    """Count the orders that are left open, part by part."""
+    if isinstance(orders, Counted):
+        return orders
+    try:
+        parts = orders.counts()
     except TimeoutError:
         return Counted(reason="the search for one was given up", decided=False)
     none = [whole for _, many, whole in parts if not many]

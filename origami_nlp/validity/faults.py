@@ -118,15 +118,6 @@ class Findings:
         digits = 2 * sum(one.unit for one in (self.frame, *others) if one.folded)
         return float(np.clip(digits, PLACES * self.size, NOISE * self.size))
 
-    def drawn(self) -> float:
-        """Return by how much vertices of a drawing may be off: at least by what joined its lines."""
-        if self.tolerance is not None:
-            return self.tolerance * self.size
-        unit, x = self.frame.unit, self.frame.coords
-        # a last decimal place is one of the coordinates; what lines were joined by is not
-        joined = unit if unit and (np.round(x / unit) * unit != x).any() else 0.0
-        return max(NOISE * self.size, joined)
-
     def of(self, test: str) -> list[Fault]:
         """Return the faults of a test."""
         return [one for one in self.faults if one.test == test]

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.numerics import INPUT_TOL, NONZERO
-from origami_nlp.pattern import FoldVertex, fold_vertices
+from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.pattern import FoldVertex, fold_vertices, misses_of_noise
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
 from origami_nlp.validity.faults import KAWASAKI, MAEKAWA, Findings
@@ -16,8 +16,6 @@ from origami_nlp.validity.flat_fold import folds_flat
 
 VERTEX = "layers round each vertex"
 EXISTS = "layers have an order"
-AMPLIFIED = 5.0
-"""Over the noise of places divided by the shortest crease, what alternate angles round a vertex miss at most."""
 
 
 def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
@@ -25,9 +23,6 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     vertices = [w for v in fold_vertices(f.frame)[0] if (w := _folded(v)) is not None]
     undecided, unassigned, largest = [], 0, 0.0
     for v in vertices:
-        ends = f.frame.coords[f.frame.edges[np.isin(f.frame.numbers, v.edges)]]
-        shortest = float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).min())
-        most = AMPLIFIED * f.drawn() / max(shortest, NONZERO)
         where = [v.number]
         if v.kawasaki is None:
             if v.degree % 2:
@@ -35,14 +30,18 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             else:
                 undecided.append(v.number)
             continue
-        largest = max(largest, v.kawasaki)
-        good = v.kawasaki <= most
+        largest = max(largest, miss := v.kawasaki)
+        ends = f.frame.coords[f.frame.edges[np.isin(f.frame.numbers, v.edges)]]
+        whole = misses_of_noise(f.frame, np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1), 1.0)
+        if f.tolerance is not None:
+            v = replace(v, kawasaki_error=f.tolerance * whole)
+        good = miss <= v.kawasaki_error
         if not good:
-            needs = v.kawasaki * shortest / AMPLIFIED / f.size
-            differ = f"differ by {math.degrees(v.kawasaki):.3g} degrees"
+            needs = miss / whole
+            differ = f"differ by {math.degrees(miss):.3g} degrees"
             drawn = f"a drawing that is off by {needs:.1e} of its size would explain it"
             text = f"alternate angles round vertex {v.number} {differ}; {drawn}"
-            f.fault(KAWASAKI, text, v.kawasaki, vertices=where)
+            f.fault(KAWASAKI, text, miss, vertices=where)
         if v.maekawa is None:
             unassigned += 1
             continue
@@ -51,7 +50,7 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             text = f"vertex {v.number} has {mountains} mountains and {valleys} valleys: they must differ by 2"
             f.fault(MAEKAWA, text, abs(v.maekawa), vertices=where)
         if good and not v.maekawa:
-            folds = _folds(v)
+            folds = folds_flat(v)
             if folds is None:
                 undecided.append(v.number)
             elif not folds:
@@ -103,14 +102,3 @@ def _folded(v: FoldVertex) -> FoldVertex | None:
         kawasaki=None if len(keep) % 2 else abs(float(a[::2].sum() - a[1::2].sum())),
         maekawa=abs(letters.count("M") - letters.count("V")) - 2 if whole else None,
     )
-
-
-def _folds(v: FoldVertex) -> bool | None:
-    """Return whether a vertex folds flat whose alternate angles are equal but for the noise of a drawing."""
-    if v.degree == 2:
-        return True  # a straight crease of one letter, by Kawasaki and Maekawa
-    a = np.array(v.sector_angles)
-    miss = math.fsum(a[::2]) - math.fsum(a[1::2])
-    a = a - miss / len(a) * (-1.0) ** np.arange(len(a))
-    sectors = tuple((a * (2 * math.pi / a.sum())).tolist())
-    return folds_flat(replace(v, sector_angles=sectors, kawasaki=0.0))

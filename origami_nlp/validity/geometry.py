@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +15,14 @@ from origami_nlp.numerics import NOISE, NONZERO, PLACES
 from origami_nlp.pattern import (
     Frame,
     Pattern,
+    Side,
     drawing_oddities,
     face_oddities,
     fold_vertices,
     frame_pattern,
     listed,
+    side,
+    sides_of,
 )
 from origami_nlp.validity.faults import (
     ANGLES,
@@ -33,26 +36,10 @@ from origami_nlp.validity.faults import (
     Findings,
 )
 
-ODD = ("border", "cuts", "turned over", "in points", "few digits")
+ODD = ("border", "cuts", "turned over", "in points", "few digits", "folding flat", "same two")
 """Words of the notes of a pattern that are about the sheet, not its springs."""
 MOST_SIDES = 40
 """Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
-Side = tuple[int, int]
-
-
-def _side(a: int, b: int) -> Side:
-    return (int(min(a, b)), int(max(a, b)))
-
-
-def _sides(polygon: Sequence[int]) -> Iterator[Side]:
-    """Go through the sides of a polygon, each from the lower number to the higher one."""
-    return (_side(polygon[i - 1], v) for i, v in enumerate(polygon))
-
-
-def _numbers(frame: Frame) -> dict[Side, int]:
-    """Return the number in the file of the edge at each side."""
-    ends = zip(frame.edges.tolist(), frame.numbers.tolist(), strict=True)
-    return {_side(a, b): e for (a, b), e in ends}
 
 
 def _lengths(x: np.ndarray, ends: np.ndarray) -> np.ndarray:
@@ -108,7 +95,7 @@ def is_same_sheet(folded: Frame, flat: Frame) -> bool:
     """Return whether two frames number vertices, edges and faces alike."""
     faces = {frozenset(face) for face in flat.faces}
     alike = not faces or faces == {frozenset(face) for face in folded.faces}
-    same = _numbers(folded).keys() == _numbers(flat).keys()
+    same = folded.edge_of.keys() == flat.edge_of.keys()
     return len(folded.coords) == len(flat.coords) and same and alike
 
 
@@ -140,7 +127,7 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
             much = f"{_percent(by, was[k])} {'longer' if by > 0 else 'shorter'}"
             text = f"edge {e} is {much} than in the crease pattern"
             f.fault(LENGTHS, text, abs(by), vertices=ends[k].tolist(), edges=[e])
-        _sheared(f, flat, most, {_side(*ends[k]) for k in wrong.tolist()})
+        _sheared(f, flat, most, {side(*e) for e in ends[wrong].tolist()})
     faults = f.of(LENGTHS)
     moved = moved_vertices(faults)
     at = ""
@@ -152,17 +139,17 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
 
 def _check_cuts(f: Findings, flat: Frame) -> None:
     """Check that paper is cut where the crease pattern is: by edges B or C with faces on both sides."""
-    name, number = "cuts as in the crease pattern", _numbers(f.frame)
-    sides = Counter(side for face in f.frame.faces for side in _sides(face))
+    name, sides = "cuts as in the crease pattern", sides_of(f.frame.faces)
     one, other = (
-        {_side(*ab) for ab, a in zip(x.edges.tolist(), x.assignment, strict=True) if a in "BC"}
+        {side(*ab) for ab, a in zip(x.edges.tolist(), x.assignment, strict=True) if a in "BC"}
         for x in (f.frame, flat)
     )
     for s in sorted(one ^ other):
-        if sides[s] > 1:
+        if len(sides.get(s, ())) > 1:
+            edge = int(f.frame.numbers[f.frame.edge_of[s]])
             here, there = ("a cut" if s in one else "no cut"), ("one" if s in other else "none")
-            text = f"edge {number[s]} is {here}, in the crease pattern it is {there}"
-            f.fault(name, text, vertices=s, edges=[number[s]])
+            text = f"edge {edge} is {here}, in the crease pattern it is {there}"
+            f.fault(name, text, vertices=s, edges=[edge])
     if f.of(name):
         f.settle(name)
 
@@ -180,8 +167,10 @@ def moved_vertices(faults: Sequence[Fault]) -> list[int]:
 
 def _sheared(f: Findings, flat: Frame, most: float, stretched: set[Side]) -> None:
     """Record faces whose sides are right and whose diagonals are not."""
+    sides = sides_of(f.frame.faces)
+    out = {k for s in stretched for k in sides.get(s, ())}
     for k, face in enumerate(f.frame.faces):
-        if stretched & {*_sides(face)}:
+        if k in out:
             continue
         few = len(face) <= MOST_SIDES
         pairs = itertools.combinations(face, 2) if few else zip(face, face[2:], strict=False)
@@ -287,14 +276,12 @@ def is_coarse(phi: np.ndarray) -> bool:
 def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
     """Return by how much each measured fold angle may be off [rad]: places over the widths of the facets."""
     widths = np.full(p.creases, np.inf)
-    at = {_side(*ends): c for c, ends in enumerate(p.ends.tolist())}
-    for q in p.polygons:
-        x = p.corners[list(q)]
-        for side in _sides(q):
-            if (c := at.get(side)) is not None:
-                out = x - p.corners[side[0]]
-                out = out - np.outer(out @ p.directions[c], p.directions[c])
-                widths[c] = min(widths[c], float(np.linalg.norm(out, axis=1).max()))
+    sides = sides_of(p.polygons)
+    for c, ends in enumerate(p.ends.tolist()):
+        for k in sides[side(*ends)]:
+            out = p.corners[list(p.polygons[k])] - p.corners[ends[0]]
+            out = out - np.outer(out @ p.directions[c], p.directions[c])
+            widths[c] = min(widths[c], float(np.linalg.norm(out, axis=1).max()))
     digits = math.radians(MILLI) if is_coarse(p.file_angles) else PLACES
     return 4 * f.lengths() / np.maximum(widths, NONZERO) + digits
 
@@ -302,18 +289,14 @@ def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
 def _flat_edges(f: Findings, p: Pattern) -> None:
     """Record sides within a facet at which its pieces of paper are at an angle."""
     normals = [_normal(p.corners[list(q)]) for q in p.polygons]
-    sides: dict[Side, list[int]] = {}
-    for k, q in enumerate(p.polygons):
-        for side in _sides(q):
-            sides.setdefault(side, []).append(k)
-    number, creases = _numbers(f.frame), {_side(*ends) for ends in p.ends.tolist()}
-    for s, faces in sides.items():
+    creases, known = {side(*ends) for ends in p.ends.tolist()}, f.frame.edge_of
+    for s, faces in sides_of(p.polygons).items():
         if len(faces) != 2 or s in creases:
             continue
         one, other = (normals[k] for k in faces)
         angle = math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
         if angle > NOISE + 4 * f.lengths() / f.size:
-            edges = [number[s]] if s in number else []
+            edges = [int(f.frame.numbers[known[s]])] if s in known else []
             what = f"edge {edges[0]}" if edges else f"the side {s[0]}-{s[1]} of two faces"
             folded = f"is folded by {math.degrees(angle):.6g} degrees: facets are rigid"
             text = f"{what} is no crease (F, J or none) and {folded}"

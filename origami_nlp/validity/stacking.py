@@ -10,16 +10,13 @@ import numpy as np
 from origami_nlp.numerics import INSIDE
 from origami_nlp.pattern_problem import (
     TRANSITIVE,
-    Layers,
     Orders,
     PatternProblem,
     Stack,
-    Unclear,
     conflict,
-    pose_stack,
 )
 from origami_nlp.validity.closing import face_words
-from origami_nlp.validity.counting import UNCLEAR, count_stack
+from origami_nlp.validity.counting import Counted, count_posed, posed_orders
 from origami_nlp.validity.faults import MILLI, Findings
 
 STATED = "faceOrders agree with each other"
@@ -34,15 +31,12 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
     """Check the order of layers of a state in which no faces pass through each other."""
     stated = problem.pattern.orders
     near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, MILLI))
-    stack = Stack(problem.crossings, phi, near=near)
+    stack, orders = posed_orders(problem, phi, near)
+    if stack is None or (isinstance(orders, Counted) and not orders.decided):
+        f.skip(EXISTS, count_posed(orders).reason, undecided=True)
+        return
     if not len(stack.pairs):
         f.settle(EXISTS, "no faces lie on each other")
-        return
-    try:
-        posed = pose_stack(stack)
-        orders = None if isinstance(posed, Layers) else posed[0]
-    except Unclear:
-        f.skip(EXISTS, UNCLEAR, undecided=True)
         return
     if not stated:
         f.skip(WHOLE, f"the file states none; {len(stack.pairs):,} pairs of layers")
@@ -50,13 +44,13 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
         for name in (WHOLE, EXISTS):
             f.skip(name, "the orders that are stated are not those of paper")
         return
-    elif orders is not None:
+    elif isinstance(orders, Orders):
         _check_whole(f, stack, orders)
-    _check_exists(f, stack, stated)
+    _check_exists(f, stack, count_posed(orders), bool(stated))
 
 
 def _check_stated(
-    f: Findings, stack: Stack, orders: Orders | None, stated: Sequence[Order]
+    f: Findings, stack: Stack, orders: Orders | Counted, stated: Sequence[Order]
 ) -> bool:
     """Check what the file states of each pair, against itself, the creases and the rules of paper; whether it holds."""
     shown = dict(zip(stated, f.frame.face_orders, strict=True))
@@ -82,7 +76,7 @@ def _check_stated(
             f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=place)
     f.settle(CREASES, f"{len(known)} creases folded flat")
     _check_rules(f, stack, values)
-    if orders is not None and not any(map(f.of, (STATED, CREASES, RULES))):
+    if isinstance(orders, Orders) and not any(map(f.of, (STATED, CREASES, RULES))):
         core, _ = conflict(stack, orders, stated)
         if core:
             words = " and ".join(str([*shown[one]]) for one in core)
@@ -149,9 +143,8 @@ def _check_whole(f: Findings, stack: Stack, orders: Orders) -> None:
     f.settle(WHOLE, f"of {len(stack.pairs):,} pairs of layers")
 
 
-def _check_exists(f: Findings, stack: Stack, stated: Sequence[Order]) -> None:
+def _check_exists(f: Findings, stack: Stack, found: Counted, stated: bool) -> None:
     """Check that the layers have an order (with what is stated)."""
-    found = count_stack(stack, stated=stated)
     for part in (part for part, many, whole in found.parts if whole and not many):
         which = sorted({*stack.crossings.polygon[stack.pairs[list(part)]].ravel().tolist()})
         words = face_words(f, stack.crossings.pattern, *which[:6]) if part else "the faces"

@@ -9,9 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from origami_nlp.io import pick, printable, to_plain
+from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 from origami_nlp.validity.flat_fold import explained, folds_flat
 
@@ -84,9 +88,10 @@ def list_vertices(frame: Frame) -> VertexList:
     found, notes = fold_vertices(frame)
     off = [v.kawasaki or 0.0 for v in found if explained(v)]
     if off:
+        known = max(frame.error or frame.unit, NOISE * float(np.ptp(frame.coords, axis=0).max()))
         notes += (
             f"{len(off)} vertices miss Kawasaki's condition by up to {math.degrees(max(off)):.2g} degrees, no more "
-            f"than coordinates known to {frame.error or frame.unit:.2g} leave open: judged as the nearest that meet it",
+            f"than coordinates known to {known:.2g} leave open: judged as the nearest that meet it",
         )
     return VertexList(frame, found, tuple(map(folds_flat, found)), (*frame.notes, *notes))
 
@@ -120,7 +125,9 @@ def print_vertices(lists: Sequence[VertexList], console: Console) -> None:
     for one in lists:
         frame = one.frame
         kind = "folded form" if frame.folded else "crease pattern"
-        title = f"frame {frame.number} ({kind}){': ' + frame.title if frame.title else ''}"
+        name = Path(frame.source).name or "frame 0"
+        name += f", frame {frame.number}" * bool(frame.number)
+        title = f"{name} ({kind}){': ' + frame.title if frame.title else ''}"
         many = len(one.vertices)
         title += f": {many} interior {'vertex' if many == 1 else 'vertices'} with creases"
         rows = [HEADS, *map(_row, one.vertices, one.flat)]

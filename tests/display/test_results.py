@@ -141,6 +141,15 @@ def test_pictures(kind, tmp_path):
     figure = found.draw(path)
     assert isinstance(figure, Figure) and figure.axes
     assert path.read_bytes().startswith(b"\x89PNG")
+    assert figure._repr_png_().startswith(b"\x89PNG")  # what a notebook shows
+
+
+def test_tables_are_written_and_json_under_no_other_name(tmp_path):
+    found = results()["MinimaResult"]
+    text = found.to_csv(tmp_path / "states.csv")
+    assert (tmp_path / "states.csv").read_bytes().decode() == text
+    with pytest.raises(o.OrigamiError, match=r"to_csv\(path\) writes tables"):
+        found.save(tmp_path / "again.csv")
 
 
 @by_kind

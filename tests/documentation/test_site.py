@@ -75,3 +75,16 @@ def test_every_picture_is_made_by_the_one_command_and_stands_on_a_page():
     assert made == set(PICTURES) and set(SLOW) < set(PICTURES)
     text = "\n".join(page.read_text() for page in markdown())
     assert [str(file) for file in files if f"figures/{file.as_posix()}" not in text] == []
+
+
+WORDS = (
+    *("disconnectivity", "bistable", "Kresling", "Yoshimura", "hysteresis", "snap-through"),
+    *("pathway", "transition graph", "self-stress", "tessellation", "actuated", "MERLIN"),
+)
+"""Of the field: what a reader types into the search of the site."""
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_words_of_the_field_are_on_a_page_for_users(word):
+    pages = [p for p in markdown() if not {"validation", "reference"} & {*p.parts, p.stem}]
+    assert any(word.lower() in p.read_text().lower() for p in pages)

@@ -60,7 +60,8 @@ BESIDE_THE_TABLE = {
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
-        cli/source.DRAWN drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg.STRAIGHT
+        pattern/coordinate_repair.DRAWN pattern/coordinate_repair.SHARES
+        drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg.STRAIGHT
         pattern/pattern_file.LARGEST_SNAP
     """,
     "definitions of the source paper": """

@@ -15,6 +15,7 @@ from origami_nlp.pattern import (
     read_fold,
     scene_at,
 )
+from origami_nlp.pattern.polygons import rings
 from origami_nlp.pattern_problem import states_to_fold
 from tests.fold_files import closed_state, disc, folded, in_space, miura, others
 from tests.independent.rotations import fold
@@ -134,6 +135,13 @@ def test_borders_drawn_as_folds():
     found, notes = fold_vertices(frame(data))
     assert len(found) == 1 and found[0].degree == 4
     assert "edges 4, 5, 6, 7" in notes[0] and "border" in notes[0]
+
+
+def test_a_face_that_comes_to_a_corner_twice_leads_round_no_vertex():
+    faces = [[0, 1, 2, 3], [1, 4, 5, 2], [3, 2, 3, 7], [2, 5, 8, 6]]
+    assert not any(ring[0][0] in (2, 3) for ring in rings(faces))
+    faces[2] = [3, 2, 6, 7]
+    assert [ring[0][0] for ring in rings(faces)] == [2]
 
 
 def test_reflex_facets_and_few_creases_are_refused_in_words():

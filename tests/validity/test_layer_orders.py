@@ -141,3 +141,13 @@ def test_answers_are_counted_by_parts_as_one_by_one(seed):
 def test_layers_is_a_command():
     result = CliRunner().invoke(app, ["check", "miura:3x3", "--orders", "-o", "-"])
     assert json.loads(result.stdout)["pairs"] == 36
+
+
+@pytest.mark.parametrize("most", ["MOST_LAYERS", "MOST_PIECES"])
+def test_more_than_fits_into_memory_is_not_decided(monkeypatch, most):
+    monkeypatch.setattr(f"origami_nlp.validity.counting.{most}", 5)
+    flat = o.examples.crease_pattern("miura", 3, 3)
+    del flat["edges_foldAngle"]
+    assert o.check(flat).verdict == "not decided"
+    found = o.layer_orders("miura:3x3")
+    assert not found.decided and "more than 5 are not ordered" in found.reason
