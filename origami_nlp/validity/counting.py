@@ -14,11 +14,11 @@ import numpy as np
 from origami_nlp.arguments import check_angles, check_whole
 from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import Orders
 from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import (
     Layers,
+    Orders,
     PatternProblem,
     Stack,
     Unclear,

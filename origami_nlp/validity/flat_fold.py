@@ -52,10 +52,10 @@ def folds_flat(v: FoldVertex) -> bool | None:
         return False
     if explained(v):
         return _within_error(v)
-    if v.kawasaki > 100 * NOISE:
+    if v.kawasaki >= NOISE / 2:
         return False
     total = math.fsum(v.sector_angles)
-    if v.kawasaki < NOISE / 2 and abs(total - 2 * math.pi) < NOISE / 2:
+    if abs(total - 2 * math.pi) < NOISE / 2:
         answer = crimped(v.sector_angles, v.assignment)
         if answer is not None:
             return answer
