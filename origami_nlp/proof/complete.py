@@ -15,10 +15,9 @@ from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.options import ProofOptions
 from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
 from origami_nlp.proof.reduced import ReducedVertex
-from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
+from origami_nlp.proof.result import Cluster, Proof, ProofOptions, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
     certify,

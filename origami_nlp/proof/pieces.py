@@ -35,8 +35,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import quaternion
-from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import CollinearPair, ReducedVertex, collinear_creases, twins_asked
 from origami_nlp.proof.rows import (
     CREASE,
     SECTORS,
