@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -372,6 +373,7 @@ def expansion(column: Quadratic, rows: Quadratic, which: np.ndarray, of: np.ndar
     return out
 
 
+@lru_cache(maxsize=8)
 def piece_of(vertex: ReducedVertex) -> Piece:
     """Return the piece of a vertex whose rows are searched.
 
