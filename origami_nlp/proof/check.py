@@ -130,6 +130,10 @@ def _of_vertex(said: Certificate, scene: Scene) -> _Found:
     wider = np.where(beside, 0.0, BESIDE)[:, None]
     left_open, found = np.stack([low - wider, high + wider], axis=1), _Found([], "", [], "balls")
     boxes = 0
+    if scene.is_symmetric:
+        near = np.full((1, 2, scene.degree), BESIDE) * [[[-1], [1]]]
+        left_open = np.concatenate([left_open, near])
+        found.open.append(f"within {BESIDE:g} rad of the flat state the check does not look")
     for winding in scene.windings:
         search = VertexSearch(scene, winding, left_open, BOXES - boxes)
         boxes += search.boxes

@@ -14,8 +14,8 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
-from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
+from origami_nlp.proof.flat import RADII, Flat, FlatVertex, flat_lemma
+from origami_nlp.proof.pieces import Piece, piece_of
 from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.result import Cluster, Proof, ProofOptions, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
@@ -172,8 +172,8 @@ def pose(vertex: ReducedVertex) -> tuple[Piece, Flat]:
     if why := why_not(vertex):
         raise OptionError(why)
     piece = piece_of(vertex)
-    if vertex.scene.group.is_trivial and isinstance(piece, VertexPiece):
-        return piece, _within_stops(flat_lemma(piece), vertex)
+    if vertex.winding == 1:
+        return piece, _within_stops(flat_lemma(FlatVertex(vertex)), vertex)
     return piece, Flat(0.0, 0, None)
 
 
