@@ -2,7 +2,8 @@
 
 Here phi = r u, |u|_inf = 1, 0 < r <= r0, one u for creases that are images.  Derivatives in r of order p of q =
 prod exp(r u_i b_i / 2) are at most (sum |u_i| / 2)^p, those of the axes c_i = R_{i-1} b_i at most s_i^p, s_i =
-sum_{j<i} |u_j|.  Reflection in the sheet sends phi to -phi: q_x, q_y and the z of axes are odd in r, q_z and the x, y of axes even.  With sum |u_i| <= N
+sum_{j<i} |u_j|.  Reflection in the sheet sends phi to -phi: q_x, q_y and the z of axes are odd in r, q_z and the x, y
+of axes even.  With sum |u_i| <= N
 and (b_j x b_i) = (b_j x b_i)_z e_z:
 
     closure, x and y:  sum_i u_i b_i = 0  +- r^2 N^3 / 24    (q_x / (r / 2); the next order is (r N / 2)^3 / 6)

@@ -72,12 +72,15 @@ class Cluster:
         As of a `ProvedCriticalPoint`.
     reason
         Why, in words.
+    alone
+        Whether it holds one critical point at most.
     """
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     stratum: tuple[int, ...]
     reason: str
+    alone: bool = False
 
 
 @dataclass(frozen=True)
