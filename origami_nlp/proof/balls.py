@@ -143,17 +143,15 @@ class BallPeriod:
                 bends[v][v][a] -= 0.25 * share * share * t[part] * exact
             for j in range(i + 1, len(axes)):
                 w, other, _ = self.folds[j]
-                ahead, weight = i < half, 0.25 * share * other
                 if exact:
-                    both = _times(axes[i], moved[j]) if ahead else _times(moved[i], axes[j])
-                    for a, part in enumerate(parts):
-                        bends[v][w][a] += weight * both[part]
-                        bends[w][v][a] += weight * both[part]
-                elif ahead == (j < half):
-                    both = _times(axes[i], axes[j])
-                    row = bends[w][v] if ahead else bends[v][w]
-                    for a, part in enumerate(parts):
-                        row[a] += 2 * weight * both[part]
+                    both = _times(axes[i], moved[j]) if i < half else _times(moved[i], axes[j])
+                    places = [(v, w), (w, v)]
+                elif (i < half) == (j < half):
+                    both, places = _times(axes[i], axes[j]), [(w, v) if i < half else (v, w)]
+                else:
+                    continue
+                for (x1, x2), (a, part) in itertools.product(places, enumerate(parts)):
+                    bends[x1][x2][a] += 0.5 / len(places) * share * other * both[part]
         f = [t[part] - self.level for part in parts]
         return BallLook(f, first, rows, bends, parts == (0,) or not t[0] < 0)
 

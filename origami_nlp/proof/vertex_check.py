@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,10 +27,8 @@ BITS = 80
 """Of balls."""
 CUT = 0.487
 """Where boxes are cut: not in the middle, where states of a symmetry are."""
-NARROW = 1e-8
-"""Width of boxes that are not cut further [rad]."""
-SETTLED = 1e-10
-"""Width of boxes of one critical point in which it is decided what it is [rad]."""
+NARROW = 1e-9
+"""Width of boxes that are not cut further, in which it is decided what is there [rad]."""
 BESIDE = 1e-3
 """Nearer to what a proof leaves open it is not looked [rad]."""
 WIDER = 1e-9
@@ -58,14 +57,6 @@ class _Box(NamedTuple):
         """Of free variables, 0 for others."""
         both = zip(self.pins, self.low, self.high, strict=True)
         return [0.0 if p else b - a for p, a, b in both]
-
-
-class _Critical(NamedTuple):
-    """Multipliers, k - m . f'' of free variables, and whether a critical point that is there is a minimum."""
-
-    m: list[Any]
-    bent: list[list[Any]]
-    least: bool
 
 
 class _Gone(Exception):
@@ -98,8 +89,7 @@ class VertexSearch:
         self.minima: list[np.ndarray] = []
         self.rest: list[np.ndarray] = []
         self.boxes, self.flat = 0, -1.0
-        before, ctx.prec = ctx.prec, BITS
-        try:
+        with ctx.workprec(BITS):
             self.period = BallPeriod(scene, winding)
             own = [self.period.of_crease.index(v) for v in range(len(self.period.rest))]
             self.left_open = left_open[:, :, own]
@@ -110,38 +100,41 @@ class VertexSearch:
             self._run(most)
             inside = all(low <= 0 <= high for low, high in self.period.limits)
             if self.flat > 0 and inside and not _falls(self.period):
-                self._decide(flat)
-        finally:
-            ctx.prec = before
+                self.rest.append(np.zeros((2, scene.degree)))
 
     def _run(self, most: int) -> None:
-        limits = self.period.limits
-        front = []
+        limits, front = self.period.limits, []
         for pins in itertools.product((0, 1, -1), repeat=len(limits)):
-            both = [*zip(pins, limits, strict=True)]
-            low = [b if p > 0 else a if p else math.nextafter(a, -4) for p, (a, b) in both]
-            high = [a if p < 0 else b if p else math.nextafter(b, 4) for p, (a, b) in both]
-            front.append(_Box(pins, low, high))
+            ends = [
+                (math.nextafter(a, -4), math.nextafter(b, 4))
+                if not p
+                else (b, b)
+                if p > 0
+                else (a, a)
+                for p, (a, b) in zip(pins, limits, strict=True)
+            ]
+            front.append(_Box(pins, [a for a, _ in ends], [b for _, b in ends]))
         while front:
             box = front.pop()
             self.boxes += 1
-            try:
-                after = self._contracted(box)
-            except _Gone:
-                continue
-            if self._is_left_open(after):
-                continue
-            widest = max(after.widths)
-            pairs = zip(after.widths, box.widths, strict=True)
-            if self.boxes >= most or widest < (SETTLED if after.single else NARROW):
-                self._decide(after)
-            elif math.prod(a / b for a, b in pairs if b) < 0.5:
-                front.append(after)
-            else:
-                v = after.widths.index(widest)
-                at = after.low[v] + CUT * widest
-                low, high = ([*ends[:v], at, *ends[v + 1 :]] for ends in (after.low, after.high))
-                front += [_Box(box.pins, after.low, high), _Box(box.pins, low, after.high)]
+            with suppress(_Gone):
+                front += self._parts(box, self._contracted(box), most)
+
+    def _parts(self, box: _Box, after: _Box, most: int) -> list[_Box]:
+        """Return what is to be looked at further of a box that was contracted."""
+        if self._is_left_open(after):
+            return []
+        widest = max(after.widths)
+        pairs = zip(after.widths, box.widths, strict=True)
+        if self.boxes >= most or widest < NARROW:
+            self._decide(after)
+            return []
+        if math.prod(a / b for a, b in pairs if b) < 0.5:
+            return [after]
+        v = after.widths.index(widest)
+        at = after.low[v] + CUT * widest
+        low, high = ([*ends[:v], at, *ends[v + 1 :]] for ends in (after.low, after.high))
+        return [_Box(box.pins, after.low, high), _Box(box.pins, low, after.high)]
 
     def _ball(self, box: _Box) -> list[Any]:
         """Return balls round a box, a little wider: else none is within what is narrowed."""
@@ -177,18 +170,24 @@ class VertexSearch:
         known = self._critical(box, x, over)
         if known is None:
             return _narrower(box, x, _zeros(at.f, lean, away))
-        m = [a.mid() for a in known.m]
+        over_m, bent, _ = known
+        m = [a.mid() for a in over_m]
         slope = [self.period.torque(v, middle[v]) - dot(m, at.rows[v]) for v in free]
-        both = zip(free, known.bent, strict=True)
+        both = zip(free, bent, strict=True)
         matrix = [[*row, *(-a for a in over.rows[v])] for v, row in both]
         matrix += [[*row, *[arb(0)] * len(m)] for row in lean]
-        every = away + [a - b for a, b in zip(known.m, m, strict=True)]
+        every = away + [a - b for a, b in zip(over_m, m, strict=True)]
         moved = _zeros([*slope, *at.f], matrix, every)
         single = all(a.contains_interior(b) for a, b in zip(every, moved, strict=True))
         return _narrower(box, x, moved)._replace(single=box.single or single)
 
-    def _critical(self, box: _Box, x: Sequence[Any], over: BallLook) -> _Critical | None:
-        """Return what a critical point in a box is like; None where closure may lose rank."""
+    def _critical(
+        self, box: _Box, x: Sequence[Any], over: BallLook
+    ) -> tuple[list[Any], list[list[Any]], bool] | None:
+        """Return what a critical point is like in a box; None where closure may lose rank.
+
+        Multipliers, k - m . f'' of free variables, and whether it is a minimum for certain.
+        """
         period, free = self.period, box.free
         if len(free) < len(over.f):
             return None
@@ -219,7 +218,7 @@ class VertexSearch:
                 raise _Gone
         corners = [arb_mat([r[:k] for r in reduced.tolist()[:k]]) for k in range(1, len(move) + 1)]
         least = all(a < 0 for a in leaves) and all(c.det() > 0 for c in corners)
-        return _Critical(m, bent, least)
+        return m, bent, least
 
     def _ask_twins(self, box: _Box) -> None:
         """Creases on one line: to turn both at once leaves everything else, so their torques are equal."""
@@ -260,11 +259,8 @@ class VertexSearch:
         """Note a minimum, or that something is left."""
         of_crease = self.period.of_crease
         x = self._ball(box)
-        try:
-            known = self._critical(box, x, self.period.look(x))
-        except _Gone:
-            return
-        if box.single and known is not None and known.least:
+        known = self._critical(box, x, self.period.look(x))
+        if box.single and known is not None and known[2]:
             state = np.array([float(x[v].mid()) for v in of_crease])
             if not any(np.abs(state - y).max() < 2 * NARROW for y in self.minima):
                 self.minima.append(state)
@@ -304,11 +300,10 @@ def _is_closed_and_critical(period: BallPeriod, u: Sequence[Any], t: Any) -> boo
     f = [dot([row[a] for row in over.first], u) for a in (0, 1)]
     rows = arb_mat([[*row[:2], z] for row, z in zip(over.first, tilt, strict=True)])
     torque = [[period.torque(v, t * a)] for v, a in enumerate(u)]
-    try:
+    with suppress(_Gone):
         _solved(rows, arb_mat(torque))
-    except _Gone:
-        return False
-    return all(a.contains(0) for a in (*f, dot(tilt, u)))
+        return all(a.contains(0) for a in (*f, dot(tilt, u)))
+    return False
 
 
 def _falls(period: BallPeriod) -> bool:

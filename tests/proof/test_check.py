@@ -203,8 +203,8 @@ LOAD = {"force": (0.0, 0.0, 0.1), "facet": 2, "point": (0.5, 0.5)}
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        *(("generic", c) for c in {**SPRINGS, **ASKED}.values()),
-        *(("stops", c) for c in CHANGED.values()),
+        *(("stops", c) for c in {**CHANGED, **SPRINGS, **ASKED}.values()),
+        ("generic", CHANGED["first missing"]),
         *(("D4, two windings", lambda c, i=i: without(c, i)) for i in range(4)),
         ("C3, two windings", lambda c: without(c, 0)),
         ("C3, two windings", lambda c: replace(c, undecided=())),
