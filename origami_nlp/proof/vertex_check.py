@@ -54,9 +54,8 @@ class _Box(NamedTuple):
 
     @property
     def widths(self) -> list[float]:
-        """Of free variables, 0 for others."""
-        both = zip(self.pins, self.low, self.high, strict=True)
-        return [0.0 if p else b - a for p, a, b in both]
+        """Of variables, 0 for those at limits."""
+        return [b - a for a, b in zip(self.low, self.high, strict=True)]
 
 
 class _Gone(Exception):
@@ -105,15 +104,9 @@ class VertexSearch:
     def _run(self, most: int) -> None:
         limits, front = self.period.limits, []
         for pins in itertools.product((0, 1, -1), repeat=len(limits)):
-            ends = [
-                (math.nextafter(a, -4), math.nextafter(b, 4))
-                if not p
-                else (b, b)
-                if p > 0
-                else (a, a)
-                for p, (a, b) in zip(pins, limits, strict=True)
-            ]
-            front.append(_Box(pins, [a for a, _ in ends], [b for _, b in ends]))
+            both = [*zip(pins, limits, strict=True)]
+            low = [b if p > 0 else a for p, (a, b) in both]
+            front.append(_Box(pins, low, [a if p < 0 else b for p, (a, b) in both]))
         while front:
             box = front.pop()
             self.boxes += 1
@@ -124,15 +117,14 @@ class VertexSearch:
         """Return what is to be looked at further of a box that was contracted."""
         if self._is_left_open(after):
             return []
-        widest = max(after.widths)
-        pairs = zip(after.widths, box.widths, strict=True)
-        if self.boxes >= most or widest < NARROW:
+        widths = after.widths
+        if self.boxes >= most or max(widths) < NARROW:
             self._decide(after)
             return []
-        if math.prod(a / b for a, b in pairs if b) < 0.5:
+        if math.prod(a / b for a, b in zip(widths, box.widths, strict=True) if b) < 0.5:
             return [after]
-        v = after.widths.index(widest)
-        at = after.low[v] + CUT * widest
+        v = widths.index(max(widths))
+        at = after.low[v] + CUT * widths[v]
         low, high = ([*ends[:v], at, *ends[v + 1 :]] for ends in (after.low, after.high))
         return [_Box(box.pins, after.low, high), _Box(box.pins, low, after.high)]
 
@@ -145,10 +137,9 @@ class VertexSearch:
         ]
 
     def _is_left_open(self, box: _Box) -> bool:
+        near = not any(box.pins) and max(*box.high, *(-a for a in box.low)) <= self.flat
         low, high = self.left_open[:, 0], self.left_open[:, 1]
-        if not any(box.pins) and max(*box.high, *(-a for a in box.low)) <= self.flat:
-            return True
-        return bool(((low <= box.low) & (box.high <= high)).all(axis=1).any())
+        return near or bool(((low <= box.low) & (box.high <= high)).all(axis=1).any())
 
     def _contracted(self, box: _Box) -> _Box:
         """Return what is left of a box."""
@@ -173,8 +164,7 @@ class VertexSearch:
         over_m, bent, _ = known
         m = [a.mid() for a in over_m]
         slope = [self.period.torque(v, middle[v]) - dot(m, at.rows[v]) for v in free]
-        both = zip(free, bent, strict=True)
-        matrix = [[*row, *(-a for a in over.rows[v])] for v, row in both]
+        matrix = [[*bent[i], *(-a for a in over.rows[v])] for i, v in enumerate(free)]
         matrix += [[*row, *[arb(0)] * len(m)] for row in lean]
         every = away + [a - b for a, b in zip(over_m, m, strict=True)]
         moved = _zeros([*slope, *at.f], matrix, every)
@@ -352,8 +342,7 @@ def _zeros(f: Sequence[Any], slopes: Sequence[Sequence[Any]], away: Sequence[Any
     if not away:
         return []
     matrix, n = arb_mat([*map(list, slopes)]), len(away)
-    y = np.linalg.pinv(_doubles(matrix))
-    inverse = arb_mat(y.tolist())
+    inverse = arb_mat(np.linalg.pinv(_doubles(matrix)).tolist())
     one = arb_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     rest = (one - inverse * matrix) * arb_mat([[a] for a in away])
     return list((rest - inverse * arb_mat([[a] for a in f])).entries())

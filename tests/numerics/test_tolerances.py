@@ -97,7 +97,7 @@ BESIDE_THE_TABLE = {
         proof/boxes.SMALLEST proof/complete.SMALLER
         proof/sheet_check.START proof/sheet_check.NEAR proof/sheet_check.CLOSED
         proof/sheet_check.LEAST proof/sheet_check.BEFORE proof/check.NEAR proof/balls.ONE_LINE
-        proof/vertex_check.NARROW proof/vertex_check.SETTLED proof/vertex_check.BESIDE
+        proof/vertex_check.NARROW proof/vertex_check.BESIDE
         proof/vertex_check.WIDER proof/vertex_check.NEAR_FLAT
         proof/quads.ALIKE proof/quads.WIDEST
     """,
