@@ -234,8 +234,9 @@ class VertexSearch:
             cosine = (cosines - dot(end.unit, (x, y))) / sines
             if cosine > 1 or cosine < -1:
                 raise _Gone
-            least = float(cosine.upper().acos().lower()) if cosine < 1 else 0.0
-            most = float(cosine.lower().acos().upper()) if cosine > -1 else math.inf
+            # to the doubles beyond
+            least = math.nextafter(cosine.upper().acos().lower(), -1) if cosine < 1 else 0.0
+            most = math.nextafter(cosine.lower().acos().upper(), 9) if cosine > -1 else math.inf
             if not box.pins[v]:
                 low[v], high[v] = max(low[v], -most), min(high[v], most)
                 low[v] = max(low[v], least) if low[v] > -least else low[v]
