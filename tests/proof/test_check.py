@@ -21,6 +21,7 @@ from origami_nlp.proof import (
 from origami_nlp.proof.certificate import OpenRegion
 from tests.command_line import run
 from tests.computed_once import shared
+from tests.pattern_states.test_completeness import generic
 from tests.proof.test_certificate import SCENE
 from tests.proof.test_products import sprung
 from tests.proof.test_quads import half_turns, quads
@@ -143,6 +144,15 @@ def test_lists_of_degree_five_and_of_panels_are_found_again(scene):
     one = certify(scene, 100_000)
     found = check_proof(one)
     assert one.minima and not found.refused and found.minima == len(one.minima)
+
+
+@pytest.mark.parametrize(
+    "seed", [pytest.param(s, marks=[] if s < 2 else pytest.mark.slow) for s in range(20)]
+)
+def test_lists_of_random_vertices_are_found_again(seed):
+    one = certify(generic(seed, 4), 50_000)
+    found = check_proof(one)
+    assert not found.refused and found.minima == len(one.minima)
 
 
 def without(one, i):
