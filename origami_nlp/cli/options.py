@@ -132,7 +132,7 @@ PROVE = _option(
     "Prove that no minimum is missing, in at most SECONDS (0: never; default: where it is cheap).",
     "--prove",
 )
-CERTIFICATE = _option(WRITES, "Write the proof (of a sheet, for check-proof).")
+CERTIFICATE = _option(WRITES, "Write the proof, for check-proof.")
 WORKERS = _option("N", "Processes (default: one a processor); the result does not depend on them.")
 DASK = _option("ADDRESS", "Run on an existing Dask cluster (extra sweep).")
 SIZE, PHASE_SIZE = _grid(401), _grid(200)

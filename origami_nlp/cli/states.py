@@ -99,7 +99,7 @@ def minima(
 
 @writes("json")
 def check_proof(out: Output, proof: str = o.PROOF) -> int:
-    """Check the proof of a list of minima of a sheet: a second program, with shared lemmas, finds the list again.
+    """Check the proof of a list of minima: a second program, with shared lemmas, finds the list again.
 
     Exit code 1 if a state is not found again, or another one is: the first one is named.
     """

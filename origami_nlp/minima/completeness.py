@@ -101,7 +101,7 @@ class Completeness(ShortRepr):
         Where minima may be that are not listed.
     singular
         States at which the creases lose rank, flat foldings above all, each judged by its cone of directions;
-        `Open.isolated` where one is shown to stand alone (the flat state).
+        `Open.isolated` where one is shown to stand alone.
     added
         Minima that the search had not found.
     over

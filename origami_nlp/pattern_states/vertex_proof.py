@@ -182,6 +182,8 @@ MOST_JUDGED = 20
 """Of regions that a proof leaves open: in so many it is asked whether there is a minimum that the search lacks.  There
 are hundreds where whole sets of states are level."""
 
+ONE_STATE = "no other critical point is there, judged by its cone"
+"""What is shown of a singular state whose place holds one state at most."""
 MOST_SINGULAR = 100
 """Of singular states that are judged where a proof has failed for other reasons, those of least energy: along creases
 that are one line there are hundreds."""
@@ -370,7 +372,8 @@ def _judged(known: KnownStates, cluster: Cluster) -> Open:
         state = known.polished(middle)
         if state is not None and _within(vertex.problem.reduce(state.phi), lower, upper):
             verdicts = {state.verdict}
-    return _region(vertex, lower, upper, cluster.reason, ", ".join(sorted(verdicts)))
+    alone = ONE_STATE if cluster.alone and len(verdicts) == 1 else ""
+    return _region(vertex, lower, upper, cluster.reason, ", ".join(sorted(verdicts)), alone)
 
 
 def _region(

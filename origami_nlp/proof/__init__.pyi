@@ -9,9 +9,13 @@ from .certificate import (
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose, prove as prove, why_not as why_not
 from .flat import Flat as Flat, flat_lemma as flat_lemma
-from .options import ProofOptions as ProofOptions
 from .reduced import ReducedVertex as ReducedVertex
-from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
+from .result import (
+    Cluster as Cluster,
+    Proof as Proof,
+    ProofOptions as ProofOptions,
+    ProvedCriticalPoint as ProvedCriticalPoint,
+)
 from .sheet_proof import (
     SheetProof as SheetProof,
     as_sheet as as_sheet,

@@ -28,6 +28,8 @@ from origami_nlp.proof.rows import TINY, UNIT, Affine, variables
 
 BATCH = 2_000
 """Boxes that are treated together."""
+FEW = 100
+"""Boxes up to which a batch costs the same: they are cut twice at once."""
 SMALLEST = 1e-5
 """Width [rad] of boxes that are candidates for roots or singular states: all narrower ones are."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -197,7 +199,10 @@ def _shrunk(posed: BoxProblem, batch: Boxes, small: float) -> tuple[Boxes, Boxes
     cut = ~empty & (np.where(carried, share, 1.0).prod(axis=0) >= 0.5)
     done = ~empty & (batch.widths.max(axis=0) < small)
     cut &= ~done & (after.widths.max(axis=0) >= small)
-    return after[done], joined([after[~empty & ~done & ~cut], *_halves(after[cut])])
+    halves = _halves(after[cut])
+    if len(halves[0]) < FEW:
+        halves = [*_halves(halves[0]), *_halves(halves[1])]
+    return after[done], joined([after[~empty & ~done & ~cut], *halves])
 
 
 def _shares(batch: Boxes, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

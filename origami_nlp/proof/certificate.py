@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Pattern, Scene, in_plane
@@ -84,6 +86,14 @@ class Certificate:
     scene: Scene | None = field(default=None, metadata={"omit": True})
     sheet: StatedSheet | None = field(default=None, metadata={"omit": True})
 
+    @property
+    def regions(self) -> tuple[np.ndarray, np.ndarray]:
+        """What is left open as arrays, low and high [K, n]."""
+        n = len(self.sheet.creases) if self.sheet else self.scene.degree  # type: ignore[union-attr]
+        both = [(one.lower, one.upper) for one in self.undecided]
+        low, high = np.array(both).reshape(-1, 2, n).swapaxes(0, 1)
+        return low, high
+
 
 def certify(origami: Scene | Pattern, boxes: int) -> Certificate:
     """Prove the list of an origami within fold limits, in the form that is written to a file.
@@ -128,6 +138,9 @@ def _of_scene(scene: Scene, boxes: int) -> Certificate:
             OpenRegion(creases(c.lower), creases(c.upper), c.reason)
             for c in (*proof.singular, *proof.undecided)
         ]
+        if proof.flat_radius and proof.flat_is_minimum is None:
+            here = (0.0,) * scene.degree
+            undecided.append(OpenRegion(here, here, f"the flat state: {proof.flat}"))
     over = f"all closed states within fold limits, in boxes of fold angles; flat: {'; '.join(flat)}"
     return Certificate(over, tuple(minima), tuple(undecided), scene=scene)
 

@@ -14,11 +14,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
-from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.options import ProofOptions
-from origami_nlp.proof.pieces import Piece, VertexPiece, piece_of
+from origami_nlp.proof.flat import RADII, Flat, FlatVertex, flat_lemma
+from origami_nlp.proof.pieces import Piece, piece_of
 from origami_nlp.proof.reduced import ReducedVertex
-from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
+from origami_nlp.proof.result import Cluster, Proof, ProofOptions, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
     certify,
@@ -134,10 +133,12 @@ def prove(
         for i in np.flatnonzero(~inside & np.logical_not(again)):
             x, r, pins = (v[i][..., None] for v in (roots.x, roots.radius, roots.pins))
             reason = "free angles at their limits: a state of other strata" + names
-            singular.append(cluster_of(Boxes(x - r, x + r, pins), reason))
+            singular.append(cluster_of(Boxes(x - r, x + r, pins), reason, alone=True))
         for group in (rest[g] for g in clusters(rest)):
-            reason, is_singular = reason_of(system, group)
-            (singular if is_singular else undecided).append(cluster_of(group, reason + names))
+            reason, is_singular, alone = reason_of(system, group)
+            (singular if is_singular else undecided).append(
+                cluster_of(group, reason + names, alone)
+            )
         roots = roots[np.flatnonzero(inside & np.logical_not(again))]
         known = roots if known is None else known
         found = list(_points(vertex, roots, stratum))
@@ -173,8 +174,8 @@ def pose(vertex: ReducedVertex) -> tuple[Piece, Flat]:
     if why := why_not(vertex):
         raise OptionError(why)
     piece = piece_of(vertex)
-    if vertex.scene.group.is_trivial and isinstance(piece, VertexPiece):
-        return piece, _within_stops(flat_lemma(piece), vertex)
+    if vertex.winding == 1:
+        return piece, _within_stops(flat_lemma(FlatVertex(vertex)), vertex)
     return piece, Flat(0.0, 0, None)
 
 
@@ -340,20 +341,28 @@ def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
         yield np.flatnonzero(inverse.ravel() == s)
 
 
-def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
-    """Return why no root was certified, and whether that is because closure loses rank."""
+def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
+    """Return why no root was certified, whether as closure loses rank, and whether one state at most closes there.
+
+    One does in a convex set over which slopes of closure by the free variables are independent columns.
+    """
     pins = boxes.pins[:, 0]
     free = pins == 0
+    low, high = boxes.lower.min(axis=1), boxes.upper.max(axis=1)
+    x = 0.5 * (low + high)
     if free.sum() < system.m:
-        return f"{int(free.sum())} free variables, {system.m} closure equations", True
-    x = 0.5 * (boxes.lower.min(axis=1) + boxes.upper.max(axis=1))
+        columns = system.vanishing(x[None])[1][0][:, free]
+        least = np.linalg.svd(columns, compute_uv=False).min(initial=np.inf)
+        change = system.beta.sum() ** 2 * (high - low).max() + system.noise
+        why = f"{int(free.sum())} free variables, {system.m} closure equations"
+        return why, True, bool(least > LOW + system.m * change)
     least = system.least_slope(x[None], pins[None])[0]
     if least < LOW:
-        return f"closure loses rank (singular value {least:.1e})", True
-    return "no root was certified", False
+        return f"closure loses rank (singular value {least:.1e})", True, False
+    return "no root was certified", False, False
 
 
-def cluster_of(boxes: Boxes, reason: str) -> Cluster:
+def cluster_of(boxes: Boxes, reason: str, alone: bool = False) -> Cluster:
     """Describe boxes of one stratum."""
     lower, upper = (tuple(v.tolist()) for v in (boxes.lower.min(axis=1), boxes.upper.max(axis=1)))
-    return Cluster(lower, upper, tuple(boxes.pins[:, 0].tolist()), reason)
+    return Cluster(lower, upper, tuple(boxes.pins[:, 0].tolist()), reason, alone)

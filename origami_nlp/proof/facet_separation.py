@@ -29,7 +29,7 @@ from origami_nlp.numerics import CONTACT_TOL, EPS
 from origami_nlp.proof.pieces import piece_of
 from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.rows import Triples, variables
-from origami_nlp.proof.touching_rows import Row
+from origami_nlp.proof.touches import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
 

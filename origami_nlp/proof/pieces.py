@@ -31,12 +31,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from functools import lru_cache
 
 import numpy as np
 
 from origami_nlp.numerics import quaternion
-from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases, twins_asked
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import CollinearPair, ReducedVertex, collinear_creases, twins_asked
 from origami_nlp.proof.rows import (
     CREASE,
     SECTORS,
@@ -373,6 +373,7 @@ def expansion(column: Quadratic, rows: Quadratic, which: np.ndarray, of: np.ndar
     return out
 
 
+@lru_cache(maxsize=8)
 def piece_of(vertex: ReducedVertex) -> Piece:
     """Return the piece of a vertex whose rows are searched.
 

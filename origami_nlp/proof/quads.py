@@ -10,9 +10,8 @@ import numpy as np
 from flint import arb
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.laws import LawBalls
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
-from origami_nlp.proof.sheets import SheetMinimum, closer, sign_of
+from origami_nlp.proof.sheets import LawBalls, SheetMinimum, closer, sign_of
 from origami_nlp.proof.slopes import DEPTH, Budget, Curve, Look, least
 
 QUARTER = math.nextafter(0.5 * math.pi, math.inf)

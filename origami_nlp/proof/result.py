@@ -1,8 +1,13 @@
-"""What a proof says: critical points, and what is left."""
+"""What a proof says: critical points, and what is left.
+
+What steers a proof: none of it is part of what is proved, and all of it of how much is decided.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from origami_nlp.arguments import check_whole
 
 
 @dataclass(frozen=True)
@@ -67,12 +72,15 @@ class Cluster:
         As of a `ProvedCriticalPoint`.
     reason
         Why, in words.
+    alone
+        Whether it holds one critical point at most.
     """
 
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     stratum: tuple[int, ...]
     reason: str
+    alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -124,3 +132,32 @@ class Proof:
         """Whether every critical point is known, and of each whether it is a minimum."""
         decided = all(p.is_minimum is not None for p in self.points)
         return decided and not self.undecided and not self.singular
+
+
+@dataclass(frozen=True)
+class ProofOptions:
+    """How much a proof may look at.
+
+    Attributes
+    ----------
+    boxes
+        Boxes, or intervals of curves, after which it gives up: 10 million take about ten minutes.
+
+    Raises
+    ------
+    OptionError
+        If a field is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> vertex = o.Vertex.from_degrees((70, 80, 120, 90))
+    >>> scene = o.Scene(vertex, (1, 2, 3, 2), (1, -0.5, 0.3, 0.8), "none", "fold-limits")
+    >>> o.find_minima(scene, prove=o.ProofOptions(boxes=1)).completeness.status
+    'not-proved'
+    """
+
+    boxes: int = 10_000_000
+
+    def __post_init__(self) -> None:
+        check_whole("boxes", self.boxes, 1)

@@ -116,7 +116,7 @@ def test_a_period_may_close_by_itself():
     assert any(
         m.winding == 3 and np.abs(np.abs(m.fold_angles) - math.pi).max() == 0 for m in result.minima
     )
-    assert result.completeness.status == "proved-except-singular"
+    assert result.completeness.status == "proved"
     assert not result.completeness.undecided
     missing, found = lacks(d, scene, result, 60)
     assert found >= 2 and not len(missing)

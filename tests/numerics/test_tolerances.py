@@ -93,7 +93,10 @@ BESIDE_THE_TABLE = {
         proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES
         proof/boxes.SMALLEST proof/complete.SMALLER
-        proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
+        proof/sheet_check.START proof/sheet_check.NEAR proof/sheet_check.CLOSED
+        proof/sheet_check.LEAST proof/sheet_check.BEFORE proof/check.NEAR proof/balls.ONE_LINE
+        proof/vertex_check.NARROW proof/vertex_check.BESIDE
+        proof/vertex_check.WIDER proof/vertex_check.NEAR_FLAT
         proof/quads.ALIKE proof/quads.WIDEST
     """,
     "bounds on rounding in proofs": """

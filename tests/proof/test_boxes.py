@@ -51,7 +51,7 @@ def test_no_closed_state_is_excluded_by_closure(name):
     states = closed_states(model.problem, np.random.default_rng(0), 400)
     pins = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
     assert len({tuple(p) for p in pins}) >= 5
-    left = prune(ClosureOnly(pose(model)[0]), strata(model.size), small=0.2, most=50_000)
+    left = prune(ClosureOnly(pose(model)[0]), strata(model.size), small=0.2, most=200_000)
     boxes = joined([left.candidates, left.open])
     # how much was excluded: else nothing is shown
     whole = strata(model.size).widths[:, 0].prod()

@@ -1,6 +1,8 @@
 """The lemma of the flat state: its remainders in 50 digits, and what is critical there is never proved away."""
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,24 +10,25 @@ from mpmath import mp, mpf
 
 from benchmarks import family_scene
 from origami_nlp import Scene
-from origami_nlp.pattern import Vertex
-from origami_nlp.proof import ReducedVertex, prove
-from origami_nlp.proof.flat import ClosedDirections, creases_of, flat_lemma, no_minimum
-from origami_nlp.proof.pieces import VertexPiece
+from origami_nlp.pattern import Vertex, examples
+from origami_nlp.proof import ReducedVertex, complete, prove
+from origami_nlp.proof.flat import ClosedDirections, Flat, FlatVertex, flat_lemma, no_minimum
+from origami_nlp.proof.pieces import piece_of
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
-    return VertexPiece(ReducedVertex(scene))
+    return FlatVertex(ReducedVertex(scene))
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
 @pytest.mark.parametrize("number", [0, 1, 2])
 def test_remainders_hold(number, radius):
     """All rows at phi = r u, r at most the radius, differ from those of lowest order by no more than the rows allow."""
-    vertex = posed(family_scene("fold-limits", number))
+    scene = family_scene("fold-limits", number)
+    vertex = posed(scene)
     cone = ClosedDirections(vertex, radius)
-    n = vertex.size
+    n = len(vertex.b)
     rng = np.random.default_rng(number)
     k_max = mpf(max(vertex.stiffness))
     for _ in range(8):
@@ -36,9 +39,9 @@ def test_remainders_hold(number, radius):
         rows = cone.rows(box, box, np.zeros((n + 1, 1), int))[0]
         with mp.workdps(50):
             phi = [mpf(r) * mpf(v) for v in u]
-            q, axes = fold_quaternion(exact_sectors(vertex), phi)
+            q, axes = fold_quaternion(exact_sectors(piece_of(ReducedVertex(scene))), phi)
             exact = [q[1] * 2 / mpf(r), q[2] * 2 / mpf(r)]
-            for four in vertex.subsets.tolist():
+            for four in itertools.combinations(range(n), 4):
                 matrix = mp.matrix(4, 4)
                 for row, i in enumerate(four):
                     k = mpf(vertex.stiffness[i]) / k_max
@@ -61,7 +64,7 @@ def planted(number):
     """Springs that balance on closed directions that leave the flat state: it is critical to the order that counts."""
     scene = family_scene("fold-limits", number)
     vertex = posed(scene)
-    b = creases_of(vertex)
+    b = vertex.b
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]
     values, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)
@@ -89,3 +92,29 @@ def test_springs_at_rest_in_the_flat_state_are_not_decided_by_the_lemma():
     assert flat_lemma(posed(scene)).radius == 0.0
     assert no_minimum(posed(scene)) is None
     assert not prove(ReducedVertex(scene), boxes=200_000).complete
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *(replace(examples.panels()[i], contact="fold-limits") for i in (0, 9, 13)),
+        Scene(Vertex.from_degrees((60,) * 6), (1, 2) * 3, (1, -0.3) * 3, "C3", "fold-limits"),
+        Scene(Vertex.from_degrees((45,) * 8), (1, 2) * 4, (1,) * 8, "D4", "fold-limits"),
+    ],
+    ids=lambda s: s.group.name,
+)
+def test_symmetric_flat_states_are_alone_as_a_proof_without_the_lemma_finds(monkeypatch, scene):
+    lemma = flat_lemma(posed(scene))
+    assert lemma.radius >= 1e-3 and lemma.minimum is False
+    proof = prove(ReducedVertex(scene.of_one_winding))
+    monkeypatch.setattr(complete, "flat_lemma", lambda vertex: Flat(0.0, 0, None))
+    other = prove(ReducedVertex(scene.of_one_winding))
+    strata = (sorted(p.stratum for p in one.points) for one in (proof, other))
+    assert next(strata) == next(strata)
+    left = [c for c in other.singular if max(*c.upper, *(-x for x in c.lower)) < lemma.radius]
+    assert len(left) == 1 and len(other.singular) == len(proof.singular) + 1
+
+
+def test_a_flat_state_at_rest_is_not_alone_with_a_symmetry_either():
+    scene = Scene(Vertex.from_degrees((45,) * 8), (1, 2) * 4, (0,) * 8, "D4", "fold-limits")
+    assert flat_lemma(posed(scene)).radius == 0.0 and no_minimum(posed(scene)) is None

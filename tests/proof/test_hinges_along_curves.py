@@ -12,7 +12,7 @@ from origami_nlp.pattern import HingeLaw, detent, double_well, linear, one_sided
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import judge
 from origami_nlp.proof import why_no_sheet
-from origami_nlp.proof.laws import LawBalls
+from origami_nlp.proof.sheets import LawBalls
 from tests.computed_once import prove_sheet
 from tests.independent.strips import StripOfHinges
 from tests.patterns import strip

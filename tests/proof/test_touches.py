@@ -15,8 +15,7 @@ from origami_nlp.proof import ReducedVertex, prove, why_not
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.pieces import VertexPiece, piece_of
 from origami_nlp.proof.rows import Triples, pairs, variables
-from origami_nlp.proof.touches import contact_strata
-from origami_nlp.proof.touching_rows import Kite, Row, TouchedPiece
+from origami_nlp.proof.touches import Kite, Row, TouchedPiece, contact_strata
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
