@@ -213,6 +213,8 @@ def example(
     cells: Any = cell_options(cell, rolled)
     out.write("fold", lambda: examples.crease_pattern(word, *size, **given | cells))
     if out.files("scene") or not out.files("fold"):
+        if word not in examples.BY_NAME:
+            raise OptionError(f"NAME = {name!r} is a crease pattern, no vertex: give -o FILE.fold")
         if cell or (any(size) and not out.files("fold")):
             raise OptionError(
                 f"NAME = {name!r}: a size or a cell is of a pattern: give -o FILE.fold"
