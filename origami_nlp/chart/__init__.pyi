@@ -3,7 +3,6 @@ from .axes import (
     area_axes as area_axes,
     area_legend as area_legend,
     colour_bar as colour_bar,
-    curve_name as curve_name,
     draw_area as draw_area,
     draw_curves as draw_curves,
     norm_of as norm_of,
@@ -23,7 +22,6 @@ from .chart import (
     allowed as allowed,
     chart_limits as chart_limits,
     chart_of as chart_of,
-    crease_number as crease_number,
     fold_wedge as fold_wedge,
 )
 from .energy_map import (

@@ -222,7 +222,8 @@ def curve_name(chart: Landscape, k: int) -> str:
     Examples
     --------
     >>> from origami_nlp import Scene, Vertex
-    >>> from origami_nlp.chart import curve_name, landscape
+    >>> from origami_nlp.chart import landscape
+    >>> from origami_nlp.chart.axes import curve_name
     >>> scene = Scene(Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (0,) * 4, "D1")
     >>> chart = landscape(scene, 64)
     >>> [curve_name(chart, k) for k in range(len(chart.branches))]

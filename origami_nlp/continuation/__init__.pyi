@@ -1,13 +1,11 @@
 from .branch_segments import (
     AGAIN as AGAIN,
     LATE as LATE,
-    RANGE as RANGE,
     START as START,
     BranchSegment as BranchSegment,
     SpecialPoint as SpecialPoint,
 )
 from .curve import (
-    CLOSES_ANOTHER as CLOSES_ANOTHER,
     BoundaryCurve as BoundaryCurve,
     HeldCurve as HeldCurve,
     Point as Point,
@@ -31,7 +29,6 @@ from .line import (
     load_line as load_line,
 )
 from .one_sided_branches import (
-    find_one_sided_branches as find_one_sided_branches,
     is_equilibrium as is_equilibrium,
 )
 from .tracer import (

@@ -11,7 +11,6 @@ from .escape import (
 )
 from .find import (
     MOST_CREASES as MOST_CREASES,
-    NOTHING_NEAR as NOTHING_NEAR,
     Move as Move,
     find_escapes as find_escapes,
     softest_modes as softest_modes,

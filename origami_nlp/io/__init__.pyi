@@ -22,7 +22,6 @@ from .reprs import (
     PrettyRepr as PrettyRepr,
     ShortRepr as ShortRepr,
     cut as cut,
-    short_repr as short_repr,
 )
 from .text import is_number as is_number, is_unicode as is_unicode, printable as printable
 from .writing import (

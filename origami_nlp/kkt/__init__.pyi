@@ -25,7 +25,7 @@ from .polishing import (
     polish as polish,
     polished_nearby as polished_nearby,
 )
-from .projection import LONGEST_MOVE as LONGEST_MOVE, PROJECTED as PROJECTED, project as project
+from .projection import project as project
 from .singular_beside import (
     not_told_apart as not_told_apart,
     singular_beside as singular_beside,

@@ -14,7 +14,6 @@ from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
     Part as Part,
     check_mesh as check_mesh,
-    join_meshes as join_meshes,
     write_parts as write_parts,
 )
 from .full_space import (
@@ -48,7 +47,6 @@ from .noise import (
     NOISE as NOISE,
     check_noise as check_noise,
     displacements as displacements,
-    is_overdetermined as is_overdetermined,
     with_survival as with_survival,
 )
 from .picture import draw_minima as draw_minima

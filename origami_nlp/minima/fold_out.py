@@ -82,7 +82,7 @@ def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
     Examples
     --------
     >>> import trimesh
-    >>> from origami_nlp.minima import join_meshes
+    >>> from origami_nlp.minima.fold_out import join_meshes
     >>> one = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> join_meshes([one], ".glb")[:4], b'"doubleSided":true' in join_meshes([one], ".glb")
     (b'glTF', True)

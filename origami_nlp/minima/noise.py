@@ -146,7 +146,7 @@ def is_overdetermined(pattern: Pattern) -> bool:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.minima import is_overdetermined
+    >>> from origami_nlp.minima.noise import is_overdetermined
     >>> [is_overdetermined(o.examples.pattern(*p)) for p in (("miura", 2, 2), ("miura", 3, 3), ("waterbomb", 2, 2))]
     [False, True, False]
     """

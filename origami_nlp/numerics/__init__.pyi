@@ -6,7 +6,6 @@ from .compiling import (
     compiled as compiled,
 )
 from .conic import (
-    BALL as BALL,
     DEFINITE as DEFINITE,
     EQUAL as EQUAL,
     POSITIVE as POSITIVE,

@@ -22,7 +22,6 @@ from .parameter_range import (
     parse_parameter_range as parse_parameter_range,
 )
 from .records import (
-    EVENT_WORDS as EVENT_WORDS,
     KindRange as KindRange,
     Leg as Leg,
     PathBranch as PathBranch,

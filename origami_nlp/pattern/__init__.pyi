@@ -33,8 +33,6 @@ from .fold_limits import (
     LIMIT_KEYS as LIMIT_KEYS,
     Limits as Limits,
     limit_angles as limit_angles,
-    limit_words as limit_words,
-    read_limits as read_limits,
     stated_limits as stated_limits,
     tapered_limit as tapered_limit,
     thick_limits as thick_limits,
@@ -50,10 +48,9 @@ from .hinge_fit import (
     LawFit as LawFit,
     fit_data as fit_data,
     runs as runs,
-    straight_on as straight_on,
 )
 from .hinge_law import HingeLaw as HingeLaw, moved_cubic as moved_cubic
-from .hinge_tables import CHANGED as CHANGED, law_to_dict as law_to_dict, read_law as read_law
+from .hinge_tables import CHANGED as CHANGED, read_law as read_law
 from .hinge_types import (
     detent as detent,
     double_well as double_well,
@@ -68,7 +65,6 @@ from .hinges_stated import (
     LAW_PLACES as LAW_PLACES,
     Laws as Laws,
     check_law_place as check_law_place,
-    energy_with_laws as energy_with_laws,
     law_at as law_at,
     law_probes as law_probes,
     laws_to_fold as laws_to_fold,
@@ -76,7 +72,6 @@ from .hinges_stated import (
     read_torque_bounds as read_torque_bounds,
     same_laws as same_laws,
     seen_laws as seen_laws,
-    torque_with_laws as torque_with_laws,
 )
 from .labels import (
     Relabelling as Relabelling,
@@ -87,7 +82,6 @@ from .labels import (
 from .lattice_stated import (
     LATTICE_KEY as LATTICE_KEY,
     ROLLED_KEY as ROLLED_KEY,
-    check_rolled as check_rolled,
 )
 from .loads import (
     DeadLoads as DeadLoads,
@@ -104,7 +98,7 @@ from .pattern_file import (
     frame_pattern as frame_pattern,
     read_pattern as read_pattern,
 )
-from .places import is_place as is_place, with_places as with_places
+from .places import with_places as with_places
 from .polygons import Side as Side, side as side, sides_of as sides_of
 from .relations import Relations as Relations
 from .scene import Contact as Contact, Scene as Scene

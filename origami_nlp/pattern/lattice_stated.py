@@ -34,7 +34,7 @@ def check_rolled(value: object, name: str = ROLLED_KEY) -> tuple[int, int] | Non
 
     Examples
     --------
-    >>> from origami_nlp.pattern import check_rolled
+    >>> from origami_nlp.pattern.lattice_stated import check_rolled
     >>> check_rolled(6), check_rolled([0, 5]), check_rolled(None)
     ((6, 0), (0, 5), None)
     """

@@ -1,5 +1,4 @@
 from .admissible import (
-    LARGEST_TOLERANCE as LARGEST_TOLERANCE,
     Embedding as Embedding,
     check_admissible as check_admissible,
     pose_paper as pose_paper,
@@ -23,7 +22,6 @@ from .crossings import (
 )
 from .equations import (
     MOST_DENSE as MOST_DENSE,
-    MOST_KEPT as MOST_KEPT,
     PatternEquations as PatternEquations,
 )
 from .faces import CoplanarContact as CoplanarContact, Faces as Faces
@@ -31,7 +29,6 @@ from .features import Features as Features
 from .fold_out import (
     MeshFaces as MeshFaces,
     path_frames as path_frames,
-    pattern_corners as pattern_corners,
     save_fold as save_fold,
     state_frame as state_frame,
     state_mesh as state_mesh,
@@ -54,7 +51,6 @@ from .layers import (
     order_layers as order_layers,
     pose_stack as pose_stack,
 )
-from .meeting_features import touches_at as touches_at
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .orbits import Image as Image, Orbits as Orbits, orbits_of as orbits_of
 from .orders import TRANSITIVE as TRANSITIVE, Orders as Orders, Rules as Rules

@@ -27,7 +27,6 @@ from .ipopt import (
     solve_apart as solve_apart,
     solve_with as solve_with,
 )
-from .layers import ordered_slots as ordered_slots
 from .newton import (
     BESIDE_FLAT as BESIDE_FLAT,
     TRUST as TRUST,
@@ -54,6 +53,5 @@ from .starts import (
     hinge_rests as hinge_rests,
     on_grid as on_grid,
     other_wells as other_wells,
-    variables_around as variables_around,
 )
 from .ways import Relabelled as Relabelled, WayDown as WayDown, way_down as way_down
