@@ -106,8 +106,6 @@ class Terrain:
         Of the energy of each state, [M].
     pops
         On which side of flat vertices are.
-    landed
-        Where descents from states ended.
     together
         Descents from states along the rays of one state that are made at once, from low ones before high ones.
     """
@@ -131,7 +129,7 @@ class Terrain:
         self._closing = CompiledDescent(problem, problem.root)  # whatever the springs
         self.leaving = leaving or {}
         self.pops = PopSigns(problem.pattern)
-        self.landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
+        self._landed, self._down = dict[bytes, np.ndarray](), dict[bytes, np.ndarray]()
         self._shut = dict[bytes, tuple[Contact, ...]]()
         self._orders = dict[bytes, bool]()
 
@@ -197,15 +195,10 @@ class Terrain:
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def closed_one(self, start: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray | None:
+    def _closed_with(self, start: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
         """Close a start [n], what is kept as it is; None where that is no admissible state."""
-        still = None if kept is None else kept[None]
-        # first with what is at its limit there
-        for opened in (False, True) if kept is None else (False,):
-            (x,), (good,) = self._closed(start[None], still, free=np.array([opened]))
-            if good:
-                return np.asarray(x)
-        return None
+        (x,), (good,) = self._closed(start[None], kept[None])
+        return np.asarray(x) if good else None
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; what both hold stays so."""
@@ -269,12 +262,12 @@ class Terrain:
             out[stays], left[stays] = y, False
         # rays share states: to the flat state, and from there
         keys = [x.tobytes() for x in states]
-        new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self.landed}
+        new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self._landed}
         some = sorted(new.values())
         for at in range(0, len(some), self.together):
             self._land(states[some[at : at + self.together]])
         for i in np.flatnonzero(left):
-            out[i] = self.landed.get(keys[i], out[i])
+            out[i] = self._landed.get(keys[i], out[i])
         return out
 
     def _land(self, states: np.ndarray) -> None:
@@ -290,7 +283,7 @@ class Terrain:
         self._go.work += sum(end.work for end in ends)
         for x, end in zip(states, ends, strict=True):
             near = np.abs(end.x - self.minima).max(axis=1).min() <= NEAR_SINGULAR_TOL
-            self.landed[x.tobytes()] = end.x if end.arrived or near else np.full(len(x), math.nan)
+            self._landed[x.tobytes()] = end.x if end.arrived or near else np.full(len(x), math.nan)
 
     def listed(self, x: np.ndarray) -> int:
         """Number of the stable state at x [n], -1 for none."""
@@ -400,7 +393,7 @@ class Terrain:
                 around = [self.pops.around[v] for v in np.flatnonzero(passed)]
                 creases = np.isin(np.arange(self.problem.pattern.creases), np.concatenate(around))
                 kept = self.problem.reduce(1.0 * creases) != 0
-                middle = self.closed_one(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
+                middle = self._closed_with(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
                 if middle is None or np.abs(middle - x).max() > DENSE:
                     return None
                 out.append(middle)

@@ -49,8 +49,8 @@ class ResultFlags(Flags):
         the reason of each; often a sector angle or a stiffness is nearly special, and making it exactly so, or clearly
         not, decides.
     solver_failed
-        IPOPT, asked to confirm each minimum, did not converge somewhere (`solver` of each). Certificates do not rest
-        on it. Cure: None is needed where certificates are exact; look at `solver` of the minima to see which.
+        IPOPT, asked to confirm the lowest minima, did not converge somewhere (`solver` of each). Certificates do not
+        rest on it. Cure: None is needed where certificates are exact; look at `solver` of the minima to see which.
     residual_above_tolerance
         A listed state closes, or balances, less well than states do that Newton has polished. Cure: Do not use its
         digits beyond that; please report the scene.

@@ -28,14 +28,11 @@ class Embedding:
         Why not, or why it is not known; empty when admissible.
     closure_residual
         Largest entry of closure as the state is given.
-    touching
-        Whether facets touch but at creases.
     """
 
     admissible: bool
     reason: str
     closure_residual: float
-    touching: bool
 
 
 def check_admissible(
@@ -60,7 +57,7 @@ def check_admissible(
     Returns
     -------
     Embedding
-        Whether it is admissible, the reason why not, how well it closes, and whether facets touch.
+        Whether it is admissible, the reason why not, and how well it closes.
 
     Raises
     ------
@@ -86,7 +83,7 @@ def check_admissible(
     residual = problem.residual(x)
 
     def bad(reason: str) -> Embedding:
-        return Embedding(False, reason, residual, False)
+        return Embedding(False, reason, residual)
 
     if (off := float(np.abs(problem.expand(x) - phi).max())) > tolerance:
         return bad(f"does not have the symmetry {problem.symmetry}: {off:.1e} off")
@@ -99,11 +96,11 @@ def check_admissible(
     if residual > max(tolerance, CLOSURE_TOL) or left > CLOSURE_TOL:
         return bad(f"does not close: {residual:.1e}")
     reason = problem.refuses(closed) or problem.doubt(closed)
-    return Embedding(not reason, reason, residual, not problem.apart(closed))
+    return Embedding(not reason, reason, residual)
 
 
 def pose_paper(origami: Vertex | Stated) -> PatternProblem:
-    """Pose an origami with full contact, whatever it asks for; of a vertex springs are left open."""
+    """Pose an origami with full contact, whatever it asks for; a vertex with springs of 1 that rest flat."""
     if isinstance(origami, Vertex):
         n = origami.degree
         origami = Scene(origami, (1.0,) * n, (0.0,) * n, symmetry="none")

@@ -101,6 +101,8 @@ class Faces:
     ----------
     reason
         Why nothing is known of them; empty where it is.
+    crosses
+        Whether that is since they have no order.
     known
         Pairs that lie on each other the same way in every order, and which: (number, whether the first is above).
     open
@@ -118,6 +120,7 @@ class Faces:
 
     def __init__(self, problem: PatternEquations, phi: np.ndarray) -> None:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
+        self.crosses = False
         self._problem, self._phi = problem, phi
         self._stack, self._orders = problem.stack(phi), Orders(Rules(0, ()))
         if not len(self._stack.pairs):
@@ -128,7 +131,7 @@ class Faces:
         try:
             posed = pose_layers(problem, phi, self._stack)
             if isinstance(posed, Layers) or posed.solve() is None:
-                self.reason = "layers have no order"
+                self.reason, self.crosses = "layers have no order", True
                 return
         except (Unclear, TimeoutError):
             self.reason = "which layer is above is not known"

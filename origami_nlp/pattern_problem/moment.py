@@ -66,11 +66,15 @@ def passing_moment(
     if scene.loads:
         return None
     phi = np.asarray(fold_angles, dtype=float)
-    vertex, *ends = problem.crossings.poses.corners(problem.reduce(phi))
-    creases = np.array(ends) - vertex
-    up = cross(creases[-1], creases[0])
+    poses = problem.crossings.poses
+    vertex, *ends = poses.corners(problem.reduce(phi))
+    turn, _ = poses.motions(problem.reduce(phi))
+    # the frame of the last facet in the reference state: where that lies flat, exact for wide sectors too
+    first, last = (poses.pattern.corners[i] - poses.pattern.corners[0] for i in (1, scene.degree))
+    up = cross(last, first)
     up /= np.linalg.norm(up)
-    creases = creases @ np.array([creases[0], cross(up, creases[0]), up]).T
+    frame = np.array([first, cross(up, first), up])
+    creases = (np.array(ends) - vertex) @ turn[-1] @ frame.T
     stiffness = np.array(scene.stiffness)
     torque = scene.torque(phi)
     free = (

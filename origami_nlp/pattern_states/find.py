@@ -88,7 +88,8 @@ def find_states(
     options
         All that steers the search, in place of the effort.
     starts, max_starts
-        Random starts in a row that find no other minimum or curve, and starts in all; None: as `effort` says.
+        Random starts in a row that find no other minimum or curve, and starts in all; None: as `effort` says, an eighth
+        of those in a row before a proof that is tried unasked, the others where it fails.
     contact
         Of a pattern, whether facets must not cross; without, only fold limits count.
     guesses
@@ -160,7 +161,7 @@ def find_states(
         until = search.problem.until
         search.problem.until -= OF_PROOF * seconds * wanted
         # a proof that follows finds what few starts miss
-        brief = prove is not False and question.proves()
+        brief = prove is not False and starts is None and question.proves()
         search.go(guesses, in_a_row // (BRIEF if brief else 1), most)
         if not search.tally.interrupted:
             search.problem.until = until

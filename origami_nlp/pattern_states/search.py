@@ -402,7 +402,7 @@ class Search(Parts):
             self._leave(phi, ways)
 
     def _falls(self, phi: np.ndarray, ways: TangentCone) -> bool:
-        """Return whether the energy falls along a branch out of a flat-folded state: such a one is no minimum."""
+        """Return whether the energy falls along a branch out of a flat-folded state, to where no facets cross."""
         problem = self.problem
         pull = problem.torque(phi)
         for d in ways.open(phi, problem.fold_limits):

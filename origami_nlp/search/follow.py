@@ -24,7 +24,6 @@ from origami_nlp.search.starts import at_limits
 
 MOST_LEGS = 40
 """Times that facets come to lie on each other on one way down."""
-CROSSES = "layers have no order"
 NO_ORDER = "facets that lie on each other have no order"
 NOWHERE = "facets come to lie on each other again and again"
 
@@ -180,7 +179,7 @@ class Follower:
 
     def _unordered(self, x: np.ndarray) -> str:
         """Return that layers have no order; "" where they may have one, which the judge of the state decides."""
-        return NO_ORDER if self.problem.faces(x).reason == CROSSES else ""
+        return NO_ORDER if self.problem.faces(x).crosses else ""
 
     def _is_level(self, x: np.ndarray) -> bool:
         """Return whether creases are fully folded whose facets must not cross."""

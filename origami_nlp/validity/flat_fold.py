@@ -19,7 +19,7 @@ from origami_nlp.pattern import FoldVertex, make_vertex
 from origami_nlp.pattern_problem import check_admissible
 
 GRAIN = NOISE / 1000
-"""Sector angles [rad] are rounded to this before layers are ordered: vertices equal but for noise are one."""
+"""Places of creases [rad] are rounded to this before layers are ordered: vertices equal but for noise are one."""
 
 
 def folds_flat(v: FoldVertex) -> bool | None:
