@@ -207,6 +207,8 @@ def behind(item: Import, own: str = "") -> str:
         return ""
     if not is_face(module):
         return f"{module} is behind the face of {room}"
+    if room and not (PACKAGE / room).is_dir() and not (PACKAGE / f"{room}.py").is_file():
+        return f"there is no room {room}"
     inside = module.partition(".")[2]
     known = face(inside) if room in ROOMS else () if room else (*origami_nlp.__all__, "__version__")
     if item.name and module == item.module and known and item.name not in known:
