@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -12,7 +12,6 @@ import numpy as np
 
 from origami_nlp.arguments import require
 from origami_nlp.barriers.passes import Known, Pass, PassKind
-from origami_nlp.chart import Landscape
 from origami_nlp.display import (
     Content,
     Details,
@@ -27,9 +26,9 @@ from origami_nlp.display import (
     shown,
 )
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.minima import MinimaResult, points_on
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME_ENERGY
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
 
 MOST_NAMED = 4
@@ -266,45 +265,14 @@ class Barriers(Report, Viewable):
             yield record_row(row) | angle_columns(p.fold_angles)
 
     def view_content(self) -> Content:
-        """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.chart import landscape
-        from origami_nlp.minima import CELLS
-
-        chart = None if self.scene is None else landscape(self.scene, CELLS)
-        content = add_passes(
-            self.result.view_content(chart), self.result.origami, self.passes, chart
-        )
-        return replace(content, pieces=(*self.report_sections(), *content.pieces))
-
-
-def add_passes(
-    content: Content, origami: Scene | Pattern, passes: Sequence[Pass], chart: Landscape | None
-) -> Content:
-    """Add the paths over the passes to the minima, the lowest pass first.
-
-    Parameters
-    ----------
-    content
-        Of `MinimaResult.view_content`.
-    origami
-        What is folded.
-    passes
-        Of `find_barriers`.
-    chart
-        The energy over the coordinates of a scene; None of a pattern.
-
-    Returns
-    -------
-    Content
-        With a track for each pair of minima that a path joins.
-    """
-    poser, tracks = Poser(origami), []
-    joined = [p for p in passes if math.isfinite(p.energy) and len(p.path) > 1]
-    for p in sorted(joined, key=lambda p: p.energy):
-        title = f"{p.from_state} → {p.to_state} over the pass at {p.energy:.6g} J ({p.pass_kind})"
-        start, end = p.from_state - 1, p.to_state - 1
-        tracks.append(poser.track(title, p.path, p.path_energy, start=start, end=end))
-    none = "No curve joins two minima." if chart is None else "No admissible path joins two minima."
-    note = content.note if content.tracks or tracks else none
-    places = [] if chart is None else points_on(content, chart, tracks)
-    return replace(content.with_tracks(tracks, places), note=note)
+        """Return states and the paths over the passes, the lowest pass first, as plain data, see `view`."""
+        content, poser, tracks = self.result.view_content(), Poser(self.result.origami), []
+        joined = [p for p in self.passes if math.isfinite(p.energy) and len(p.path) > 1]
+        for p in sorted(joined, key=lambda p: p.energy):
+            title = (
+                f"{p.from_state} → {p.to_state} over the pass at {p.energy:.6g} J ({p.pass_kind})"
+            )
+            start, end = p.from_state - 1, p.to_state - 1
+            tracks.append(poser.track(title, p.path, p.path_energy, start=start, end=end))
+        pieces = (*self.report_sections(), *content.pieces)
+        return replace(content, tracks=(*content.tracks, *tracks), pieces=pieces)

@@ -183,15 +183,14 @@ def landscape(
         out.refuse(why, "json")
     result = search(clock, stated, origami.name, seed=seed, full=True, escape=False)
     with progress(f"{name}: boundary, passes between minima"):
-        exact, passes = paper.find_landscape(result, size=size), None
+        exact = paper.find_landscape(result, size=size)
         out.say(exact)
-        if out.files("json", "html"):
-            passes = find_barriers(stated, result, seed=seed)
         if out.files("json"):
+            passes = find_barriers(stated, result, seed=seed)
             more = paper.find_space(stated), paper.find_critical_points(stated), passes
             out.write("json", paper.landscape_to_dict, exact, *more)
     out.write("figure", paper.draw_landscape, exact)
-    out.save("html", lambda file: InteractivePage(exact.view_content(passes)).save(file))
+    out.save("html", lambda file: InteractivePage(exact.result.view_content()).save(file))
     return None
 
 

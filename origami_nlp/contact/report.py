@@ -30,7 +30,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, State, classify
-from origami_nlp.minima import CELLS, KINDS, MinimaResult, full_scene
+from origami_nlp.minima import KINDS, MinimaResult, full_scene
 from origami_nlp.pattern_problem import pose
 
 SOFT = STIFFNESS
@@ -175,11 +175,7 @@ class ContactReport(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
-        from origami_nlp.chart import landscape
-
-        one = not self.result.is_pattern
-        chart: Any = landscape(self.result.scene, CELLS) if one else None
-        content = self.result.view_content(chart)
+        content = self.result.view_content()
         stations = list(content.stations)
         for s in self.states:
             old = stations[s.number - 1]
@@ -189,7 +185,7 @@ class ContactReport(Report, Viewable):
             stations[s.number - 1] = replace(old, lines=(*old.lines, *lines))
         pieces = tuple(self.report_sections())
         content = replace(content, stations=tuple(stations), pieces=pieces)
-        return content if self.segments is None else add_segments(content, chart, self.segments)
+        return content if self.segments is None else add_segments(content, self.segments)
 
 
 def find_contacts(

@@ -16,17 +16,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
-from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary
+from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary
 from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
 from origami_nlp.display import Content, Poser, Report, Section, record_table, shown
 from origami_nlp.io import OneBased, ShortRepr
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, points_on
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PatternProblem
@@ -349,15 +349,13 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
 
 
-def add_segments(content: Content, chart: Landscape, segments: SegmentReport) -> Content:
+def add_segments(content: Content, segments: SegmentReport) -> Content:
     """Add the contact boundaries that were followed to the minima of a scene.
 
     Parameters
     ----------
     content
         Of `MinimaResult.view_content`.
-    chart
-        The energy over the scene's coordinates.
     segments
         Of `find_segments`.
 
@@ -377,7 +375,7 @@ def add_segments(content: Content, chart: Landscape, segments: SegmentReport) ->
         )
         for curve, numbers in zip(segments.curves, segments.states, strict=True)
     ]
-    return content.with_tracks(tracks, points_on(content, chart, tracks))
+    return replace(content, tracks=(*content.tracks, *tracks))
 
 
 def _title(contacts: Sequence[str], numbers: Sequence[int]) -> str:

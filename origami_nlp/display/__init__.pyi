@@ -4,9 +4,7 @@ from .bodies import (
     Crease as Crease,
     FoldedBody as FoldedBody,
     Keyframe as Keyframe,
-    Line as Line,
     Mark as Mark,
-    Panel as Panel,
     Trajectory as Trajectory,
 )
 from .crease_figure import draw_creases as draw_creases, draw_pattern as draw_pattern

@@ -1,4 +1,4 @@
-"""What a reader can turn in space, as plain data: folded states, paths between them, and maps of the energy.
+"""What a reader can turn in space, as plain data: folded states, and paths between them.
 
 Nothing here knows where states come from: a room fills a `Content` from its own result, and `view_content` writes it as
 a page.  A `Body` may be a single vertex or a whole sheet: corners, facets between them, creases.
@@ -6,8 +6,7 @@ a page.  A `Body` may be a single vertex or a whole sheet: corners, facets betwe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -151,56 +150,6 @@ class Trajectory:
     end: int | None = None
 
 
-class Line(NamedTuple):
-    """A line on a map.
-
-    Attributes
-    ----------
-    points
-        Shape [M, 2].
-    name
-        In the legend and under the pointer.
-    look
-        ``contact``, ``handle``, ``metastable`` or ``curve``.
-    """
-
-    points: np.ndarray
-    name: str
-    look: str
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A map of the energy: over two coordinates, or curves over one.
-
-    Attributes
-    ----------
-    title
-        Above it.
-    labels
-        Of the two axes.
-    x, y
-        Middles of the cells, [nx] and [ny]; empty for curves.
-    energy
-        Shape [ny, nx], nan where there is no admissible state; None for curves, whose second axis is the energy.
-    lines
-        On it.
-    stations
-        (number of the station from 0, x, y).
-    tracks
-        (number of the track from 0, points [M, 2]); nan where a state of it is not on this panel.
-    """
-
-    title: str
-    labels: tuple[str, str]
-    x: np.ndarray
-    y: np.ndarray
-    energy: np.ndarray | None
-    lines: tuple[Line, ...] = ()
-    stations: tuple[tuple[int, float, float], ...] = ()
-    tracks: tuple[tuple[int, np.ndarray], ...] = ()
-
-
 @dataclass(frozen=True)
 class Content:
     """All that a page shows of one result.
@@ -215,8 +164,6 @@ class Content:
         States, in order.
     tracks
         Paths, in order.
-    panels
-        Maps of the energy.
     pieces
         Tables and lines of the text report.
     note
@@ -229,31 +176,6 @@ class Content:
     body: Body
     stations: tuple[Keyframe, ...]
     tracks: tuple[Trajectory, ...] = ()
-    panels: tuple[Panel, ...] = ()
     pieces: tuple[Section, ...] = field(default=(), repr=False)
     note: str = ""
     steps: str = ""
-
-    def with_tracks(
-        self, tracks: Sequence[Trajectory], points: Sequence[Sequence[np.ndarray]]
-    ) -> Content:
-        """Return the same with more paths.
-
-        Parameters
-        ----------
-        tracks
-            To add.
-        points
-            For each panel, the points [M, 2] of each of these tracks on it.
-
-        Returns
-        -------
-        Content
-            With them behind those that are there.
-        """
-        first = len(self.tracks)
-        panels = [
-            replace(panel, tracks=(*panel.tracks, *enumerate(on, start=first)))
-            for panel, on in zip(self.panels, points, strict=True)
-        ]
-        return replace(self, tracks=(*self.tracks, *tracks), panels=tuple(panels))

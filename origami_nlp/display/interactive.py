@@ -1,4 +1,4 @@
-"""An interactive page: states in space, paths with a slider, the energy under the pointer, the tables.
+"""An interactive page: states in space, paths with a slider and their energy, the tables.
 
 One file of HTML with its scripts inside: it opens without a network, in a browser or in a cell of Jupyter.  What moves
 is `page/page.js`, what it looks like `page/page.html`; three.js draws the paper and Observable Plot the energies
@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_path
-from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Panel, Trajectory
+from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Trajectory
 from origami_nlp.display.table import pieces_html
 from origami_nlp.io import write_whole
 
@@ -28,9 +28,7 @@ MOST_TRACKED = 55_000
 """Coordinates of states on paths that a page holds, about nine bytes each: longer paths are thinned."""
 FEWEST_STEPS = 12
 MOST_STEPS = 90
-MOST_CELLS = 60_000
-"""Energies on maps that a page holds, about eight bytes each: finer maps are thinned."""
-STATE_DIGITS, TRACK_DIGITS, ENERGY_DIGITS = 15, 6, 7
+STATE_DIGITS, TRACK_DIGITS = 15, 6
 HEIGHT = 900
 """Of the page in Jupyter [px]."""
 
@@ -144,8 +142,6 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
     tracks = [t for c in contents for t in c.tracks]
     width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
     most = max(FEWEST_STEPS, min(MOST_STEPS, MOST_TRACKED // (width * max(len(tracks), 1))))
-    cells = sum(p.energy.size for c in contents for p in c.panels if p.energy is not None)
-    stride = max(1, math.ceil(math.sqrt(cells / MOST_CELLS)))
     return [
         {
             "title": content.title,
@@ -158,7 +154,6 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
             },
             "stations": [_station(station) for station in content.stations],
             "tracks": [_track(track, kept_states(track, most)) for track in content.tracks],
-            "panels": [_panel(p, content, stride, most) for p in content.panels],
         }
         for content in contents
     ]
@@ -170,14 +165,6 @@ def _plain(array: np.ndarray, digits: int) -> list[Any]:
     rounded = (np.round(array, digits) + 0.0).astype(object)
     rounded[~np.isfinite(array)] = None
     listed: list[Any] = rounded.tolist()
-    return listed
-
-
-def _short(values: np.ndarray) -> list[Any]:
-    """Return numbers to `ENERGY_DIGITS` significant digits, None for nan and inf."""
-    array = np.asarray(values, dtype=float)
-    short = [float(f"{v:.{ENERGY_DIGITS}g}") if math.isfinite(v) else None for v in array.flat]
-    listed: list[Any] = np.array(short, dtype=object).reshape(array.shape).tolist()
     return listed
 
 
@@ -236,27 +223,6 @@ def kept_states(track: Trajectory, most: int) -> np.ndarray:
     even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)
     top = int(np.argmax([state.energy for state in track.states]))
     return np.unique([0, *even.tolist(), top, len(s) - 1])
-
-
-def _panel(panel: Panel, content: Content, stride: int, most: int) -> dict[str, Any]:
-    energy = None if panel.energy is None else _short(panel.energy[::stride, ::stride])
-    labels, units = zip(*map(_in_degrees, panel.labels), strict=True)
-    return {
-        "title": panel.title,
-        "labels": labels,
-        "x": _plain(panel.x[::stride] * units[0], 5),
-        "y": _plain(panel.y[::stride] * units[1], 5),
-        "energy": energy,
-        "lines": [
-            {"points": _plain(line.points * units, 4), "name": line.name, "look": line.look}
-            for line in panel.lines
-        ],
-        "stations": [(k, x * units[0], y * units[1]) for k, x, y in panel.stations],
-        "tracks": [
-            {"track": k, "points": _plain(points[kept_states(content.tracks[k], most)] * units, 4)}
-            for k, points in panel.tracks
-        ],
-    }
 
 
 def _in_degrees(label: str) -> tuple[str, float]:

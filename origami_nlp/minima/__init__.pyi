@@ -27,9 +27,7 @@ from .full_space import (
     with_full_space as with_full_space,
 )
 from .interactive import (
-    CELLS as CELLS,
     images as images,
-    points_on as points_on,
     view_minima as view_minima,
 )
 from .marks import (

@@ -45,7 +45,6 @@ from origami_nlp.pattern import Pattern, Relations, Scene, same_laws
 from origami_nlp.pattern_problem import MeshFaces, state_mesh, state_parts
 
 if TYPE_CHECKING:
-    from origami_nlp.chart import Landscape
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
 
 SUCCESS = "Solve_Succeeded"
@@ -398,20 +397,11 @@ class MinimaResult(Report, Viewable):
     def _repr_html_(self) -> str:
         return self.to_html()
 
-    def view_content(self, chart: Landscape | None = None) -> Content:
-        """Return states, descents and the map of the energy as plain data, see `view`.
-
-        Parameters
-        ----------
-        chart
-            The energy over the coordinates of a scene, if it is known already.
-
-        Returns
-        -------
-        Content
-            What a page shows.
-        """
-        content: Content = self._from_room("view_minima")(self, chart)  # charts are slow to import
+    def view_content(self) -> Content:
+        """Return states, descents and traced curves as plain data, see `view`."""
+        content: Content = self._from_room("view_minima")(
+            self
+        )  # bodies in space are slow to import
         return content
 
 

@@ -8,7 +8,7 @@ are and nothing else.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from origami_nlp.chart import (
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
-from origami_nlp.display import Content, Line, Report, Section, Viewable, record_table
+from origami_nlp.display import Report, Section, record_table
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import pose
@@ -70,7 +70,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class ExactLandscape(Report, Viewable):
+class ExactLandscape(Report):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
     Attributes
@@ -138,42 +138,6 @@ class ExactLandscape(Report, Viewable):
         for part in self.metastable:
             where = "on one chart point, " if part.hidden else ""
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
-
-    def view_content(self, barriers: Barriers | None = None) -> Content:
-        """Return states and the map with its exact boundaries as plain data, see `view`.
-
-        Parameters
-        ----------
-        barriers
-            Of `find_barriers`: also the paths over the passes.
-
-        Returns
-        -------
-        Content
-            What a page shows.
-        """
-        content = self.result.view_content(self.chart)
-        reported = [*self.report_sections(), *content.pieces]
-        if barriers is not None:
-            from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
-
-            content = add_passes(content, self.result.scene, barriers.passes, self.chart)
-            reported = [*barriers.report_sections(), *reported]
-        panels = [
-            replace(panel, lines=tuple(self._lines(k))) for k, panel in enumerate(content.panels)
-        ]
-        return replace(content, panels=tuple(panels), pieces=tuple(reported))
-
-    def _lines(self, branch: int) -> Iterator[Line]:
-        """Contact boundaries, 1-handles and metastable stretches on one panel."""
-        for line in self.boundary.lines if self.boundary else ():
-            if line.branch == branch and not line.hidden:
-                look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
-                yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)
-        for part in self.metastable:
-            if part.branch == branch and not part.hidden:
-                words = f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}"
-                yield Line(part.points, words, "metastable")
 
 
 def find_landscape(result: MinimaResult, *, size: int = 401) -> ExactLandscape:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Any
@@ -13,8 +12,6 @@ from origami_nlp.display import (
     Content,
     FoldedBody,
     Keyframe,
-    Line,
-    Panel,
     Poser,
     Trajectory,
     join_states,
@@ -38,9 +35,9 @@ def view_path(path: Path) -> Content:
     -------
     Content
         Stations: events, and the states after snaps.  Tracks: each stretch of a curve on which the parameter runs one
-        way.  Panels: those of the figure.
+        way.
     """
-    over, marks, none = path.parameter, path.stations, np.empty(0)
+    over, marks = path.parameter, path.stations
     # along springs and loads no vertex moves
     still = not isinstance(path, Atlas) or path.family.still
     posed = lru_cache(maxsize=None)(lambda t: Poser(path.origami_at(t)))
@@ -52,7 +49,7 @@ def view_path(path: Path) -> Content:
         body: FoldedBody = poser(p).folded(p.fold_angles, p.energy)
         return body
 
-    stations, tracks, along = [], list[Trajectory](), list[Sequence[PathPoint]]()
+    stations, tracks = [], list[Trajectory]()
     for m in marks:
         angles = f"fold angles [deg]: {degrees_listed(m.point.fold_angles)}"
         lines = tuple(filter(None, (m.note, angles)))
@@ -62,21 +59,10 @@ def view_path(path: Path) -> Content:
         middle = points[len(points) // 2]
         view, t = poser(middle).view(middle.fold_angles), [over.drawn(p.t) for p in points]
         tracks.append(join_states(title, [folded(p) for p in points], view, t, over.axis))
-        along.append(points)
-    panels, values = [], [[p.values(points) for points in along] for p in path.panels]
-    for p, drawn in zip(path.panels, values, strict=True):
-        places = p.values(m.point for m in marks).tolist()
-        at = tuple((k, x, y) for k, (x, y) in enumerate(places) if math.isfinite(y))
-        lines_ = [Line(v, track.title, "curve") for v, track in zip(drawn, tracks, strict=True)]
-        title = f"{p.y} over {p.x}"
-        panels.append(Panel(title, (p.x, p.y), none, none, None, tuple(lines_), at))
     first = path.origami_at(over.low)
-    content = Content(
-        first.title, posed(over.low).body, tuple(stations), panels=tuple(panels),
-        pieces=tuple(path.report_sections()), note="" if tracks else "Nothing was followed.",
-        steps=STEPS,
-    )  # fmt: skip
-    return content.with_tracks(tracks, values)
+    note = "" if tracks else "Nothing was followed."
+    shown = tuple(stations), tuple(tracks), tuple(path.report_sections()), note, STEPS
+    return Content(first.title, posed(over.low).body, *shown)
 
 
 def _one_way(path: Path, curve: Track) -> Iterator[tuple[str, Sequence[PathPoint]]]:

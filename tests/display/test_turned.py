@@ -13,7 +13,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import display
-from origami_nlp.chart import fold_vertex, landscape
+from origami_nlp.chart import fold_vertex
 from origami_nlp.display import (
     Body,
     Content,
@@ -102,20 +102,6 @@ def test_a_descent_is_a_path_of_admissible_states(page: str, result: MinimaResul
             corners = np.array(state["corners"])[1:]
             assert np.abs(corners @ corners.T - rays @ rays.T).max() < 1e-5  # turned as a whole
             assert np.linalg.det(rotation_onto(rays, corners)) == pytest.approx(1)
-
-
-def test_map_holds_the_energies_of_the_landscape(page: str, result: MinimaResult) -> None:
-    (data,) = data_of(page)
-    (panel,) = data["panels"]
-    scene = result.scene
-    shown = np.array(panel["energy"], dtype=float)  # None becomes nan
-    (branch,) = landscape(scene, len(panel["x"])).branches
-    assert np.isfinite(shown).sum() > 1000
-    assert np.allclose(shown, branch.energy, rtol=1e-6, equal_nan=True)
-    for k, x, y in panel["stations"]:
-        assert np.abs(np.degrees(result.minima[k].fold_angles)[1:3] - (x, y)).max() <= 1e-12
-    assert all(label.endswith("[deg]") for label in panel["labels"])
-    assert len(panel["stations"]) == len(result.minima)
 
 
 class References(HTMLParser):

@@ -108,16 +108,3 @@ def test_metastable_stretches_are_those_of_the_segments():
     curve = with_energy(result.model, line)
     slope = np.gradient(curve.energy, curve.s)
     assert np.abs(slope - curve.slope)[5:-5].max() < 2e-3 * np.abs(curve.slope).max()
-
-
-def test_map_under_the_pointer_has_the_exact_lines():
-    result = panel_result(OCTAGON)
-    panel = find_landscape(result, size=41)
-    drawn = [line for shown in panel.view_content().panels for line in shown.lines]
-    seen = [line for line in boundary().lines if not line.hidden]
-    assert len(drawn) == len(seen) + sum(not part.hidden for part in panel.metastable)
-    for line in seen:
-        shown = next(one for one in drawn if np.array_equal(one.points, line.points))
-        assert shown.look == ("handle" if line.thin else "contact")
-        assert "; ".join(line.contacts) in shown.name
-    assert sum(line.look == "metastable" for line in drawn) == 1

@@ -13,10 +13,6 @@ const ARC = Math.PI / 24;
 const ALONE = location.hash === "#turning";
 const SPEED = ALONE && !matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.3 : 0;  // of turning by itself [rad/s]
 const BY_KEY = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
-// dark (low) to pale (high): readable in grey, and to colour-blind readers
-const SCALE = ["#0b2559", "#24479d", "#1f7fb6", "#56bcc0", "#dff3c4"];
-const LOOKS = {contact: {stroke: "#1b1b1b", strokeWidth: 1.5}, handle: {stroke: "#7b1fa2", strokeWidth: 2.5, strokeDasharray: "6 4"},
-  metastable: {stroke: "#e10000", strokeWidth: 4}, curve: {stroke: "#0072b2", strokeWidth: 2}};
 const scene = {data: null, station: 0, track: -1, step: 0, playing: null, key: null};
 
 // ---------------------------------------------------------------- small vectors and words
@@ -328,88 +324,6 @@ function drawProfile() {
   $("profile").append(figure("Energy along the path", picture));
 }
 
-function rangesOf(panel) {  // with room, so that a star on the border is seen whole
-  return [0, 1].map(k => {
-    const all = [...panel[k ? "y" : "x"], ...panel.lines.flatMap(l => l.points.map(p => p[k])),
-      ...panel.stations.map(p => p[k + 1])].filter(v => v !== null);
-    const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
-    const room = 0.06 * (high - low) || 0.5;
-    return [low - room, high + room];
-  });
-}
-
-function drawMap(panel) {
-  const flat = (panel.energy || []).flat(), seen = flat.filter(v => v !== null), marks = [];
-  const low = seen.reduce((a, b) => Math.min(a, b), Infinity), high = seen.reduce((a, b) => Math.max(a, b), -Infinity);
-  const energyOf = share => low + share * share * (high - low);
-  let color;
-  if (seen.length) {
-    const [nx, ny] = [panel.x.length, panel.y.length];
-    const ends = (v, n) => { const half = (v[n - 1] - v[0]) / (n - 1) / 2; return [v[0] - half, v[n - 1] + half]; };
-    const [[x1, x2], [y1, y2]] = [ends(panel.x, nx), ends(panel.y, ny)];
-    const share = flat.map(v => v === null ? NaN : Math.sqrt((v - low) / (high - low || 1)));  // finer where minima are
-    marks.push(LIB.raster(share, {width: nx, height: ny, x1, x2, y1, y2, imageRendering: "pixelated"}));
-    color = {type: "linear", domain: [0, 0.25, 0.5, 0.75, 1], range: SCALE, legend: true, label: "energy [J]", width: 300, marginLeft: 24, marginRight: 24,
-      ticks: [0, 0.25, 0.5, 0.75, 1], tickFormat: t => minus(Number(energyOf(t).toPrecision(3)))};
-  }
-  for (const line of panel.lines)
-    marks.push(LIB.line(line.points.map(p => p.map(v => v ?? NaN)), {...LOOKS[line.look], title: () => line.name, z: null}));
-  for (const {track, points} of panel.tracks) {
-    if (track !== scene.track) continue;
-    const path = points.map(p => p.map(v => v ?? NaN));
-    marks.push(LIB.line(path, {stroke: "#000", strokeWidth: 5}), LIB.line(path, {stroke: "#fff", strokeWidth: 2.5}));
-  }
-  const chosen = s => scene.track < 0 && s[0] === scene.station;
-  marks.push(
-    LIB.dot(panel.stations, {x: s => s[1], y: s => s[2], symbol: "star", r: s => chosen(s) ? 9 : 6.5, stroke: "#111",
-      fill: s => chosen(s) ? "#e69f00" : "#fff", strokeWidth: 1.3, title: s => scene.data.stations[s[0]].title}),
-    LIB.text(panel.stations, {x: s => s[1], y: s => s[2], text: s => String(s[0] + 1), dx: 11, dy: -10, fontSize: 14,
-      fontWeight: 700, fill: "#111", stroke: "#fff", strokeWidth: 3}));
-  const wide = sizeOf(), [x, y] = rangesOf(panel);
-  const picture = LIB.plot({...MARGIN, width: wide, height: panel.energy ? Math.min(wide, 620) : 340, grid: !panel.energy, color,
-    x: {...AXIS, domain: x, label: panel.labels[0]}, y: {...AXIS, domain: y, label: panel.labels[1]}, r: {type: "identity"}, marks});
-  const plot = [...picture.querySelectorAll("svg"), picture].find(e => e.querySelector("[aria-label=x-axis\\ tick\\ label],[aria-label='x-axis tick label']")) || picture;
-  for (const {track, points} of panel.tracks) {
-    if (track !== scene.track) continue;
-    const circle = document.createElementNS("http://www.w3.org/2000/svg", "circle");
-    for (const [k, v] of Object.entries({r: 7, fill: "#e69f00", stroke: "#111", "stroke-width": 2})) circle.setAttribute(k, v);
-    plot.append(circle);
-    scene.here.push({circle, points, picture});
-  }
-  const readout = document.createElement("div");
-  readout.className = "readout";
-  const under = event => [picture.scale("x").invert(event.offsetX), picture.scale("y").invert(event.offsetY)];
-  plot.onmousemove = event => {
-    const at = under(event), names = panel.labels.map(l => l.replace(/ *\[.*\]/, "")), units = panel.labels.map(l => (l.match(/\[(.*)\]/) || ["", ""])[1]);
-    const nearest = (v, all) => all.reduce((best, w, k) => Math.abs(w - v) < Math.abs(all[best] - v) ? k : best, 0);
-    const energy = panel.energy && panel.energy[nearest(at[1], panel.y)][nearest(at[0], panel.x)];
-    readout.textContent = at.map((v, k) => `${names[k]} ${minus(v.toFixed(2))} ${units[k].replace("deg", "°")}`).join(", ") +
-      (panel.energy ? energy === null ? ": no admissible state" : `: ${number(energy)} J` : "");
-  };
-  plot.onclick = event => {  // a star leads to its state
-    const distance = s => Math.hypot(picture.scale("x").apply(s[1]) - event.offsetX, picture.scale("y").apply(s[2]) - event.offsetY);
-    const best = panel.stations.reduce((b, s) => b === null || distance(s) < distance(b) ? s : b, null);
-    if (best && distance(best) < 16) chooseState(best[0]);
-  };
-  const out = figure(panel.title, picture);
-  out.append(readout);
-  return out;
-}
-
-function drawMaps() {  // anew for another state or path; along a path only its place moves
-  const key = `${current().key} ${sizeOf()}`;
-  if (scene.mapped !== key) {
-    Object.assign(scene, {mapped: key, here: []});
-    $("maps").replaceChildren(...scene.data.panels.map(drawMap));
-  }
-  for (const {circle, points, picture} of scene.here) {
-    const [x, y] = points[scene.step];
-    circle.style.display = x === null || y === null ? "none" : "";
-    circle.setAttribute("cx", picture.scale("x").apply(x ?? 0));
-    circle.setAttribute("cy", picture.scale("y").apply(y ?? 0));
-  }
-}
-
 // ---------------------------------------------------------------- what is chosen
 
 function current() {
@@ -443,8 +357,8 @@ function draw() {
     : now.state.lines;
   $("lines").replaceChildren(...lines.map(text => Object.assign(document.createElement("li"), {textContent: text})));
   document.querySelectorAll(".marked").forEach(e => { e.style.display = now.marks.length ? "" : "none"; });
-  document.querySelector(".plots").classList.toggle("alone", !onPath && !scene.data.panels.length);
-  drawSpace(); drawProfile(); drawMaps();
+  document.querySelector(".plots").classList.toggle("alone", !onPath);
+  drawSpace(); drawProfile();
 }
 
 function stop() {
@@ -476,7 +390,7 @@ function chooseScene(n) {  // it opens on its first path, where it has one
     step = states.reduce((best, state, k) => far(state) < far(states[best]) ? k : best, 0);
   }
   scene.creased = new Set(data.body.creases.flatMap(c => [`${c.start} ${c.end}`, `${c.end} ${c.start}`]));
-  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null, mapped: null});
+  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null});
   $("title").textContent = data.title;
   fill($("state"), data.stations.map(s => s.title), 0);
   fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
@@ -510,7 +424,7 @@ $("play").onclick = () => {
 $("scene").onchange = event => chooseScene(Number(event.target.value));
 fill($("scene"), DATA.map(d => d.title), 0);
 document.querySelectorAll(".many").forEach(e => { e.style.display = DATA.length > 1 ? "" : "none"; });
-window.onresize = () => { if (scene.mapped) { drawProfile(); drawMaps(); } };  // figures fit the width
+window.onresize = () => { if (scene.data) drawProfile(); };  // it fits the width
 document.body.classList.toggle("alone", ALONE);
 openSpace();
 chooseScene(0);
