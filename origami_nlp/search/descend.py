@@ -48,6 +48,7 @@ NAMES = {
     "FAR_APART": 0.02,  # a slot that orders layers is dropped
     "LONGEST_STEP": LONGEST,  # [rad]
     "TURN": 2 * math.pi,
+    "LEFT": 1e-3,  # of a square: beyond, rounding is near TIE
     "MOST_CLOSING": 40,
     "MOST_CORRECTIONS": 16,
     "MOST_HALVINGS": 24,

@@ -3,6 +3,7 @@
 typedef struct {
   int64_t n, k, rank;
   double *a, *beta, *diagonal; /* columns [k, n], of which reflectors are below the diagonal */
+  double *size, *known;        /* squares of what is left of each column, and as they were last computed */
   int64_t *order;              /* which column stands where */
 } Factors;
 
@@ -10,20 +11,19 @@ typedef struct {
 static void factor(Factors *f, int64_t n, int64_t k) {
   double first = 0.0;
   f->n = n, f->k = k, f->rank = 0;
-  for (int64_t j = 0; j < k; j++) f->order[j] = j;
+  for (int64_t j = 0; j < k; j++) f->order[j] = j, f->size[j] = f->known[j] = dot(f->a + j * n, f->a + j * n, n);
   for (int64_t j = 0; j < k && j < n; j++) {
     int64_t best = j;
     double most = -1.0;
-    for (int64_t c = j; c < k; c++) {
-      double size = dot(f->a + c * n + j, f->a + c * n + j, n - j);
-      if (size > most * (1 + TIE)) most = size, best = c;
-    }
-    most = sqrt(most);
+    for (int64_t c = j; c < k; c++)
+      if (f->size[c] > most * (1 + TIE)) most = f->size[c], best = c;
+    most = sqrt(dot(f->a + best * n + j, f->a + best * n + j, n - j));
     if (!j) first = most;
     if (!(most > RANK * first)) return;
     if (best != j) {
       int64_t was = f->order[j];
       f->order[j] = f->order[best], f->order[best] = was;
+      f->size[best] = f->size[j], f->known[best] = f->known[j];
       for (int64_t i = 0; i < n; i++) {
         double value = f->a[j * n + i];
         f->a[j * n + i] = f->a[best * n + i], f->a[best * n + i] = value;
@@ -33,8 +33,11 @@ static void factor(Factors *f, int64_t n, int64_t k) {
     v[0] -= top;
     f->diagonal[j] = top, f->beta[j] = 2.0 / dot(v, v, n - j), f->rank++;
     for (int64_t c = j + 1; c < k; c++) {
-      double *to = f->a + c * n + j, by = f->beta[j] * dot(v, to, n - j);
+      double *restrict to = f->a + c * n + j, by = f->beta[j] * dot(v, to, n - j);
+      if (by == 0.0) continue; /* of loops apart */
       for (int64_t i = 0; i < n - j; i++) to[i] -= by * v[i];
+      f->size[c] -= to[0] * to[0];
+      if (f->size[c] < LEFT * f->known[c]) f->size[c] = f->known[c] = dot(to + 1, to + 1, n - j - 1);
     }
   }
 }

@@ -112,9 +112,9 @@ void descend(const Sheet *s, int64_t count, double *xs, int64_t *sides, const in
 #define COUNT(count) (k += (count), k - (count))
   Held held = {0, sides, COUNT(4 * SLOTS), COUNT(SLOTS), COUNT(SLOTS), COUNT(SLOTS), pieces, COUNT(SLOTS),
                TAKE(12 * SLOTS), sign, TAKE(s->placed * SLOTS), (unsigned char *)COUNT(SLOTS), (unsigned char *)COUNT(n)};
-  Factors closure = {0, 0, 0, TAKE(n * wide), TAKE(wide + n), TAKE(wide + n), COUNT(wide)};
-  Factors rows = {0, 0, 0, TAKE(n * all), TAKE(all), TAKE(all), COUNT(all)};
-  Factors step = {0, 0, 0, TAKE(n * (wide + SLOTS)), TAKE(wide + SLOTS), TAKE(wide + SLOTS), COUNT(wide + SLOTS)};
+  Factors closure = {0, 0, 0, TAKE(n * wide), TAKE(wide + n), TAKE(wide + n), TAKE(wide), TAKE(wide), COUNT(wide)};
+  Factors rows = {0, 0, 0, TAKE(n * all), TAKE(all), TAKE(all), TAKE(all), TAKE(all), COUNT(all)};
+  Factors step = {0, 0, 0, TAKE(n * (wide + SLOTS)), TAKE(wide + SLOTS), TAKE(wide + SLOTS), TAKE(wide + SLOTS), TAKE(wide + SLOTS), COUNT(wide + SLOTS)};
   int64_t q = 3 * s->q * s->pieces;
   Descent t = {s, {TAKE(9 * f), TAKE(3 * f), TAKE(q)}, {TAKE(9 * f), TAKE(3 * f), TAKE(q)}, {TAKE(9 * f), TAKE(3 * f), TAKE(q)},
                &held, &closure, &rows, &step, TAKE(m), TAKE(m * n), TAKE(SLOTS), TAKE(SLOTS * n), TAKE(n), TAKE(n * n),
