@@ -19,7 +19,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_until, check_whole
 from origami_nlp.barriers.bounds import SHOWN, bounded, flat_bound
-from origami_nlp.barriers.graph import PathDown, graph_of, passes_over, pattern_passes
+from origami_nlp.barriers.graph import passes_over, traced_passes
 from origami_nlp.barriers.passes import Known, both_sides, critical_near
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.barriers.walks import Walks
@@ -44,7 +44,7 @@ from origami_nlp.minima import MinimaResult, canonical_states, check_result
 from origami_nlp.numerics import DUPLICATE_TOL, SHALLOW
 from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
-from origami_nlp.pattern_states import TracedPasses, find_states
+from origami_nlp.pattern_states import PassGraph, PathDown, find_states
 
 SEARCHING = 0.5
 """Share of a time limit that the search for minima gets."""
@@ -166,14 +166,14 @@ class _Paths:
         self.late = [MINIMA] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
         self.ways, self.loose = list[PathDown](), list[int]()
-        self.traced: TracedPasses | None = None
+        self.traced = PassGraph(self._stated, len(minima), self.minima)
 
     def barriers(self) -> Barriers:
         """Find them."""
         result, posed, on_curves = self.result, self.posed, None
         if not result.minima:
             return Barriers(result, (), (), (*self.late,))
-        if (known := self._in_time(ON_CURVES, lambda: pattern_passes(result))) is not None:
+        if (known := self._in_time(ON_CURVES, lambda: traced_passes(result))) is not None:
             on_curves, self.traced = known
         open_ = [p for p in on_curves.passes if p.known is Known.BOUND] if on_curves else []
         left = {k - 1 for p in open_ for k in (p.from_state, p.to_state)}
@@ -191,8 +191,7 @@ class _Paths:
         ways = [
             w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
         ]
-        graph, cut = graph_of(self._stated, self.minima, ways, self.traced)
-        whole = passes_over(self._stated, result, graph, self._stated.scale, cut=cut)
+        whole = passes_over(result, self.traced.with_ways(ways))
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))
         curved = on_curves.passes if on_curves else ()
@@ -269,8 +268,7 @@ class _Paths:
         """Walk from minima to the flat state, and to each other where no way is known yet."""
         problem, flat = self.terrain.problem, np.zeros(self.terrain.problem.size)
         lies = problem.pattern.lies_flat and not problem.refuses(flat)
-        merges = [] if self.traced is None else list(self.traced.tree.merges)
-        joined = [(m.first[0], m.second[0]) for m in merges]
+        joined = [(m.first[0], m.second[0]) for m in self.traced.tree.merges]
         walks = Walks(self.terrain, [flat] * lies, joined, self.posed.moves)
         for start, to, path in walks.ways():
             yield PathDown(path, to, start)
@@ -278,10 +276,13 @@ class _Paths:
     def _over_saddles(self) -> Iterator[PathDown]:
         """Go down both sides of saddles beside the highest states of the lowest ways."""
         terrain, known, tried = self.terrain, list[np.ndarray](), set[bytes]()
+        begun = self.traced  # under other labels curves are others: no saddle is looked for there
+        if self.posed.labels is not None:
+            begun = PassGraph(terrain.problem, len(terrain.minima), terrain.minima)
         while len(tried) < MOST_SADDLES:
-            graph, _ = graph_of(terrain.problem, terrain.minima, self.ways, self.traced)
+            graph = begun.with_ways(self.ways)
             merges = sorted(graph.tree.merges, key=lambda m: -len(m.first) * len(m.second))
-            tops = (graph.top(merge.first[0], merge.second[0]) for merge in merges)
+            tops = (graph.states[graph.top(merge.edge)] for merge in merges)
             top = next((x for x in tops if x.tobytes() not in tried), None)
             if top is None:
                 return

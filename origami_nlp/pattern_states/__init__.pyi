@@ -32,5 +32,9 @@ from .mobility import (
     analyze_mobility as analyze_mobility,
 )
 from .motion import Motion as Motion, find_motion as find_motion
+from .pass_graph import (
+    PassGraph as PassGraph,
+    PathDown as PathDown,
+    graph_of_curves as graph_of_curves,
+)
 from .proved import hold_against as hold_against
-from .traced_passes import TracedPasses as TracedPasses, curve_passes as curve_passes

@@ -11,9 +11,8 @@ import numpy as np
 from origami_nlp.escapes import TRACED, Escape, barriers, energy_scale, find_escapes, level_of
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SHALLOW
-from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
-from origami_nlp.pattern_states.traced_passes import CurvePasses, curve_passes
+from origami_nlp.pattern_states.pass_graph import PassGraph, graph_of_curves
 
 
 def with_escapes(
@@ -62,11 +61,9 @@ def _escapes(
     energies = np.array([s.energy for s in minima])
     scale = energy_scale(problem.pattern.stiffness)
     level = level_of(energies, scale)
-    traced = curve_passes(problem, curves.found, at)
-    heights, sure = (np.full((len(at),) * 2, math.inf) for _ in range(2))
-    if traced is not None:
-        heights, sure = (t.heights() * problem.scale for t in (traced.passes, traced.sure))
-    exact = _exact(problem, minima, traced, sure, level, scale, contact)
+    traced = graph_of_curves(problem, curves.found, at)
+    heights = traced.heights() * problem.scale
+    exact = _exact(minima, traced, level, scale, contact)
     alone = [not s.local_dimension for s in minima]
     found = find_escapes(
         problem.with_contact(contact),
@@ -85,25 +82,18 @@ def _escapes(
 
 
 def _exact(
-    problem: PatternProblem,
-    minima: Sequence[JudgedState],
-    traced: CurvePasses | None,
-    sure: np.ndarray,
-    level: float,
-    scale: float,
-    contact: bool,
+    minima: Sequence[JudgedState], traced: PassGraph, level: float, scale: float, contact: bool
 ) -> dict[int, Escape]:
     """Return the barriers that curves give exactly: a way that climbs no higher than every way does."""
-    if traced is None:
-        return {}
-    energies = np.array([s.energy for s in minima])
+    energies, sure = np.array([s.energy for s in minima]), traced.sure
+    unit, on_curves = traced.problem.scale, set(sure.pairs.ravel().tolist())
     found = {}
-    for k, (barrier, to) in enumerate(barriers(energies, sure, level, scale)):
-        if minima[k].dof != 1 or not traced.sure.on_curves[k]:
+    for k, (barrier, to) in enumerate(barriers(energies, unit * sure.heights(), level, scale)):
+        if minima[k].dof != 1 or k not in on_curves:
             continue
         equal = np.flatnonzero(energies <= energies[k] + level).tolist()
         others = [*equal, *([to] if to >= 0 else [])]
-        least = traced.least(k, others, level / problem.scale) * problem.scale
+        least = traced.least(k, others, level / unit) * unit
         if math.isinf(least):
             if contact:  # samples at which facets cross are no proof that no way leads past
                 continue
@@ -111,6 +101,7 @@ def _exact(
             found[k] = Escape(math.inf, TRACED, why)
         elif math.isfinite(barrier) and energies[k] + barrier <= least + level:
             why = "the lowest pass of the curves of closed states, both ways"
-            top = tuple(traced.sure.top(k, to).tolist())
+            merge = sure.tree.barrier(k, to)
+            top = () if merge is None else tuple(sure.states[sure.top(merge.edge)].tolist())
             found[k] = Escape(barrier, TRACED, why, to + 1, top, barrier < SHALLOW * scale)
     return found
