@@ -1,4 +1,4 @@
-from .elder_rule import barriers as barriers, bounds as bounds, level_of as level_of
+from .elder_rule import barriers as barriers, level_of as level_of
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,

@@ -1,4 +1,4 @@
-"""Escape barriers of states from passes between them, and from escape paths: the elder rule.
+"""Escape barriers of states from passes between them: the elder rule.
 
 It is the least energy that a path to a state of no higher energy climbs; where there is none such, to one that is not
 shallow itself.
@@ -7,12 +7,9 @@ shallow itself.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from origami_nlp.escapes.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
-from origami_nlp.escapes.terrain import FLOOR
 from origami_nlp.numerics import LEVEL, SHALLOW
 
 
@@ -80,63 +77,3 @@ def _closed(heights: np.ndarray) -> np.ndarray:
 def level_of(energies: np.ndarray, scale: float) -> float:
     """Return by how much energies may differ that are equal [their units]."""
     return LEVEL * (scale + float(np.abs(energies).max(initial=0.0)))
-
-
-def bounds(
-    energies: np.ndarray,
-    ways: Mapping[int, EscapePath],
-    heights: np.ndarray,
-    scale: float,
-    reported: Mapping[int, Escape],
-    unknown: Callable[[int], str],
-    among: str = "",
-) -> list[Escape]:
-    """Return what it takes to leave each state: as it is known already, or bounded by escape paths.
-
-    Parameters
-    ----------
-    energies
-        Of the states, [M].
-    ways
-        Escape paths from some of them.
-    heights
-        Of the lowest pass between two of them, over zero, as far as it is known, [M, M].
-    scale
-        Of energies, see `energy_scale`.
-    reported
-        What is known of some without bounds.
-    unknown
-        Why there is no escape path of one.
-    among
-        What ways keep, in words.
-
-    Returns
-    -------
-    list of Escape
-        One a state; tops of ways in the problem's variables.
-    """
-    heights, beyond = heights.copy(), np.full(len(energies), math.inf)
-    for k, way in ways.items():
-        if way.to < 0:
-            beyond[k] = way.height
-        else:
-            # upwards, by less than any bound: of ways equally high rounding chooses none
-            grid = scale * FLOOR / 100
-            heights[k, way.to] = min(
-                heights[k, way.to], math.ceil((energies[k] + way.height) / grid) * grid
-            )
-    out = []
-    level = level_of(energies, scale)
-    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
-        if k in reported:
-            out.append(reported[k])
-        elif math.isinf(barrier):
-            # that no way was found does not make the barrier infinite: it is not determined
-            out.append(Escape(math.nan, OPEN, unknown(k)))
-        else:
-            # to two digits: more hang on where steps of descents in batches were cut
-            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
-            why = f"an explicit escape path climbs so high; lower ones are not excluded{among}"
-            top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
-            out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))
-    return out

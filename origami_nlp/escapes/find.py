@@ -9,19 +9,18 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.escapes.elder_rule import bounds, level_of
-from origami_nlp.escapes.escape import ALONE, Escape, EscapePath
+from origami_nlp.escapes.elder_rule import barriers, level_of
+from origami_nlp.escapes.escape import BOUND, OPEN, Escape, EscapePath, rounded_up
 from origami_nlp.escapes.paths import escape_paths
-from origami_nlp.escapes.terrain import Terrain, energy_scale
-from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, coarse
+from origami_nlp.escapes.terrain import FLOOR, Terrain, energy_scale
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, OUTSIDE, SETTLED, SHALLOW, coarse
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
 MOST_STATES = 8
 """States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
-NOTHING_NEAR = "no other admissible state is near"
-"""Of a state that stands alone."""
+SHOWN = "an explicit escape path climbs so high; lower ones are not excluded"
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
 
@@ -43,17 +42,14 @@ class _Image(NamedTuple):
 def find_escapes(
     problem: PatternProblem,
     at: np.ndarray,
-    alone: Sequence[bool],
+    known: Mapping[int, Escape],
     *,
     labels: CanonicalLabelling,
     moves: Sequence[Move] = (),
-    exact: Mapping[int, Escape] | None = None,
-    heights: np.ndarray | None = None,
-    kept: str = "",
-    unit: float = 1.0,
+    heights: np.ndarray,
     most: float = math.inf,
 ) -> list[Escape]:
-    """Return what it takes to leave each of some stable states.
+    """Return what it takes to leave each of some stable states: what is known already, else bounds by escape paths.
 
     Parameters
     ----------
@@ -61,46 +57,33 @@ def find_escapes(
         Of a vertex or a sheet.
     at
         The states, [M, n]; ways lead to states among them.
-    alone
-        Which of them stand alone: no admissible state is near.
+    known
+        What is known exactly, by number.
     labels
         Of the problem's variables, so that what is found does not depend on how they are numbered.
     moves
         Symmetries of the problem.
-    exact
-        What is known exactly, by number.
     heights
         Passes that are known between two of them, [M, M]; inf where there is none.
-    kept
-        What else is said of every way.
-    unit
-        Of the energies that are returned, over those of the problem.
     most
         Counted work that descents may take.
 
     Returns
     -------
     list of Escape
-        One a state.
+        One a state; tops of ways in the problem's variables.
     """
-    if not len(at):
-        return []
-    energies = unit * problem.energies(at)
-    scale = unit * energy_scale(problem.pattern.stiffness)
-    level, reported = level_of(energies, scale), dict(exact or {})
-    reported |= {
-        k: Escape(math.inf, ALONE, NOTHING_NEAR) for k, is_alone in enumerate(alone) if is_alone
-    }
-    why = ""
+    energies, scale, why = problem.energies(at), energy_scale(problem.pattern.stiffness), ""
+    level, count = level_of(energies, scale), len(at)
     if problem.pattern.creases > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: escape paths are not sought"
     images = _images(at, moves)
-    loose = [k for k in range(len(at)) if k not in reported]
+    loose = [k for k in range(count) if k not in known]
     first = [k for k in loose if images[k].of == k]
     last = energies[first[:MOST_STATES]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways: dict[int, EscapePath] = {}
-    if sought and len(at) > 1:
+    if sought and count > 1:
         out_of = [k for k in sought if k in first]
         aside = labels.drawn(np.random.default_rng(0).normal(size=problem.size))
         leaving = {k: softest_modes(problem, at[k]) for k in out_of}
@@ -109,27 +92,39 @@ def find_escapes(
             why = "no C compiler was found: escape paths, which many descents show, are not sought"
         else:
             try:
-                found = {
-                    k: way._replace(height=unit * way.height)
-                    for k, way in escape_paths(terrain, out_of).items()
-                }
-                ways = {
-                    k: images[k].way(found[images[k].of]) for k in loose if images[k].of in found
-                }
+                found = escape_paths(terrain, out_of)
+                on = [k for k in loose if images[k].of in found]
+                ways = {k: images[k].way(found[images[k].of]) for k in on}
             except OutOfTime:
                 why = "interrupted by the time limit"
-
-    def unknown(k: int) -> str:
-        if not why and len(at) == 1:
-            return "no other state is known that it could be left for"
-        if not why and k not in sought:
-            return f"sought for the {len(sought)} states of lowest energy"
-        return why or "no way that was tried led to a state of lower energy"
-
-    none = np.full((len(at),) * 2, math.inf)
-    return bounds(
-        energies, ways, none if heights is None else heights, scale, reported, unknown, kept
-    )
+    heights, beyond = heights.copy(), np.full(count, math.inf)
+    for k, way in ways.items():
+        if way.to < 0:
+            beyond[k] = way.height
+        else:
+            # upwards, by less than any bound: of ways equally high rounding chooses none
+            grid = scale * FLOOR / 100
+            height = math.ceil((energies[k] + way.height) / grid) * grid
+            heights[k, way.to] = min(heights[k, way.to], height)
+    out = []
+    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+        if k in known:
+            out.append(known[k])
+        elif math.isinf(barrier):
+            # that no way was found does not make the barrier infinite: it is not determined
+            if not why and count == 1:
+                reason = "no other state is known that it could be left for"
+            elif not why and k not in sought:
+                reason = f"sought for the {len(sought)} states of lowest energy"
+            else:
+                reason = why or "no way that was tried led to a state of lower energy"
+            out.append(Escape(math.nan, OPEN, reason))
+        else:
+            # to two digits: more hang on where steps of descents in batches were cut
+            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
+            top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
+            out.append(Escape(barrier, BOUND, SHOWN, to + 1, top, barrier < SHALLOW * scale))
+    return out
 
 
 def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:

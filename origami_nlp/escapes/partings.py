@@ -34,19 +34,17 @@ class Parting:
     height: float
 
 
-def partings_of(
-    terrain: Terrain, which: Sequence[int], sections: int, confirmed: int
-) -> Iterator[tuple[int, list[Parting]]]:
+def partings_of(terrain: Terrain, which: Sequence[int]) -> Iterator[tuple[int, list[Parting]]]:
     """Yield partings of each state, cut finer, the lowest first."""
-    partings = _partings(terrain, which, confirmed)
+    partings = _partings(terrain, which)
     parts = [p for of in partings.values() for p in of]
-    _sharpen(terrain, parts, sections)
+    _sharpen(terrain, parts)
     for k, of in partings.items():
         yield k, sorted(of, key=_rank)
 
 
-def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[Parting]]:
-    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first."""
+def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[Parting]]:
+    """Return where descents along rays begin to end elsewhere, by state: the lowest, the lowest first."""
     ways = [(k, ray) for k, ray in rays(terrain, which) if len(ray) > 1]
     tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in ways]
     ranks = [coarse(top[:, None])[:, 0] for top in tops]
@@ -56,7 +54,7 @@ def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, li
         int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, ways, strict=True)
     ]
     begin = [1] * len(ways)
-    while some := _next_descents(terrain, [k for k, _ in ways], ranks, first, begin, most):
+    while some := _next_descents(terrain, [k for k, _ in ways], ranks, first, begin):
         away = _away(terrain, [(ways[r][0], ways[r][1][i]) for r, i in some])
         for (r, i), gone in zip(some, away.tolist(), strict=True):
             begin[r] = i + 1
@@ -66,7 +64,7 @@ def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, li
         if at < len(ray):
             part = Parting(k, list(ray[:at]), ray[at - 1], ray[at], float(top[at]))
             out.setdefault(k, []).append(part)
-    return {k: sorted(parts, key=_rank)[:most] for k, parts in out.items()}
+    return {k: sorted(parts, key=_rank)[:MOST_CONFIRMED] for k, parts in out.items()}
 
 
 def _next_descents(
@@ -75,14 +73,13 @@ def _next_descents(
     ranks: Sequence[np.ndarray],
     first: Sequence[int],
     begin: Sequence[int],
-    most: int,
 ) -> list[tuple[int, int]]:
-    """Return states (ray, place) to descend from next: of rays of each state the lowest, up to its `most` partings."""
+    """Return states (ray, place) to descend from next: of rays of each state the lowest, up to `MOST_CONFIRMED`."""
     out: list[tuple[int, int]] = []
     for k in dict.fromkeys(of):
         mine = [r for r, owner in enumerate(of) if owner == k]
         known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
-        bar = known[most - 1] if len(known) >= most else math.inf
+        bar = known[MOST_CONFIRMED - 1] if len(known) >= MOST_CONFIRMED else math.inf
         left = ((ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]))
         some = sorted(state for state in left if state[0] <= bar)
         out += [(r, i) for _, r, i in some[: terrain.together]]
@@ -111,12 +108,12 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
     return away
 
 
-def _sharpen(terrain: Terrain, parts: Sequence[Parting], sections: int) -> None:
+def _sharpen(terrain: Terrain, parts: Sequence[Parting]) -> None:
     """Cut the steps in which descents part finer, those of several states together."""
-    # each round cuts the step in which descents part into sections + 1
-    even = np.arange(1, sections + 1) / (sections + 1)
+    # each round cuts the step in which descents part into SECTIONS + 1
+    even = np.arange(1, SECTIONS + 1) / (SECTIONS + 1)
     # what is left in the first step may be left much sooner
-    narrow = 4.0 ** np.arange(-sections, 0)
+    narrow = 4.0 ** np.arange(-SECTIONS, 0)
     for _ in range(ROUNDS):
         inner = {
             i: terrain.between(p.low, p.high, narrow if p.low is p.before[0] else even)

@@ -10,8 +10,6 @@ import numpy as np
 from origami_nlp.escapes.escape import EscapePath
 from origami_nlp.escapes.partings import (
     CERTAIN,
-    MOST_CONFIRMED,
-    SECTIONS,
     Parting,
     partings_of,
 )
@@ -23,8 +21,6 @@ from origami_nlp.numerics import NONZERO, SETTLED, coarse
 def escape_paths(
     terrain: Terrain,
     which: Sequence[int],
-    sections: int = SECTIONS,
-    confirmed: int = MOST_CONFIRMED,
 ) -> dict[int, EscapePath]:
     """Find an escape path from states of a terrain that climbs little.
 
@@ -38,10 +34,6 @@ def escape_paths(
         States, energies and descents.
     which
         Numbers of the states.
-    sections
-        That a step is cut at in one round.
-    confirmed
-        Escape paths from a state that are gone down carefully.
 
     Returns
     -------
@@ -54,7 +46,7 @@ def escape_paths(
         if over is not None and over[0] <= max(least * (1 + CERTAIN), terrain.floor):
             found[k] = EscapePath(over[0], over[1], to, over[2])
     left = [k for k in which if k not in found]
-    for k, parts in partings_of(terrain, left, sections, confirmed):
+    for k, parts in partings_of(terrain, left):
         if (way := _lowest_way(terrain, parts)) is not None:
             found[k] = way
     return found
@@ -74,11 +66,9 @@ def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None
 def escape_paths_of_each(
     terrain: Terrain,
     which: Sequence[int],
-    sections: int = SECTIONS,
-    confirmed: int = MOST_CONFIRMED,
 ) -> Iterator[tuple[int, Iterator[EscapePath]]]:
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
-    for k, parts in partings_of(terrain, which, sections, confirmed):
+    for k, parts in partings_of(terrain, which):
         yield k, filter(None, (_way(terrain, part) for part in parts))
 
 

@@ -5,14 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.escapes import TRACED, Escape, barriers, energy_scale, find_escapes, level_of
+from origami_nlp.escapes import (
+    ALONE,
+    TRACED,
+    Escape,
+    barriers,
+    energy_scale,
+    find_escapes,
+    level_of,
+)
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.pass_graph import PassGraph, graph_of_curves
+
+NOTHING_NEAR = "no other admissible state is near"
+"""Of a state that stands alone."""
 
 
 def with_escapes(
@@ -42,43 +54,23 @@ def with_escapes(
     list of JudgedState
         With `escape` where they are minima.
     """
-    minima = [s for s in states if s.verdict == "minimum"]
+    minima, problem = [s for s in states if s.verdict == "minimum"], curves.problem
     if not minima:
         return list(states)
-    found = iter(_escapes(curves, minima, moves, contact, most))
-    return [replace(s, escape=next(found)) if s.verdict == "minimum" else s for s in states]
-
-
-def _escapes(
-    curves: TracedCurves,
-    minima: Sequence[JudgedState],
-    moves: Sequence[Callable[[np.ndarray], np.ndarray]],
-    contact: bool,
-    most: float,
-) -> list[Escape]:
-    problem = curves.problem
-    at = np.array([problem.reduce(s.phi) for s in minima])
-    energies = np.array([s.energy for s in minima])
+    at, energies = np.array([problem.reduce(s.phi) for s in minima]), [s.energy for s in minima]
     scale = energy_scale(problem.pattern.stiffness)
-    level = level_of(energies, scale)
     traced = graph_of_curves(problem, curves.found, at)
-    heights = traced.heights() * problem.scale
-    exact = _exact(minima, traced, level, scale, contact)
-    alone = [not s.local_dimension for s in minima]
-    found = find_escapes(
-        problem.with_contact(contact),
-        at,
-        alone,
-        labels=curves.labels,
-        moves=moves,
-        exact=exact,
-        heights=heights,
-        most=most,
-    )
-    return [
-        replace(e, top=tuple(problem.expand(np.array(e.top)).tolist())) if e.top else e
-        for e in found
-    ]
+    known = _exact(minima, traced, level_of(np.array(energies), scale), scale, contact)
+    alone = [k for k, s in enumerate(minima) if not s.local_dimension]
+    known |= {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in alone}
+    passes: dict[str, Any] = {"moves": moves, "heights": traced.heights() * problem.scale}
+    posed = problem.with_contact(contact)
+    found = iter(find_escapes(posed, at, known, labels=curves.labels, most=most, **passes))
+
+    def told(e: Escape) -> Escape:
+        return replace(e, top=tuple(problem.expand(np.array(e.top)).tolist())) if e.top else e
+
+    return [replace(s, escape=told(next(found))) if s.verdict == "minimum" else s for s in states]
 
 
 def _exact(

@@ -267,10 +267,11 @@ def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
     seen = {}
     monkeypatch.setattr(
         "origami_nlp.escapes.partings._sharpen",
-        lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
+        lambda terrain, parts: seen.update({id(p): p for p in parts}),
     )
     monkeypatch.setattr("origami_nlp.escapes.paths.paths_over_flat", lambda terrain, which: {})
-    escape_paths(terrain_of(result.scene, result.minima), loose, confirmed=1)
+    monkeypatch.setattr("origami_nlp.escapes.partings.MOST_CONFIRMED", 1)
+    escape_paths(terrain_of(result.scene, result.minima), loose)
     for k in loose:
         heights = sorted(p.height for p in seen.values() if p.k == k)
         assert heights == pytest.approx(sorted(lowest[k])[:1], rel=1e-9)
