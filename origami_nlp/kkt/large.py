@@ -22,8 +22,10 @@ from origami_nlp.numerics import (
     CLOSURE_TOL,
     CURVED,
     EPS,
+    FULL,
     LEVEL,
     STATIONARY,
+    dense,
     nonnegative_least_squares,
 )
 from origami_nlp.problem import Contact, Sparse
@@ -151,24 +153,29 @@ def smallest_curvature(h: sp.sparse.sparray, j: sp.sparse.sparray) -> tuple[floa
     """
     import scipy as sp
 
+    n, found = h.shape[0], (math.nan, np.zeros(h.shape[0]))
+    full = h.nnz > FULL * n * n  # the curvature of one long loop
+    held, j = (dense(m) if full else sp.sparse.csc_array(m) for m in (h, j))
     # below every eigenvalue (Gershgorin; J'J adds none below), the closest one is the smallest
-    below = -float(np.abs(sp.sparse.csr_array(h)).sum(axis=1).max()) - 1.0
-    n = h.shape[0]
-    found = math.nan, np.zeros(n)
-    square = sp.sparse.csc_array(j).T @ sp.sparse.csc_array(j)
+    below = -float(abs(held).sum(axis=1).max()) - 1.0
+    square, inverse = j.T @ j, None
     for penalty in PENALTIES:
         # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
-        whole = (sp.sparse.csc_array(h) + penalty * square).tocsc()
+        whole = held + penalty * square
+        if full:
+            factor = sp.linalg.cho_factor(whole - below * np.eye(n), check_finite=False)
+            solve = partial(sp.linalg.cho_solve, factor, check_finite=False)
+            inverse = sp.sparse.linalg.LinearOperator((n, n), solve)
         try:
             values, vectors = sp.sparse.linalg.eigsh(
-                whole, k=1, sigma=below, which="LM", v0=np.ones(n)
+                whole, k=1, sigma=below, which="LM", v0=np.ones(n), OPinv=inverse
             )
         except sp.sparse.linalg.ArpackNoConvergence:
             continue
         vector = vectors[:, 0]
         # an eigenvalue lies within the residual of a unit vector's Rayleigh quotient, and within what rounding altered
         left = float(np.linalg.norm(whole @ vector - values[0] * vector))
-        left += EPS * float(np.abs(whole).sum(axis=1).max())
+        left += EPS * float(abs(whole).sum(axis=1).max())
         if not values[0] - left <= found[0]:
             found = float(values[0] - left), vector
         if found[0] > CURVED:

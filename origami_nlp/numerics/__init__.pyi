@@ -16,6 +16,7 @@ from .conic import (
     svector as svector,
 )
 from .factors import (
+    FULL as FULL,
     MOST_TIMES as MOST_TIMES,
     STALLS as STALLS,
     SYMMETRIC as SYMMETRIC,
