@@ -158,7 +158,7 @@ def landscape(
 ) -> Any:
     """Map the energy landscape of a vertex: exact boundaries, minima, space, critical points and passes.
 
-    Passes between minima are for -o FILE.json and FILE.html; barriers lists them.
+    Passes between minima are for -o FILE.json; barriers lists them.
     """
     from origami_nlp import paper
     from origami_nlp.barriers import find_barriers
