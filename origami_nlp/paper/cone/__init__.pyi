@@ -1,7 +1,11 @@
-from .branches import ConeBranch as ConeBranch
+from .branches import (
+    ConeBranch as ConeBranch,
+    class_of as class_of,
+    parse_flaps as parse_flaps,
+    write_flaps as write_flaps,
+)
 from .classes import Branches as Branches
 from .energy import BranchEnergy as BranchEnergy
-from .flaps import class_of as class_of, parse_flaps as parse_flaps, write_flaps as write_flaps
 from .minima import (
     ConeCount as ConeCount,
     ConeMinima as ConeMinima,

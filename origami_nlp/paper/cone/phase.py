@@ -12,9 +12,8 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_whole
 from origami_nlp.display import Report, Section, Table
 from origami_nlp.io import pick
-from origami_nlp.paper.cone.classes import direction_name
+from origami_nlp.paper.cone.classes import exact
 from origami_nlp.paper.cone.minima import CountMap, count_map
-from origami_nlp.paper.cone.numbers import exact
 from origami_nlp.paper.cone.phase_curves import PhaseBoundary, phase_boundaries
 from origami_nlp.paper.cone.rules import Cone
 
@@ -54,35 +53,35 @@ class PhaseDiagram(Report):
         kinds = Counter(b.kind for b in self.boundaries)
         yield "boundaries: " + ", ".join(f"{k} {n}" for k, n in kinds.items())
 
-    def _numbers(self) -> dict[str, np.ndarray]:
+    def _numbers(self) -> dict[str, list[list[int]]]:
         m = self.map
-        return {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
+        kinds = {"interior": m.interior, "contact_pinned": m.contact, "falling_at_cut": m.cut}
+        return {name: numbers.tolist() for name, numbers in kinds.items()}
 
     def _rows(self) -> Iterator[dict[str, object]]:
+        numbers = self._numbers()
         for i, nu in enumerate(self.map.elevations.tolist()):
             for k, r in enumerate(self.map.ratios.tolist()):
-                each = {name: int(n[k, i]) for name, n in self._numbers().items()}
+                each = {name: n[k][i] for name, n in numbers.items()}
                 yield {"rest_elevation": nu, "ratio": r, **each}
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data; maps are [ratio][rest elevation], numbers beyond 2^53 text."""
-        data = {"schema": self.SCHEMA} | pick(
-            self.map.cone, "degree", "branches", "rest", "end", branches=str(self.map.cone.branches)
-        )
-        data |= pick(self.map, "ratios", "rest_elevations=elevations")
-        for name, numbers in self._numbers().items():
-            data[name] = [[*map(exact, row)] for row in numbers.tolist()]
-        data["boundaries"] = [
-            {
-                "valleys": int(b.branches.valleys[0]),
-                "changes": int(b.branches.changes[0]),
-                "direction": direction_name(b.branches.direction[0]),
-                "multiplicity": exact(b.branches.multiplicity[0]),
-                **pick(b, "kind", "rest_elevation", "ratio", "elevation"),
-            }
+        m, own = self.map, pick(self.map.cone, "degree", "rest", "end")
+        maps = {k: [[*map(exact, row)] for row in n] for k, n in self._numbers().items()}
+        each = "valleys changes direction multiplicity".split()
+        boundaries = [
+            dict(zip(each, b.branches.described(0), strict=True))
+            | pick(b, "kind", "rest_elevation", "ratio", "elevation")
             for b in self.boundaries
         ]
-        return data
+        about = {"schema": self.SCHEMA, **own, "branches": str(m.cone.branches)}
+        return (
+            about
+            | pick(m, "ratios", "rest_elevations=elevations")
+            | maps
+            | {"boundaries": boundaries}
+        )
 
     @property
     def numbers(self) -> tuple[int, ...]:

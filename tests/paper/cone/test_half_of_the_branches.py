@@ -75,7 +75,6 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
         cut = bool(branch.cone.is_cut(branch.steep))
         further = cone.ConeBranch(folding.flaps, direction, "contact")
         assert cut == (branch.steep == 1) and not further.cone.is_cut(branch.steep)
-        assert ("no contact" in branch.end_text) == cut
         if not cut:
             continue
         for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):

@@ -53,17 +53,17 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
 
     for folding in cone.foldings(degree):
         branch = cone.ConeBranch(folding.flaps, direction, "contact")
-        before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
-        after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
+        before = cone_fold_angles(degree, direction * (branch.end - 1e-4), branch.flaps).value
+        after = cone_fold_angles(degree, direction * (branch.end + 1e-4), branch.flaps).value
         assert check_admissible(sheet(branch.degree), before).admissible
         assert not check_admissible(sheet(branch.degree), after).admissible
 
 
 def test_past_the_end_it_says_so():
     branch = cone.ConeBranch((1, 1, -1), 1)
-    with pytest.raises(AngleError, match=r"past the end .* pi/6"):
+    with pytest.raises(AngleError, match="ends at .* pi/6"):
         branch.fold_angles([0.1, 0.53])
-    with pytest.raises(AngleError, match="past the end"):
+    with pytest.raises(AngleError, match="ends at"):
         cone.ConeBranch((1, 1, 1), 1).fold_angles(1.58)
     with pytest.raises(AngleError, match="up has elevations >= 0"):
         branch.fold_angles(-0.1)
@@ -109,7 +109,7 @@ def test_lists_and_formulas_agree_with_orbits(degree):
         ),
     ):
         theirs = orbits(degree, mirrored)
-        assert {f.flaps for f in listed} == theirs
+        assert {cone.parse_flaps(f.flaps) for f in listed} == theirs
         assert len(listed) == len(theirs) == number
         assert sum(f.copies for f in listed) == 2 ** (degree // 2)
 
