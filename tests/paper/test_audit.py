@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from origami_nlp.chart import chart_of
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import SceneFileError
 from origami_nlp.kkt import project
 from origami_nlp.paper import Audit, audit_candidates, read_candidates
-from origami_nlp.paper.audit import CAUSES, chart_ends, chart_point
+from origami_nlp.paper.audit import CAUSES, chart_ends
 from origami_nlp.pattern import examples
 from origami_nlp.pattern_problem import pose
 from tests.command_line import run
@@ -60,7 +61,7 @@ def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not(
     model = pose(scene)
     for v in (-0.7, 0.6):
         for x in states_at(alpha, v, 0.5):
-            assert chart_point(scene, model.expand(x)) == pytest.approx((0.5, v), abs=1e-9)
+            assert chart_of(scene).points(model.expand(x)) == pytest.approx((0.5, v), abs=1e-9)
     edge = math.asin(math.sin(2 * alpha) * math.sin(fold / 2) ** 2)
     for beyond in (0.3, 9):
         states = [x for s in (1, -1) for x in states_at(alpha, s * (edge + beyond * STEP), fold)]
@@ -109,9 +110,7 @@ def test_every_artefact_is_named(made: tuple[Audit, list[str]]) -> None:
     found, causes = made
     assert [
         a.cause
-        for a in sorted(
-            (a for p in found.panels for a in p.audited), key=lambda a: a.candidate.number
-        )
+        for a in sorted((a for p in found.panels for a in p.candidates), key=lambda a: a.number)
     ] == causes
     total = [int(cell) for cell in found.table().rows[-1][1:]]
     assert total[0] == len(causes) == sum(total[1 : 1 + len(CAUSES)])

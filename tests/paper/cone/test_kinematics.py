@@ -61,7 +61,7 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
 
 def test_past_the_end_it_says_so():
     branch = cone.ConeBranch((1, 1, -1), 1)
-    with pytest.raises(AngleError, match="ends at .* pi/6"):
+    with pytest.raises(AngleError, match=r"ends at .* pi/6"):
         branch.fold_angles([0.1, 0.53])
     with pytest.raises(AngleError, match="ends at"):
         cone.ConeBranch((1, 1, 1), 1).fold_angles(1.58)
