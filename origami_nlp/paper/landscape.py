@@ -22,7 +22,7 @@ from origami_nlp.chart import (
     outline_of,
     with_energy,
 )
-from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.contact import flat_parts
 from origami_nlp.display import Content, Line, Report, Section, Viewable, record_table
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
@@ -228,7 +228,7 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
         curve = with_energy(problem, line)
         if len(curve.s) < 3:
             continue
-        for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
+        for part in flat_parts(curve, number, total, angles):
             # linear between points of the line, which lie on the boundary to rounding
             s = np.linspace(part.start, part.end, 2 + int(part.length / PIECE))
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)

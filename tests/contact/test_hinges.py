@@ -29,7 +29,7 @@ def of_laws(plain):
 )  # fmt: skip
 def test_margins_of_linear_laws_are_those_of_springs(scene):
     one, two = (
-        o.find_contacts(o.find_minima(s, escape=False, prove=False, max_starts=32), check=False)
+        o.find_contacts(o.find_minima(s, escape=False, prove=False, max_starts=32))
         for s in (scene, of_laws(scene))
     )
     assert len(one.states) == len(two.states) > 0
@@ -47,7 +47,7 @@ def test_a_margin_at_a_stop_is_where_the_state_leaves_it():
     )  # fmt: skip
     found = o.find_minima(scene, escape=False)
     assert "stop 3: " in str(found) and "fold limit" not in str(found)
-    report = o.find_contacts(found, check=True)
+    report = o.find_contacts(found)
     words = str(report) + report.report(verbose=True)
     assert "(stop)" in words and "folded flat" not in words
     state = next(s for s in report.states if s.margin.norm > 0)

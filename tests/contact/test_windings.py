@@ -1,4 +1,4 @@
-"""Contacts, barriers and pictures of states that wind several times round their axis."""
+"""Contacts and barriers of states that wind several times round their axis."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from origami_nlp import Scene, Vertex, find_barriers, find_contacts, find_minima
-from tests.computed_once import thinned
 from tests.paths.test_windings import STAR
 
 
@@ -30,14 +29,3 @@ def test_contacts_and_barriers_are_those_of_the_winding():
         found = find_barriers(scene)
         assert {m.winding for m in found.result.minima} == {scene.winding or 1}
         assert len(found.passes) == math.comb(len(found.result.minima), 2) > 0
-
-
-@pytest.mark.parametrize("winding", thinned([3, 1], 2))
-def test_pictures_place_the_states_of_their_winding(winding):
-    from origami_nlp import draw_minima
-
-    result = find_minima(
-        STAR if winding == 1 else replace(STAR, winding=3), prove=False, escape=False
-    )
-    figure = draw_minima(result, size=21)
-    assert len(figure.axes) > 2
