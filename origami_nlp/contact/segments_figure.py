@@ -34,7 +34,7 @@ def draw_segments(report: SegmentReport) -> Figure:
     drawn = sorted(order[:MOST_CURVES])
     width = 2.0 + 2.3 * max(1, len(drawn))
     figure = Figure(figsize=(width, 7.4), dpi=110, layout="constrained")
-    title = f"{report.scene.title}\n{report.verdict.partition(':')[0]}, {report.length:.2f} rad"
+    title = f"{report.scene.title}\nmetastable: {report.length:.2f} rad"
     if more := len(order) - len(drawn):
         title += f" ({more} more boundaries not drawn)"
     figure.suptitle(label_text(title), fontsize=11, weight="bold")
@@ -66,7 +66,8 @@ def _column(axes: Any, report: SegmentReport, k: int) -> None:
         if band is not None:
             axis.axhspan(-band, band, color=BAND, lw=0.8, label="within the threshold")
         for line in np.atleast_2d(values.T):
-            axis.plot(s, line, color=INK, lw=1, ls=":", label="contact does not push")
+            if not curve.pressed.all():
+                axis.plot(s, line, color=INK, lw=1, ls=":", label="contact does not push")
             axis.plot(s, np.where(curve.pressed, line, np.nan), color=INK, label="contact pushes")
             for part in (part for part in report.segments if part.curve == k):
                 at = np.linspace(part.start, part.end, 100)
