@@ -53,13 +53,17 @@ class Chart:
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 
+    @property
+    def sided(self) -> bool:
+        """Whether each side of the flat state has one branch, with elevations of one sign (`closed_forms.wedge3`)."""
+        return self.kind == "wedge" and self.scene.group.order == 2 and self.scene.contact == "full"
+
     def branch_of(self, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Branch on which states [..., N] lie, and how far they are from where branches meet, [...]."""
         elevation = self.points(fold_angles)[..., 1]
         if self.kind == "degree6":
             return np.zeros(elevation.shape, dtype=int), np.ones(elevation.shape)
-        if self.scene.group.order == 2 and self.scene.contact == "full":
-            # each side of the flat state has one: `closed_forms.wedge3`
+        if self.sided:
             return np.where(elevation > 0, 1, 0), np.abs(elevation)
         misfit = []
         for k in (0, 1):

@@ -65,8 +65,8 @@ class Place:
     drawn: bool = field(default=True, metadata=shown("drawn"))
 
 
-COARSE, LARGEST_SIZE = 81, 8192
-"""Cells along each coordinate: for a first look, and at most; that many take about 5 GB."""
+LARGEST_SIZE = 8192
+"""Cells along each coordinate at most; that many take about 5 GB."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,9 +88,8 @@ class Landscape(ShortRepr):
     @property
     def one_plane(self) -> bool:
         """Whether all branches fit into one picture, each on its own side of zero."""
-        return len(self.branches) <= 1 or (
-            self.scene.contact == "full" and self.scene.group.order == 2
-        )
+        chart = chart_of(self.scene)
+        return len(self.branches) <= 1 or (chart is not None and chart.sided)
 
     def place(self, fold_angles: object, winding: int = 1) -> Place:
         """Return where the state with all N `fold_angles` [rad] lies, which winds so often round the axis.
@@ -157,28 +156,15 @@ def _areas(chart: Chart, size: int) -> Landscape:
     scene, branches = chart.scene, []
     x = cells(-math.pi, math.pi, size)
     for k, sign in enumerate(chart.signs):
-        name, y = (
-            ("", x) if chart.kind == "degree6" else (f"branch {sign:+d}", _rows(chart, k, size))
-        )
+        name = "" if chart.kind == "degree6" else f"branch {sign:+d}"
+        low, high = chart_limits(chart)[2:]
+        if chart.sided:
+            low, high = (0.0, high) if sign < 0 else (low, 0.0)
+        y = cells(low, high, size)
         good, phi = allowed(chart, k, *np.meshgrid(x, y))
         phi[~good] = np.nan
         branches.append(EnergyBranch(name, (x, y), np.asarray(scene.energy(phi)), phi))
     return Landscape(scene, "area", chart.coordinates, tuple(branches))
-
-
-def _rows(chart: Chart, branch: int, size: int) -> np.ndarray:
-    """Elevations of a branch, which fills only a part of them."""
-    low, high = chart_limits(chart)[2:]
-    coarse = cells(low, high, COARSE)
-    cell = (high - low) / COARSE
-    # broadcast: phi_2 along columns, elevations along rows
-    look = allowed(chart, branch, cells(-math.pi, math.pi, COARSE), coarse[:, None])[0]
-    rows = coarse[look.any(axis=1)]
-    if rows.size:
-        low, high = max(low, rows[0] - 1.5 * cell), min(high, rows[-1] + 1.5 * cell)
-        if chart.scene.group.order == 2:  # branches of D_2 end at upsilon = 0 exactly
-            low, high = (0.0 if abs(end) < 2 * cell else end for end in (low, high))
-    return cells(low, high, size)
 
 
 def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:

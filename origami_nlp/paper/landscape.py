@@ -123,12 +123,10 @@ class ExactLandscape(Report, Viewable):
         if self.places:
             names = ", ".join(name.split(" (")[0] for name in self.chart.coordinates)
             yield record_table(self.places, f"where they are on ({names})")
-        symmetric, not_unstable, stable = self.counts
-        yield f"{symmetric} symmetric minima (N_sym)" + (
-            "; stability in the full space was not asked for"
-            if stable is None
-            else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
+        counts = zip(
+            ("symmetric", "not ruled out", "stable in the full space"), self.counts, strict=True
         )
+        yield "minima: " + ", ".join(f"{n} {what}" for what, n in counts if n is not None)
         if self.boundary is None:
             yield "boundary not traced: contact is not 'full', or contacts meet too closely"
             return
@@ -152,28 +150,23 @@ class ExactLandscape(Report, Viewable):
         Content
             What a page shows.
         """
-        content = self.result.view_content(self.chart)
-        reported = [*self.report_sections(), *content.pieces]
+        content, pieces = self.result.view_content(self.chart), [*self.report_sections()]
         if barriers is not None:
             from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
 
             content = add_passes(content, self.result.scene, barriers.passes, self.chart)
-            reported = [*barriers.report_sections(), *reported]
-        panels = [
-            replace(panel, lines=tuple(self._lines(k))) for k, panel in enumerate(content.panels)
-        ]
-        return replace(content, panels=tuple(panels), pieces=tuple(reported))
+            pieces = [*barriers.report_sections(), *pieces]
+        panels = (replace(p, lines=tuple(self._lines(k))) for k, p in enumerate(content.panels))
+        return replace(content, panels=tuple(panels), pieces=(*pieces, *content.pieces))
 
     def _lines(self, branch: int) -> Iterator[Line]:
         """Contact boundaries, 1-handles and metastable stretches on one panel."""
-        for line in self.boundary.lines if self.boundary else ():
-            if line.branch == branch and not line.hidden:
-                look, what = ("handle", "1-handle") if line.thin else ("contact", "contact")
-                yield Line(line.points, f"{what}: {'; '.join(line.contacts)}", look)
-        for part in self.metastable:
-            if part.branch == branch and not part.hidden:
-                words = f"metastable, {part.length:.3g} rad: {'; '.join(part.contacts)}"
-                yield Line(part.points, words, "metastable")
+        lines = self.boundary.lines if self.boundary else ()
+        looks = [(line, "handle" if line.thin else "contact") for line in lines]
+        for each, look in (*looks, *((part, "metastable") for part in self.metastable)):
+            if each.branch == branch and not each.hidden:
+                words = f"{look}, {each.length:.3g} rad: {'; '.join(each.contacts)}"
+                yield Line(each.points, words, look)
 
 
 def find_landscape(result: MinimaResult, *, size: int = 401) -> ExactLandscape:
