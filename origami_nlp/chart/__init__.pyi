@@ -30,7 +30,7 @@ from .energy_map import (
     Place as Place,
     landscape as landscape,
 )
-from .half_chain import HalfChain as HalfChain, chain_of as chain_of
+from .half_chain import HalfChain as HalfChain
 from .kinematics import fold_vertex as fold_vertex, pair_depths as pair_depths
 from .mesh import MeshError as MeshError, edges_of as edges_of, several as several
 from .topology import (

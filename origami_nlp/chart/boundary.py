@@ -15,8 +15,8 @@ import numpy as np
 
 from origami_nlp.chart.cells import Cells, cells_of, geometry
 from origami_nlp.chart.chart import Chart, allowed
-from origami_nlp.chart.half_chain import HalfChain
-from origami_nlp.chart.mesh import CUT, SEAM, MeshError, exact_states, has, pulled
+from origami_nlp.chart.half_chain import CUT, SEAM, HalfChain
+from origami_nlp.chart.mesh import MeshError, exact_states, has, pulled
 from origami_nlp.chart.topology import arcs, borders
 from origami_nlp.continuation import BoundaryCurve, Point, boundary_of, evaluate
 from origami_nlp.io import ShortRepr

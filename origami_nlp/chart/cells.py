@@ -16,10 +16,8 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart.chart import Chart, admissible
-from origami_nlp.chart.half_chain import chain_of
+from origami_nlp.chart.half_chain import CUT, SEAM, HalfChain
 from origami_nlp.chart.mesh import (
-    CUT,
-    SEAM,
     DoubleCover,
     MeshError,
     beside,
@@ -29,7 +27,6 @@ from origami_nlp.chart.mesh import (
     mesh_cover,
     pulled,
     several,
-    straight_walls,
 )
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, groups
@@ -106,7 +103,7 @@ def cells_of(scene: Scene, rings: int) -> Cells:
 
 @lru_cache(maxsize=32)
 def _cells_of(scene: Scene, rings: int) -> Cells:
-    chain = chain_of(scene)
+    chain = HalfChain(scene)
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
@@ -246,7 +243,7 @@ def _edges_alone(
     leaf = _farthest(cover.leaf[edges])
     common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
     # a straight border stays straight
-    free = np.where(common & straight_walls(cover.chain) == 0, common, 0)
+    free = np.where(common & cover.chain.straight == 0, common, 0)
     middle = pulled(cover.chain, cover.base[edges].mean(axis=1), leaf, free)
     wedge = exact_states(cover.chain, middle, leaf, common)
     used = _edge_keys(

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart import HalfChain, chain_of, fold_wedge
+from origami_nlp.chart import HalfChain, fold_wedge
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import check_admissible
@@ -95,7 +95,7 @@ def find_events(make: Family, seed: int = 0, starts: int = STARTS) -> list[Event
     from scipy.optimize import root
 
     rng = np.random.default_rng(seed)
-    chain = chain_of(make(MIDDLE))
+    chain = HalfChain(make(MIDDLE))
     k, found = chain.size, list[Event]()
     for chosen in _sets(walls_of(chain)):
         limits = {wall.variable: wall.side * math.pi for wall in chosen if wall.variable >= 0}
@@ -157,7 +157,7 @@ def _equations(make: Family, chain: HalfChain, walls: Sequence[Wall], x: Any, al
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
-    one, two = (np.array(chain_of(make(a)).sectors) for a in (MIDDLE, 0.5 * MIDDLE))
+    one, two = (np.array(HalfChain(make(a)).sectors) for a in (MIDDLE, 0.5 * MIDDLE))
     # two scenes of the family give both coefficients
     slope = np.round((one - two) / (0.5 * MIDDLE), 9)  # sector angles are a + b alpha, b an integer
     sectors = [a + b * alpha for a, b in zip((one - slope * MIDDLE).tolist(), slope, strict=True)]
