@@ -114,13 +114,10 @@ class HalfChain:
         self.straight = sum(1 << k for k in (BORDER_P, BORDER_Q, *bits))
         self.wrapped = (False, True, self.kind == "degree6") + (True,) * len(self.stops)
         # inward normal of the last mirror, and a basis of its plane
-        turn = math.pi / group.order
-        c, s = (0.0, 1.0) if group.order == 2 else (math.cos(turn), math.sin(turn))
-        if self.kind == "degree6":
-            c, s = 1.0, 0.0
-        self._normal, self._along = np.array([s, -c, 0.0]), np.array([c, s, 0.0])
-        if self.kind == "degree6":
-            self._normal = -self._normal
+        c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
+        if group.order <= 2:  # exactly
+            c, s = (0.0, 1.0) if group.order == 2 else (-1.0, 0.0)
+        self._normal, self._along = np.array([s, -c, 0.0]), np.array([abs(c), s, 0.0])
 
     def last_but_one(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the crease before P, and P over base points [..., 2], each [..., 3]."""
