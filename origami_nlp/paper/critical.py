@@ -320,4 +320,4 @@ def _point(
 
 def in_degrees(x: np.ndarray) -> str:
     """Write the fold angles of the model's variables in degrees, for a doubt."""
-    return "(" + ", ".join(f"{v:.3f}" for v in np.degrees(x)) + ") deg"
+    return "(" + ", ".join(f"{v:z.3f}" for v in np.degrees(x)) + ") deg"

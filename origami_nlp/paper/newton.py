@@ -30,6 +30,7 @@ def settle(problem: Problem, x: np.ndarray, rows: tuple[Contact, ...] = ()) -> S
 
 def approach(problem: Problem, x: np.ndarray) -> np.ndarray:
     """Run Newton on closed states [K, n] of two degrees of freedom; return those that come to rest."""
+    length = np.zeros(len(x))
     for _ in range(MANY_STEPS):
         jac = problem.constraints(x)[1]
         z = np.linalg.svd(jac)[2][:, -2:]  # [K, 2, n]
@@ -37,9 +38,11 @@ def approach(problem: Problem, x: np.ndarray) -> np.ndarray:
         lam = np.einsum("kij,kj->ki", np.linalg.pinv(jac.swapaxes(1, 2), rcond=RANK), pull)
         hessian = np.einsum("kin,knm,kjm->kij", z, problem.parameters.hessian(x), z)
         for i in (0, 1):  # less lam . c''
-            turn = [problem.constraints(x + h * z[:, i])[1] for h in (DIFFERENCE, -DIFFERENCE)]
-            bent = np.einsum("km,kmn->kn", lam, turn[0] - turn[1]) / (2 * DIFFERENCE)
-            hessian[:, i] -= np.einsum("kjn,kn->kj", z, bent)
+            ahead, back = (
+                problem.constraints(x + h * z[:, i])[1] for h in (DIFFERENCE, -DIFFERENCE)
+            )
+            bent = np.einsum("km,kmn,kjn->kj", lam, ahead - back, z) / (2 * DIFFERENCE)
+            hessian[:, i] -= bent
         step = -np.einsum("kij,kjn,kn->ki", np.linalg.pinv(hessian, rcond=RANK), z, pull)
         length = np.linalg.norm(step, axis=1)
         step *= np.minimum(1.0, LONGEST_STEP / np.maximum(length, NONZERO))[:, None]

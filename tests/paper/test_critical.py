@@ -144,7 +144,6 @@ def test_json_round_trip():
 
 def test_scenes_without_two_dof_are_refused():
     full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
-    with pytest.raises(OptionError, match="3 degrees of freedom"):
-        find_critical_points(full)
-    with pytest.raises(OptionError, match="contact = 'none'"):
-        find_critical_points(examples.degree6(contact="none"))
+    for scene in (full, examples.degree6(contact="none")):
+        with pytest.raises(OptionError):
+            find_critical_points(scene)
