@@ -21,7 +21,6 @@ from origami_nlp.chart import (
 )
 from origami_nlp.pattern_problem import check_admissible
 from tests.computed_once import PANELS, panel_boundary, thinned
-from tests.independent.arcs import nearest_touch
 
 SCENES = {
     "pi/4": o.examples.degree6("pi/4", 1.0),
@@ -91,27 +90,6 @@ def test_tracing_wants_two_dof_and_contact():
         trace_boundary(free)
     with pytest.raises(o.OrigamiError, match="two degrees of freedom"):
         trace_boundary(o.examples.degree6("pi/4", 1.0, symmetry="none"))
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_polygons_are_made_of_exact_states(name):
-    """Every corner of a region is the chart point of a state whose contact is closed to 1e-9, by other code."""
-    scene, found = SCENES[name], boundary(name)
-    gaps, points, branches = [], [], []
-    for line in found.lines:
-        if line.thin or line.hidden:
-            continue
-        creases, _ = fold_vertex(scene.vertex, line.fold_angles)
-        limit = np.abs(math.pi - np.abs(line.fold_angles)).min(axis=1)
-        gaps.append(np.minimum(limit, nearest_touch(creases)))
-        points.append(line.points)
-        branches.append(np.full(len(line.points), line.branch))
-    assert np.concatenate(gaps).max() < 1e-9
-    for branch in set(np.concatenate(branches)):
-        exact = np.concatenate(points)[np.concatenate(branches) == branch]
-        corners = shapely.get_coordinates(found.regions[branch])
-        away = np.array([np.abs(exact - corner).max(axis=1).min() for corner in corners])
-        assert len(corners) > 100 and away.max() < 1e-9
 
 
 def test_lines_between_stops_end_the_states_too():

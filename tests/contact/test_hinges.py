@@ -9,7 +9,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
-from origami_nlp.pattern import HingeLaw, double_well, linear, most_torque
+from origami_nlp.pattern import double_well, linear
 
 
 def of_laws(plain):
@@ -71,12 +71,3 @@ def test_a_margin_at_a_stop_is_where_the_state_leaves_it():
             np.abs(np.array(m.fold_angles) - state.minimum.fold_angles).max() for m in loaded.minima
         ]
         assert (min(apart) < 1e-6) == (share < 1)
-
-
-def test_the_largest_torque_of_a_law():
-    law = HingeLaw((-1.0, 1.0), ((0.0, 0.0, 1.0, 100.0),))  # a torque of one sign
-    assert most_torque((1.0, 2.0), (law, None)) == pytest.approx(102.0 + 4 * np.pi)
-    assert most_torque((1.0, 2.0), ()) == pytest.approx(6 * np.pi)
-    wells = double_well(1.0, 1.0)
-    x = np.linspace(-np.pi, np.pi, 1_001)
-    assert wells.most >= np.abs(wells.torque(x)).max()

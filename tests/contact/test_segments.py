@@ -9,7 +9,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.contact.segments import SLOPE, STIFFNESS, SegmentReport, find_segments
-from origami_nlp.contact.segments_figure import draw_segments
 from origami_nlp.continuation import (
     BoundaryCurve,
     HeldCurve,
@@ -21,7 +20,6 @@ from origami_nlp.continuation import (
 from origami_nlp.display import METASTABLE
 from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import FOLLOWED
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Contact
 from tests.computed_once import panel_result, shared, thinned
@@ -101,19 +99,6 @@ def test_slope_integrates_to_the_energy(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
-def test_states_of_a_curve_close_keep_their_contacts_and_are_admissible(name: str) -> None:
-    model, curve = curve_of(name)
-    for phi, energy in zip(curve.fold_angles, curve.energy, strict=True):
-        x = model.reduce(phi)
-        local = model.local(x)
-        values, _ = local.openings(curve.rows)
-        assert np.abs(local.closure).max() <= 10 * FOLLOWED
-        assert np.abs(values).max() <= 10 * FOLLOWED
-        assert not model.refuses(x)
-        assert energy == pytest.approx(search(name).scene.energy(phi), rel=1e-12)
-
-
-@pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_moments_along_a_curve_start_from_those_of_the_state(name: str) -> None:
     model, curve = curve_of(name)
     k = int(np.flatnonzero(curve.s == 0)[0])
@@ -172,13 +157,6 @@ def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
             steep = abs(curve.slope[k]) > SLOPE * math.pi * total
             assert steep or abs(curve.stiffness[k]) > STIFFNESS * total
         assert segment.states == (2,)
-
-
-def test_no_boundary_without_contact() -> None:
-    scene = o.examples.degree6("pi/4", 1.0, contact="none")
-    report = find_segments(o.find_minima(scene, prove=False, escape=False))
-    assert report.curves == () and report.segments == () and report.length == 0
-    assert draw_segments(report).axes == []
 
 
 def test_figure_marks_segments() -> None:

@@ -1,8 +1,6 @@
 """Critical points: the Morse identity, whatever the energy, and every KKT point that other searches find."""
 
-import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,10 +10,10 @@ from origami_nlp.chart import geometry
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
-from origami_nlp.paper import CriticalPoints, find_critical_points
+from origami_nlp.paper import find_critical_points
 from origami_nlp.paper.critical import stratum_vertices
 from origami_nlp.paper.links import count_arcs, link_of
-from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import panel_points, thinned
 
@@ -125,21 +123,6 @@ def test_links_of_known_states():
         assert {(link.pieces, len(link.thin)) for link in links} == {(pieces, 1)}
     assert count_arcs(np.ones(5, dtype=bool)) == 0
     assert count_arcs(np.array([True, False, True, True])) == 1
-
-
-def test_json_round_trip():
-    found = panel_points(15)
-    data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
-    again = CriticalPoints.from_dict(data)
-    assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
-    assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
-    assert found.closes
-    assert not replace(found, points=found.points[1:]).closes
-    with pytest.raises(OptionError, match="schema"):
-        CriticalPoints.from_dict({"schema": "something else"})
-    del data["points"][0]["energy"]
-    with pytest.raises(OptionError, match=r"points\[1\]\.energy is missing"):
-        CriticalPoints.from_dict(data)
 
 
 def test_scenes_without_two_dof_are_refused():

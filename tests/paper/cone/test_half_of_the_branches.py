@@ -8,7 +8,6 @@ import pytest
 from origami_nlp.paper import cone
 from origami_nlp.pattern import Vertex
 from origami_nlp.pattern_problem import check_admissible
-from tests.independent import cone_branches as brute
 
 
 def maps(degree, end, size=200):
@@ -44,23 +43,6 @@ def test_how_often_the_documented_maps_hold_more_than_half(degree, end, more, sh
     half = plane.cone.branches // 2
     assert set(np.unique(plane.total).tolist()) == {half, more or half}
     assert (plane.total != half).mean() == pytest.approx(share, abs=5e-5)
-
-
-def test_the_true_end_of_one_steep_flap_gives_degree_8_twenty_minima():
-    """Brute force at points of the map: 20 of 32, the four more pinned by contact on M V_3 up."""
-    plane = maps(8, "contact", 40)
-    rows, columns = np.nonzero(plane.total == 20)
-    assert len(rows) > 40
-    for i, k in list(zip(rows, columns, strict=True))[::20]:
-        r, nu = float(plane.ratios[i]), float(plane.elevations[k])
-        found = cone.count(cone.Cone(8, end="contact"), r, nu)
-        inside, falls = brute.per_branch(8, r, nu, "contact")
-        assert inside.sum() + falls.sum() == 20 and found.falling_at_cut == 0
-        assert (inside.sum(), falls.sum()) == (found.stable_interior, found.stable_contact)
-        lone = [w.count(1) == 3 and d == 1 for w, d in brute.branches(8)]
-        assert falls[lone].all()
-        # cut short, the same point has half
-        assert sum(brute.count(8, r, nu)) == 16
 
 
 # ---------------------------------------------------------------- ends where nothing touches
