@@ -12,33 +12,6 @@ from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import double_well, linear
 
 
-def of_laws(plain):
-    return replace(plain, laws=tuple(map(linear, plain.stiffness, plain.rest_angles)))
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [
-        pytest.param(o.examples.degree6("pi/4", ratio=0.01), marks=pytest.mark.slow),
-        Scene(
-            Vertex.from_degrees((70, 80, 120, 90)), (1.0, 0.5, 2.0, 1.0), (2.0, -1.0, 1.5, 0.5), "none",
-            limits=(-1.0, 1.0),
-        ),
-    ],
-    ids=["panel", "stops"],
-)  # fmt: skip
-def test_margins_of_linear_laws_are_those_of_springs(scene):
-    one, two = (
-        o.find_contacts(o.find_minima(s, escape=False, prove=False, max_starts=32))
-        for s in (scene, of_laws(scene))
-    )
-    assert len(one.states) == len(two.states) > 0
-    for a, b in zip(one.states, two.states, strict=True):
-        assert a.stiffness == pytest.approx(b.stiffness, rel=1e-8)
-        assert a.margin.status == b.margin.status
-        assert a.margin.norm == pytest.approx(b.margin.norm, rel=1e-8, nan_ok=True)
-
-
 def test_a_margin_at_a_stop_is_where_the_state_leaves_it():
     """A load as large as the margin, and as preload beside laws: the stop carries before, and not beyond."""
     scene = Scene(

@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.contact.force_cone import distance_to_boundary
-from origami_nlp.contact.margin import load_margin, moments_of, under_load
+from origami_nlp.contact.margin import load_margin
 from origami_nlp.kkt import (
     State,
     find_multipliers,
@@ -50,20 +50,6 @@ def random_scene(n: int, symmetry: str, seed: int) -> o.Scene:
 
 RANDOM = thinned([(4, "none", 6), (5, "none", 3), (6, "D1", 7), (6, "none", 1)], 4)
 """Degree, symmetry and seed of random scenes that have a pinned state."""
-
-
-def test_loads_and_moments_are_inverse_and_keep_the_norm() -> None:
-    model = panel_result(o.examples.degree8("pi/12", 100.0)).model
-    load = np.random.default_rng(1).normal(size=model.size)
-    moments = moments_of(model, load)
-    root = np.sqrt(model.multiplicity)
-    assert model.reduce(moments) * root / model.scale == pytest.approx(load)
-    assert np.linalg.norm(moments) == pytest.approx(model.scale * np.linalg.norm(load))
-    # energy U - m . phi, up to a constant
-    rng = np.random.default_rng(2)
-    x, y = rng.normal(size=(2, model.size))
-    change = model.energy_change(x, y) - moments @ (model.expand(y) - model.expand(x))
-    assert under_load(model, load).energy_change(x, y) == pytest.approx(change)
 
 
 # ---------------------------------------------------------------- margins

@@ -11,17 +11,10 @@ import origami_nlp as o
 from origami_nlp.contact.segments import SLOPE, STIFFNESS, SegmentReport, find_segments
 from origami_nlp.continuation import (
     BoundaryCurve,
-    HeldCurve,
-    Point,
-    advance,
-    evaluate,
-    follow_boundary,
 )
 from origami_nlp.display import METASTABLE
-from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact
 from tests.computed_once import panel_result, shared, thinned
 
 SCENES = {
@@ -55,38 +48,6 @@ def curve_of(name: str) -> tuple[PatternProblem, BoundaryCurve]:
     return search(name).model, curve
 
 
-def points(model: PatternProblem, curve: BoundaryCurve, count: int = 5) -> list[Point]:
-    """Some regular points of a curve, away from its ends, with the tangent towards growing s."""
-    out = []
-    inside = np.linspace(curve.s[0], curve.s[-1], count + 2)[1:-1]
-    for s in inside:
-        k = int(np.abs(curve.s - s).argmin())
-        at = model.reduce(curve.fold_angles)
-        ahead = np.sqrt(model.multiplicity) * (at[k + 1] - at[k - 1])
-        point = evaluate(State(model, at[k]).on(curve.rows), ahead / np.linalg.norm(ahead))
-        assert point is not None
-        out.append(point)
-    return out
-
-
-def errors(
-    model: PatternProblem, point: Point, rows: tuple[Contact, ...], h: float
-) -> tuple[float, float]:
-    """Errors of dU/ds and d2U/ds2 at a point against energies at arclength -h, 0 and h."""
-    sides = []
-    for sign in (1.0, -1.0):
-        start = evaluate(State(model, point.x).on(rows), sign * point.tangent)
-        assert start is not None
-        moved = advance(HeldCurve(model, rows, start.dimension), start, h)
-        assert moved is not None
-        sides.append((moved[1], model.energy_change(point.x, moved[0].x) / model.scale))
-    (a, up), (b, um) = sides
-    # quadratic through three points at unequal distances
-    slope = (up * b * b - um * a * a) / (a * b * (a + b))
-    second = 2 * (up * b + um * a) / (a * b * (a + b))
-    return abs(slope - point.slope), abs(second - point.stiffness)
-
-
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_slope_integrates_to_the_energy(name: str) -> None:
     _, curve = curve_of(name)
@@ -113,31 +74,6 @@ def test_moments_along_a_curve_start_from_those_of_the_state(name: str) -> None:
     ):
         if why == "the contact stops pushing":
             assert 0 <= multiplier.min() < 1e-6
-
-
-def test_a_curve_with_more_dof_is_a_geodesic_in_the_softest_direction() -> None:
-    scene = o.Scene(
-        o.Vertex((1.2, 0.9, 1.0, 1.1, 0.8, 2 * math.pi - 5.0)),
-        (1.0, 2.0, 0.5, 1.5, 1.0, 0.7),
-        (2.8, -1.0, 1.3, -2.9, 1.0, 0.4),
-        "none",
-    )
-    result = o.find_minima(scene, max_starts=16, prove=False, escape=False)
-    model = result.model
-    pinned = [m for m in result.minima if m.kind == "contact-pinned"]
-    assert pinned, [m.kind for m in result.minima]
-    x = model.reduce(np.array(pinned[0].fold_angles))
-    choices = model.closed(x).combinations()
-    assert choices
-    first = evaluate(State(model, x).on(choices[0]))
-    assert first is not None and first.dimension == 2
-    assert first.stiffness == pytest.approx(min(pinned[0].hessian_eigenvalues) / model.scale)
-    curve = follow_boundary(State(model, x).on(choices[0]), longest=0.6)
-    assert curve is not None and curve.dimension == 2 and curve.length > 0.05
-    for point in points(model, curve, 3):
-        coarse, fine = (errors(model, point, curve.rows, h) for h in (4e-3, 2e-3))
-        assert fine[0] < 1e-4 and fine[1] < 1e-3
-        assert fine[1] < 0.35 * coarse[1] + 2e-8
 
 
 def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
