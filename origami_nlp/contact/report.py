@@ -243,7 +243,8 @@ def _pinned(result: MinimaResult, number: int) -> PinnedState:
     """Describe what holds a minimum by its number."""
     minimum = result.minima[number - 1]
     at = result.state_of(minimum)
-    margin, breaking = load_margin(at), ()
+    margin = load_margin(at)
+    breaking: tuple[float, ...] = ()
     if result.is_pattern:
         judged = classify(at)
         contacts, stiffness, alone = (

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -229,9 +230,10 @@ def flat_parts(
         part = slice(first, last + 1)
         near = [np.linalg.norm(curve.fold_angles[part] - phi, axis=1).min() for phi in angles]
         on = tuple(number for number, far in enumerate(near, start=1) if far <= NEAR_CONTACT)
-        most = (float(v[part].max()) for v in (steep, bent, curve.springs / total))
-        where, change = (number, "; ".join(curve.contacts), start, end), np.ptp(curve.energy[part])
-        out.append(Segment(*where, on, float(change), *most, float(curve.multipliers[part].min())))
+        change, least = float(np.ptp(curve.energy[part])), float(curve.multipliers[part].min())
+        slope, stiffness, springs = (float(v[part].max()) for v in (steep, bent, curve.springs))
+        where = number, "; ".join(curve.contacts), start, end, on
+        out.append(Segment(*where, change, slope, stiffness, springs / total, least))
     return out
 
 
@@ -272,6 +274,6 @@ def add_segments(content: Content, chart: Landscape, segments: SegmentReport) ->
         title = (
             f"contact boundary through {', '.join(map(str, numbers))}: {'; '.join(curve.contacts)}"
         )
-        along = {"parameter": curve.s, "label": "arclength s [rad]"}
+        along: Any = {"parameter": curve.s, "label": "arclength s [rad]"}
         tracks.append(poser.track(title, curve.fold_angles, curve.energy, **along))
     return content.with_tracks(tracks, points_on(content, chart, tracks))

@@ -202,7 +202,7 @@ class _Search:
         """Critical points along the edges, handles included."""
         for line in self.lines:
             x = self.problem.reduce(line.fold_angles)
-            ahead = np.gradient(x, line.s, axis=0, edge_order=min(2, len(x) - 1))
+            ahead = np.gradient(x, line.s, axis=0, edge_order=2 if len(x) > 2 else 1)
             pull = self.problem.parameters.torque(x)
             slope = np.einsum("kj,kj->k", pull, ahead)
             level = np.abs(slope) <= BALANCED * float(np.abs(pull).max())

@@ -16,6 +16,7 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.chart import (
     Boundary,
+    BoundaryLine,
     Landscape,
     Place,
     landscape,
@@ -161,8 +162,10 @@ class ExactLandscape(Report, Viewable):
 
     def _lines(self, branch: int) -> Iterator[Line]:
         """Contact boundaries, 1-handles and metastable stretches on one panel."""
-        lines = self.boundary.lines if self.boundary else ()
-        looks = [(line, "handle" if line.thin else "contact") for line in lines]
+        looks: list[tuple[BoundaryLine | Stretch, str]] = [
+            (line, "handle" if line.thin else "contact")
+            for line in (self.boundary.lines if self.boundary else ())
+        ]
         for each, look in (*looks, *((part, "metastable") for part in self.metastable)):
             if each.branch == branch and not each.hidden:
                 words = f"{look}, {each.length:.3g} rad: {'; '.join(each.contacts)}"

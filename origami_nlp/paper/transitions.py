@@ -39,27 +39,27 @@ class Signature:
 
     Attributes
     ----------
-    components, holes, euler_characteristic, pinch_points, handle_ends, handles
-        `Space.signature`.
     picture_holes
         Loops of the picture in the paper's chart.
     corners
         States where several contacts close, by their contacts, with their number.
+    components, holes, euler_characteristic, pinch_points, handle_ends, handles
+        `Space.signature`.
     """
 
+    picture_holes: int = field(metadata=shown("drawn holes"))
+    corners: tuple[tuple[tuple[str, ...], int], ...]
     components: int = field(metadata=shown("components"))
     holes: int = field(metadata=shown("holes"))
     euler_characteristic: int = field(metadata=shown("chi"))
     pinch_points: int = field(metadata=shown("pinch points"))
     handle_ends: int = field(metadata=shown("handle ends"))
     handles: int = field(metadata=shown("handles"))
-    picture_holes: int = field(metadata=shown("drawn holes"))
-    corners: tuple[tuple[tuple[str, ...], int], ...]
 
     @property
     def topology(self) -> tuple[int, ...]:
         """`Space.signature`."""
-        return tuple(vars(self).values())[:6]
+        return tuple(vars(self).values())[2:]
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature:
         space = find_space(make(alpha), rings=rings)
-        return Signature(*space.signature, space.picture_holes, space.corners)
+        return Signature(space.picture_holes, space.corners, *space.signature)
 
     low, high = MARGIN, math.pi / 2 - MARGIN
     report("events", 0.0)

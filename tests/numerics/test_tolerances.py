@@ -23,7 +23,7 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         continuation/line.SHARE paths/event_curve.AHEAD paths/event_curve.STEPS barriers/passes.OFF
         chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
-        cli/timed.SHORTEST contact/margin.ASIDE
+        cli/timed.SHORTEST
         paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR
         pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
@@ -55,7 +55,7 @@ BESIDE_THE_TABLE = {
     """,
     "what is shown, or said in words": """
  chart/boundary.GRID chart/boundary.SLIVER
-        paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
+        paper/morse.ROUNDING pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,

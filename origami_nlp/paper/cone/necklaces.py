@@ -165,9 +165,9 @@ class Foldings(Report):
     def of(cls, degree: int, listed: bool) -> Foldings:
         """Count the foldings of a degree, and list them (up to `LARGEST_LISTED`)."""
         check_degree(degree, LARGEST_LISTED if listed else None)
-        counts = (exact(number_of_foldings(degree, mirrors_differ=m)) for m in (True, False))
-        lists = (tuple(foldings(degree, mirrors_differ=m)) if listed else () for m in (True, False))
-        return cls(degree, str(1 << degree // 2), *counts, *lists)
+        one, two = (exact(number_of_foldings(degree, mirrors_differ=m)) for m in (True, False))
+        each = (tuple(foldings(degree, mirrors_differ=m)) for m in (True, False) if listed)
+        return cls(degree, str(1 << degree // 2), one, two, *each)
 
     def report_sections(self) -> Iterator[Section]:
         """Return the numbers, and a row for each folding."""
