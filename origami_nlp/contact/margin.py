@@ -276,8 +276,8 @@ def _orbit(piece: Stratum, v: int, cap: float) -> CreaseMargin:
     unit = model.scale / math.sqrt(model.multiplicity[v])
     way = np.eye(model.size)[v]
     up, down = (_critical(piece, sign * way, cap / model.scale) for sign in (1, -1))
-    most = (math.inf if e.ending == "cap" else float(unit * e.load) for e in (up, down))
-    return CreaseMargin(model.creases_of(v), *most, (up.ending, down.ending))
+    most, least = (math.inf if e.ending == "cap" else float(unit * e.load) for e in (up, down))
+    return CreaseMargin(model.creases_of(v), most, least, (up.ending, down.ending))
 
 
 def _dependent(piece: Stratum) -> LoadMargin:
