@@ -65,13 +65,9 @@ class Chart:
             return np.zeros(elevation.shape, dtype=int), np.ones(elevation.shape)
         if self.sided:
             return np.where(elevation > 0, 1, 0), np.abs(elevation)
-        misfit = []
-        for k in (0, 1):
-            there = self.fold_angles(
-                k, fold_angles[..., crease_number(self.scene, 1) - 1], elevation
-            )
-            error = np.abs(there - fold_angles).max(axis=-1)
-            misfit.append(np.where(np.isfinite(error), error, 10.0))
+        x = fold_angles[..., crease_number(self.scene, 1) - 1]
+        there = np.stack([self.fold_angles(k, x, elevation) for k in (0, 1)])
+        misfit = np.nan_to_num(np.abs(there - fold_angles).max(axis=-1), nan=10.0)
         return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
 
     def points(self, fold_angles: np.ndarray) -> np.ndarray:
@@ -171,16 +167,15 @@ def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
 
 def family_of(scene: Scene, phi: np.ndarray) -> str:
     """Return why a whole family of states shares the chart point of `phi`, or return ''."""
-    group = scene.group
-    first, last = crease_number(scene, 0), crease_number(scene, len(group.rays) - 1)
+    first, last = crease_number(scene, 0), crease_number(scene, len(scene.group.rays) - 1)
     pairs = [(first, last)]
-    if group.order == 2:  # crease 1 and its image under the half turn, both in one plane
+    if scene.group.order == 2:  # crease 1 and its image under the half turn, both in one plane
         pairs.append((first, (first - 1 + scene.degree // 2) % scene.degree + 1))
     creases, _ = fold_vertex(scene.vertex, phi)
     for i, j in pairs:
-        a, b = creases[i - 1], creases[j - 1]
-        if np.linalg.norm(np.cross(a, b)) < SETTLED:
-            how = "form one straight line" if a @ b < 0 else "coincide"
+        along = float(creases[i - 1] @ creases[j - 1])
+        if np.linalg.norm(np.cross(creases[i - 1], creases[j - 1])) < SETTLED:
+            how = "form one straight line" if along < 0 else "coincide"
             return f"creases {i} and {j} {how}, about which the vertex folds freely"
     return ""
 

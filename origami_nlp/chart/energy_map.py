@@ -130,19 +130,10 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     chart = chart_of(scene)
     if chart is not None:
         return _areas(chart, size)
-    group = scene.group
-    variables = sum(ray.crease is not None for ray in group.rays)
-    one_turn = 3 if group.kind == "C" else 2
-    dof = variables - (one_turn if group.order == (scene.winding or 1) else 1)
+    name, dof = scene.group.name, pose(scene).dof
     if dof == 1:
         return _curves(scene, size)
-    what = f"{dof} degrees of freedom keep the symmetry {group.name}"
-    if dof <= 0:
-        why = f"the vertex is rigid within the symmetry {group.name}"
-    elif dof == 2:
-        why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
-    else:
-        why = f"{what}: too many for a plane"
+    why = f"{dof} degrees of freedom keep the symmetry {name}: no two-coordinate chart for this vertex"
     return Landscape(scene, "none", (), (), why)
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -84,24 +85,21 @@ class PanelAudit(ShortRepr):
     minima: tuple[float, ...]
     candidates: tuple[Audited, ...]
 
-    ALSO = ("counts", "represented", "reached")
+    ALSO = ("counts",)
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of candidates with each cause."""
-        return {cause: sum(a.cause == cause for a in self.candidates) for cause in CAUSES}
+        """Numbers in the order of `HEADS`.
 
-    @property
-    def represented(self) -> tuple[int, ...]:
-        """Exact minima (1-based) that some candidate is, to within the grid."""
-        return tuple(
-            sorted({a.minimum for a in self.candidates if a.cause == "exact" and a.minimum})
-        )
-
-    @property
-    def reached(self) -> tuple[int, ...]:
-        """Exact minima (1-based) that some candidate is or descends to."""
-        return tuple(sorted({a.minimum for a in self.candidates if a.minimum}))
+        Of candidates, of those with each cause, of exact minima, of those that some candidate is to within the grid,
+        and of those that some candidate is or descends to.
+        """
+        causes = Counter(a.cause for a in self.candidates)
+        reached = {a.minimum for a in self.candidates if a.minimum}
+        exact = {a.minimum for a in self.candidates if a.minimum and a.cause == "exact"}
+        numbers = (*map(len, (self.minima, exact, reached)),)
+        every = (len(self.candidates), *(causes[c] for c in CAUSES), *numbers)
+        return dict(zip(HEADS[1:], every, strict=True))
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,19 +112,10 @@ class Audit(Report):
 
     def table(self) -> Table:
         """Return one row a panel, and their sums: candidates, what they are, exact minima they belong to."""
-        numbers = np.array(
-            [
-                [
-                    len(p.candidates),
-                    *p.counts.values(),
-                    *map(len, (p.minima, p.represented, p.reached)),
-                ]
-                for p in self.panels
-            ]
-        )
+        numbers = [[*p.counts.values()] for p in self.panels]
+        numbers.append([sum(column) for column in zip(*numbers, strict=True)])
         titles = [*(p.title for p in self.panels), "all"]
-        numbers = np.vstack([numbers, numbers.sum(axis=0)])
-        rows = [[t, *map(str, row)] for t, row in zip(titles, numbers.tolist(), strict=True)]
+        rows = [[title, *map(str, row)] for title, row in zip(titles, numbers, strict=True)]
         columns, last = "l" + "R" * (len(HEADS) - 1), len(self.panels) - 1
         return Table(HEADS, rows, "published candidates", columns, ends=[last])
 
