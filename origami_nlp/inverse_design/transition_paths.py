@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from origami_nlp.continuation import evaluate, follow_boundary
 from origami_nlp.errors import OptionError
@@ -19,7 +20,6 @@ from origami_nlp.inverse_design.targets import EnergyBounds, Targets
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import (
     CLOSURE_TOL,
-    DUPLICATE_TOL,
     EQUAL,
     LEVEL,
     POSITIVE,
@@ -142,7 +142,7 @@ def _way(model: PatternProblem, states: np.ndarray) -> TransitionPath:
 
 
 def height(model: PatternProblem, way: TransitionPath) -> tuple[float, np.ndarray]:
-    """Return the highest energy on a way [J], and the state [n] where it is, found by Newton along the curve.
+    """Return the highest energy on a way [J], and the closed state [n] where it is.
 
     Parameters
     ----------
@@ -153,23 +153,18 @@ def height(model: PatternProblem, way: TransitionPath) -> tuple[float, np.ndarra
     """
     energies = model.energies(way.states)
     k = int(np.argmax(energies))
-    x, best = way.states[k], float(energies[k])
     if k in (0, len(energies) - 1) or not way.regular[k]:
-        return best, x
-    for _ in range(12):
-        # the tangent keeps the sense of the way
-        point = evaluate(State(model, x).on(()), way.tangents[k])
-        if point is None or point.stiffness >= 0:
-            break
-        # Newton on dU/ds = 0
-        h = float(np.clip(-point.slope / point.stiffness, -SAMPLED, SAMPLED))
-        y, residual = project(model, x + (h * point.tangent + h**2 / 2 * point.bend) / model.root)
-        if residual > CLOSURE_TOL:
-            break
-        x, best = y, max(best, float(model.energy(y)))
-        if abs(h) <= DUPLICATE_TOL:
-            break
-    return best, x
+        return float(energies[k]), way.states[k]
+
+    def at(share: float) -> np.ndarray:
+        i = int(share)
+        return project(model, way.states[i] + (share - i) * (way.states[i + 1] - way.states[i]))[0]
+
+    top = minimize_scalar(
+        lambda share: -float(model.energy(at(share))), bounds=(k - 1, k + 1), method="bounded"
+    )
+    x = at(top.x) if -top.fun > energies[k] else way.states[k]
+    return float(model.energy(x)), x
 
 
 class Passes:

@@ -185,8 +185,8 @@ class _Panel:
     def __init__(self, members: Sequence[Candidate], result: MinimaResult) -> None:
         self.result, self.scene, self.model = result, result.scene, pose(result.scene)
         self.chart = chart_of(self.scene)
-        degree, alpha, ratio = members[0].panel
-        self.title = f"degree {degree}, {format_angle(alpha)}, {ratio:g}"
+        first = members[0]
+        self.title = f"degree {first.degree}, {format_angle(first.alpha)}, {first.ratio:g}"
         # of equal geometries the admissible one is the first
         self.candidates = sorted(
             members, key=lambda c: (not self.is_paper(c.fold_angles), c.number)

@@ -176,7 +176,7 @@ class Space(Report):
         order = place.argsort(kind="stable")
         found = []
         for over in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
-            if np.ptp(mesh.wedge[over], axis=0).max(initial=0.0) <= EXTENDED:
+            if len(over) < 2 or np.ptp(mesh.wedge[over], axis=0).max() <= EXTENDED:
                 continue
             # states that X does not connect over the disc around the point
             point = mesh.points[over[0]]
