@@ -84,14 +84,6 @@ def test_region_is_the_admissible_set(name):
     same_region(SCENES[name], boundary(name), 157)
 
 
-def test_tracing_wants_two_dof_and_contact():
-    free = o.examples.degree6("pi/4", 1.0, contact="none")
-    with pytest.raises(o.OrigamiError, match='contact = "none"'):
-        trace_boundary(free)
-    with pytest.raises(o.OrigamiError, match="two degrees of freedom"):
-        trace_boundary(o.examples.degree6("pi/4", 1.0, symmetry="none"))
-
-
 def test_lines_between_stops_end_the_states_too():
     """Stops are contacts of the boundary; where branches meet in a fold no region is claimed."""
     scene = replace(o.examples.degree6("pi/4"), limits=(-2.0, 1.5))

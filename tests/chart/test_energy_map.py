@@ -138,13 +138,10 @@ def test_curves(name):
 
 
 def test_scenes_without_a_chart_say_why():
-    many = o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1")
-    chart = landscape(many)
+    chart = landscape(o.Scene(o.Vertex(("pi/5",) * 10), (1,) * 10, (0.5,) * 10, "D1"))
     assert chart.kind == "none" and not chart.branches and "4 degrees of freedom" in chart.reason
     with pytest.raises(o.OrigamiError, match="no landscape"):
         chart.place([0.0] * 10)
-    free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
-    assert "no two-coordinate chart" in landscape(free).reason
 
 
 def test_landscapes_show_the_energy_of_laws_between_stops():

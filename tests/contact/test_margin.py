@@ -89,23 +89,6 @@ def test_a_touching_state_bears_nothing_and_a_handle_everything() -> None:
 # ---------------------------------------------------------------- cones of contact forces
 
 
-def test_distance_to_the_boundary_of_a_cone() -> None:
-    wedge = np.array([[1.0, 0.0], [0.0, 1.0]])
-    found = distance_to_boundary(wedge, np.array([2.0, 3.0]))
-    assert found is not None and found[0] == pytest.approx(2.0)
-    assert found[1] == pytest.approx([1.0, 0.0])
-    # redundant generators change nothing; a ray in one dimension
-    more = np.column_stack([wedge, [1.0, 1.0], [3.0, 1.0]])
-    again = distance_to_boundary(more, np.array([2.0, 3.0]))
-    assert again is not None and again[0] == pytest.approx(2.0)
-    ray = distance_to_boundary(np.array([[0.0, 0.0], [2.0, 4.0]]), np.array([0.0, 5.0]))
-    assert ray is not None and ray[0] == pytest.approx(5.0)
-    # generators that span everything positively: nothing opens
-    assert distance_to_boundary(np.array([[1.0, -1.0]]), np.array([0.3])) is None
-    star = np.array([[1.0, -0.5, -0.5], [0.0, 1.0, -1.0]])
-    assert distance_to_boundary(star, np.array([0.1, 0.1])) is None
-
-
 def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
     rng = np.random.default_rng(7)
     for _ in range(10):
@@ -118,3 +101,6 @@ def test_distance_in_a_cone_agrees_with_the_set_of_multipliers() -> None:
         assert find_multipliers(b, c - 1.001 * distance * normal).residual > 1e-9
         for d in rng.normal(size=(20, 3)):  # no other direction leaves the cone earlier
             assert find_multipliers(b, c + 0.99 * distance * d / np.linalg.norm(d)).residual < 1e-9
+    # generators that span everything positively: nothing opens
+    star = np.array([[1.0, -0.5, -0.5], [0.0, 1.0, -1.0]])
+    assert distance_to_boundary(star, np.array([0.1, 0.1])) is None

@@ -7,10 +7,8 @@ import json
 import numpy as np
 import pytest
 
-import origami_nlp as o
 from origami_nlp.contact.report import ContactReport
-from origami_nlp.minima import images
-from tests.computed_once import panel_contacts, panel_result
+from tests.computed_once import panel_contacts
 
 
 @pytest.fixture(scope="module")
@@ -40,15 +38,3 @@ def test_states_to_turn_carry_their_loads_and_boundaries(report: ContactReport) 
         angles = [folded.fold_angles for folded in track.states]
         assert np.array_equal(angles, curve.fold_angles)
         assert [folded.energy for folded in track.states] == list(curve.energy)
-
-
-def test_contacts_have_images_under_the_symmetry(report: ContactReport) -> None:
-    model, (state,) = report.result.model, report.states
-    contact = state.minimum.contacts[0]
-    assert images(model, contact)[0] == contact.creases
-    # facets in contact come with their mirror images
-    result = panel_result(o.examples.degree6("pi/3", 1.0))
-    pair = next(c for m in result.minima for c in m.contacts if c.facets)
-    assert set(images(result.model, pair)[1]) >= set(pair.facets)
-    assert len(images(result.model, pair)[1]) == 2 * len(pair.facets)
-    assert np.isfinite(pair.multiplier)

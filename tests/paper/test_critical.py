@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from origami_nlp import examples
-from origami_nlp.chart import geometry
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State
 from origami_nlp.paper import find_critical_points
-from origami_nlp.paper.critical import stratum_vertices
-from origami_nlp.paper.links import count_arcs, link_of
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import panel_points, thinned
@@ -104,25 +100,6 @@ def test_interior_points_are_those_of_the_chart(number):
     assert len(inner) == len(scanned)
     for state in scanned:
         assert min(np.abs(np.subtract(state, p)).max() for p in inner) < 1e-6
-
-
-@pytest.mark.slow
-def test_links_of_known_states():
-    scene = geometry(PANELS[1])
-    model = pose(scene)
-    flat = link_of(scene, State(model, np.zeros(4)), 1e-3)
-    assert len(flat.circles) == 2 and all(c.inside.all() for c in flat.circles)
-    book = link_of(scene, State(model, math.pi * np.array([0.5, 0.0, 0.0, 0.5])), 1e-3)
-    assert (
-        len(book.circles) == 1 and book.circles[0].inside.all()
-    )  # the book fold is an inner state
-    corners = stratum_vertices(scene, 24)
-    for where, pieces in (([-1.0, 0.5, -1.0, 0.0], 2), ([-1.0, 1.0, -1.0, -1.0], 1)):
-        x = math.pi * np.array(where)  # where a handle leaves a corner, and where it ends
-        (links,) = (v.links for v in corners if np.abs(v.x - x).max() < 1e-9)
-        assert {(link.pieces, len(link.thin)) for link in links} == {(pieces, 1)}
-    assert count_arcs(np.ones(5, dtype=bool)) == 0
-    assert count_arcs(np.array([True, False, True, True])) == 1
 
 
 def test_scenes_without_two_dof_are_refused():

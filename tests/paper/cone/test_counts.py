@@ -51,18 +51,6 @@ def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
 # ---------------------------------------------------------------- what is counted
 
 
-def test_depth_counts_deeper_wells_only():
-    r, v = 1.3, -0.1
-    every = cone.count(12, r, v)
-    for depth in (1e-3, 0.05, 0.5):
-        deep = cone.count(12, r, v, depth=depth)
-        assert np.all(deep.minima.depth > depth)
-        kept = every.minima[every.minima.depth > depth].branches
-        total = deep.stable_interior + deep.stable_contact + deep.falling_at_cut
-        assert sum(kept.multiplicity) == total
-    assert cone.count(12, r, v, depth=0.5).stable_interior < every.stable_interior
-
-
 # ---------------------------------------------------------------- maps
 
 
