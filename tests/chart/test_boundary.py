@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -41,29 +40,21 @@ def test_lines_are_where_admissibility_ends(name):
     for line in boundary(name).lines:
         _, q = fold_vertex(scene.vertex, line.fold_angles)
         assert np.linalg.norm(q[:, 1:], axis=1).max() < 1e-12 and (q[:, 0] > 0).all()
-        assert np.abs(line.fold_angles).max() <= math.pi
         assert all(
-            check_admissible(scene.vertex, phi).admissible for phi in line.fold_angles[1:-1:25]
+            check_admissible(scene.vertex, phi).admissible for phi in line.fold_angles[1::25]
         )
-        if line.hidden:
-            continue
         # away from corners, where the line turns in the chart
-        k = np.arange(len(line.s))[2:-2]
-        ahead = line.points[k + 1] - line.points[k - 1]
-        size = np.linalg.norm(ahead, axis=1)
-        ends = line.points[[0, -1]]
-        far = np.linalg.norm(line.points[k, None] - ends, axis=2).min(axis=1) > 0.3
-        far &= size > 1e-4
-        k, normal = k[far], np.stack([-ahead[far, 1], ahead[far, 0]], axis=-1)
+        far = np.linalg.norm(line.points[:, None] - line.points[[0, -1]], axis=2).min(axis=1) > 0.3
+        ahead = np.gradient(line.points, axis=0)[far]
+        normal = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         sides = []
-        for sign in (1, -1):
-            at = line.points[k] + sign * 1e-4 * normal
-            inside = (at[:, 0] > x0) & (at[:, 0] < x1) & (at[:, 1] > y0) & (at[:, 1] < y1)
-            sides.append(allowed(chart, line.branch, at[:, 0], at[:, 1])[0] & inside)
-        both, either = sides[0] & sides[1], sides[0] | sides[1]
-        assert not both.any()
-        assert not either.any() if line.thin else either.all()
+        for sign in (1e-4, -1e-4):
+            x, y = (line.points[far] + sign * normal).T
+            inside = (x > x0) & (x < x1) & (y > y0) & (y < y1)
+            sides.append(allowed(chart, line.branch, x, y)[0] & inside)
+        assert not (sides[0] & sides[1]).any()
+        assert not sides[0].any() if line.thin else (sides[0] | sides[1]).all()
 
 
 def same_region(scene: o.Scene, found: Boundary, size: int) -> None:
