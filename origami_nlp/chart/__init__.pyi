@@ -22,6 +22,7 @@ from .chart import (
     allowed as allowed,
     chart_limits as chart_limits,
     chart_of as chart_of,
+    fold_vertex as fold_vertex,
     fold_wedge as fold_wedge,
 )
 from .energy_map import (
@@ -31,7 +32,6 @@ from .energy_map import (
     landscape as landscape,
 )
 from .half_chain import HalfChain as HalfChain
-from .kinematics import fold_vertex as fold_vertex, pair_depths as pair_depths
 from .mesh import MeshError as MeshError, edges_of as edges_of, several as several
 from .topology import (
     Component as Component,

@@ -11,8 +11,7 @@ from functools import partial
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.inverse_design.contact_choice import solve
-from origami_nlp.inverse_design.convex import ConvexDesign
+from origami_nlp.inverse_design.convex import ConvexDesign, solve
 from origami_nlp.inverse_design.targets import TURNS, Targets
 from origami_nlp.numerics import SETTLED
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.inverse_design.targets import EnergyBounds, Target, Targets
 from origami_nlp.io import check_tables, one_of, parse_toml, read_toml
 from origami_nlp.minima import MinimaResult
@@ -24,6 +24,12 @@ from origami_nlp.pattern import (
     thick_limits,
     vertex_from_dict,
 )
+
+NAMES = ("waitukaitis-five", "six-states", "switch", "flat-and-one", "three-equal")
+_FOLDER = files("origami_nlp.inverse_design") / "example_files"
+EXAMPLES = {name: (_FOLDER / f"{name}.toml").read_text("utf-8") for name in NAMES}
+"""TOML by name."""
+
 
 _KEYS = {
     "vertex": ("sector_angles", "sector_angles_deg", "flat", "normalize"),

@@ -31,14 +31,23 @@ from origami_nlp.chart import (
     spots,
     trace_boundary,
 )
-from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import BALANCED, FIRM, SETTLED, STATIONARY, distinct, rank
+from origami_nlp.kkt import State, Stratum, newton, project
+from origami_nlp.numerics import (
+    BALANCED,
+    FIRM,
+    FOLLOWED,
+    NONZERO,
+    RANK,
+    SETTLED,
+    STATIONARY,
+    distinct,
+    rank,
+)
 from origami_nlp.paper.links import RADII, Link, Way, link_of
 from origami_nlp.paper.morse import ROUNDING, CriticalPoint, CriticalPoints, Kind, Part
-from origami_nlp.paper.newton import NEAR, approach, settle
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.pattern_problem import PatternProblem, pose
-from origami_nlp.problem import Contact
+from origami_nlp.problem import Contact, Problem
 
 KINDS: tuple[Kind, ...] = ("minimum", "saddle", "maximum")
 """Of a regular point, by its index."""
@@ -321,3 +330,47 @@ def _point(
 def in_degrees(x: np.ndarray) -> str:
     """Write the fold angles of the model's variables in degrees, for a doubt."""
     return "(" + ", ".join(f"{v:z.3f}" for v in np.degrees(x)) + ") deg"
+
+
+LONGEST_STEP = 0.3
+"""Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
+MANY_STEPS = 15
+"""Of Newton."""
+DIFFERENCE = 1e-5
+"""Step of the differences by which many states learn how closure bends [rad]."""
+NEAR = 1e-3
+"""Length of a last step [rad] from which one state at a time goes on."""
+
+
+def settle(problem: Problem, x: np.ndarray, rows: tuple[Contact, ...] = ()) -> Stratum | None:
+    """Return the critical point along the stratum of `rows` near x [n], admissible or not; None where there is none."""
+    found = newton(problem, project(problem, x, rows)[0], rows)[0]
+    if found is None:
+        return None
+    held = State(problem, found.x).on(rows)
+    off = max(held.state.residual, float(np.abs(held.openings).max(initial=0.0)))
+    return held if off <= FOLLOWED else None
+
+
+def approach(problem: Problem, x: np.ndarray) -> np.ndarray:
+    """Run Newton on closed states [K, n] of two degrees of freedom; return those that come to rest."""
+    length = np.zeros(len(x))
+    for _ in range(MANY_STEPS):
+        jac = problem.constraints(x)[1]
+        z = np.linalg.svd(jac)[2][:, -2:]  # [K, 2, n]
+        pull = problem.parameters.torque(x)
+        lam = np.einsum("kij,kj->ki", np.linalg.pinv(jac.swapaxes(1, 2), rcond=RANK), pull)
+        hessian = np.einsum("kin,knm,kjm->kij", z, problem.parameters.hessian(x), z)
+        for i in (0, 1):  # less lam . c''
+            ahead, back = (
+                problem.constraints(x + h * z[:, i])[1] for h in (DIFFERENCE, -DIFFERENCE)
+            )
+            bent = np.einsum("km,kmn,kjn->kj", lam, ahead - back, z) / (2 * DIFFERENCE)
+            hessian[:, i] -= bent
+        step = -np.einsum("kij,kjn,kn->ki", np.linalg.pinv(hessian, rcond=RANK), z, pull)
+        length = np.linalg.norm(step, axis=1)
+        step *= np.minimum(1.0, LONGEST_STEP / np.maximum(length, NONZERO))[:, None]
+        x = project(problem, x + np.einsum("ki,kin->kn", step, z), steps=4)[0]
+        inside = problem.fold_limits.inside(x, LONGEST_STEP).all(axis=1)
+        x, length = x[inside], length[inside]
+    return np.asarray(x[length <= NEAR])

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.contact.force_cone import distance_to_boundary
-from origami_nlp.contact.margin import load_margin
+from origami_nlp.contact.margin import distance_to_boundary, load_margin
 from origami_nlp.kkt import (
     State,
     find_multipliers,

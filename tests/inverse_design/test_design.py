@@ -14,7 +14,7 @@ from origami_nlp.inverse_design import (
     scene_of,
     solve,
 )
-from origami_nlp.inverse_design.examples import EXAMPLES
+from origami_nlp.inverse_design.targets_file import EXAMPLES
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
