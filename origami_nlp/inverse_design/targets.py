@@ -11,7 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_number, check_type, refuse, shown
+from origami_nlp.arguments import (
+    check_angles,
+    check_flag,
+    check_number,
+    check_type,
+    refuse,
+    shown,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
@@ -80,6 +87,16 @@ class EnergyBounds:
     least: float = 0.0
     most: float = math.inf
 
+    def __post_init__(self) -> None:
+        who = f"energy between {shown(self.first)} and {shown(self.second)}"
+        if self.first == self.second:
+            raise OptionError(f"{who}: it is between two states, not of one and itself")
+        bounds = (self.least, self.most)
+        if any(isinstance(v, bool) or not isinstance(v, Real) for v in bounds):
+            raise OptionError(f"{who}: {shown(bounds)} must be numbers [J]")
+        if not self.least <= self.most or bounds in INFINITE:
+            raise OptionError(f"{who}: [{self.least:g}, {self.most:g}] must be least <= most [J]")
+
 
 @dataclass(frozen=True)
 class Targets:
@@ -145,10 +162,14 @@ class Targets:
             raise OptionError("states is empty: give at least one [[states]] with fold_angles_deg")
         if twice := [name for k, name in enumerate(names) if name in names[:k]]:
             raise OptionError(f"two states are called {twice[0]!r}: give each a name of its own")
-        for ask in self.energies:
-            self._check_between("energy", ask, -math.inf)
-        for ask in self.barriers:
-            self._check_between("barrier", ask, 0.0)
+        for ask in (*self.energies, *self.barriers):
+            for name in (ask.first, ask.second):
+                if name not in names:
+                    what = f"energy or barrier of {shown(name)}"
+                    raise OptionError(f"{what}: states are {', '.join(names)}")
+        if any(ask.least < 0.0 for ask in self.barriers):
+            raise OptionError("a barrier is not below 0 J")
+        check_flag("full_space", self.full_space)
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
             said = f"stiffness = [{low:g}, {high:g}]"
@@ -162,22 +183,6 @@ class Targets:
                 raise OptionError(f"{said} must rise in [-{most:.6g}, {most:.6g}] rad{wound}")
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
-
-    def _check_between(self, what: str, ask: EnergyBounds, lowest: float) -> None:
-        """Raise an error unless two states, and two numbers, which may be infinite, are given."""
-        known = [t.name for t in self.states]
-        for name in (ask.first, ask.second):
-            if name not in known:
-                raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
-        who = f"{what} between {ask.first!r} and {ask.second!r}"
-        if ask.first == ask.second:
-            raise OptionError(f"{who}: it is between two states, not of one and itself")
-        bounds = (ask.least, ask.most)
-        for value in bounds:
-            if not isinstance(value, Real) or isinstance(value, bool):
-                raise OptionError(f"{who}: {shown(value)} must be a number [J]")
-        if not lowest <= ask.least <= ask.most or bounds in INFINITE:
-            raise OptionError(f"{who}: [{ask.least:g}, {ask.most:g}] must be least <= most [J]")
 
     def _check_kind(self) -> None:
         """Raise an error for what is not for a vertex, or not for a pattern."""
