@@ -40,6 +40,8 @@ LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
 MOST_PIECES = 16
 """Smooth pieces of the feasible set at one state, each with conditions of its own."""
+MOST_CHOICES = 64
+"""Choices of contacts that touch."""
 
 
 class ConvexDesign:
@@ -288,10 +290,6 @@ def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
     # (which the bounds say, and a solver may leave by its accuracy)
     k = np.maximum(k, k.max() * low / high)
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
-
-
-MOST_CHOICES = 64
-"""Choices of contacts that touch."""
 
 
 def solve(targets: Targets, more: Sequence[ConeRows] = ()) -> ConvexDesign:

@@ -58,6 +58,14 @@ RINGS, SIZES = 24, (8, 1025)
 
 Judged = tuple[int, Kind, str]
 """What a point contributes, its kind, and how that was decided."""
+LONGEST_STEP = 0.3
+"""Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
+MANY_STEPS = 15
+"""Of Newton."""
+DIFFERENCE = 1e-5
+"""Step of the differences by which many states learn how closure bends [rad]."""
+NEAR = 1e-3
+"""Length of a last step [rad] from which one state at a time goes on."""
 
 
 def find_critical_points(scene: Scene, *, rings: int = RINGS) -> CriticalPoints:
@@ -330,16 +338,6 @@ def _point(
 def in_degrees(x: np.ndarray) -> str:
     """Write the fold angles of the model's variables in degrees, for a doubt."""
     return "(" + ", ".join(f"{v:z.3f}" for v in np.degrees(x)) + ") deg"
-
-
-LONGEST_STEP = 0.3
-"""Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
-MANY_STEPS = 15
-"""Of Newton."""
-DIFFERENCE = 1e-5
-"""Step of the differences by which many states learn how closure bends [rad]."""
-NEAR = 1e-3
-"""Length of a last step [rad] from which one state at a time goes on."""
 
 
 def settle(problem: Problem, x: np.ndarray, rows: tuple[Contact, ...] = ()) -> Stratum | None:

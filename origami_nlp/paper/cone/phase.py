@@ -39,6 +39,11 @@ NEAREST = 1e-6
 are approached as nu_0^2 = 1e-12, while the fold condition / nu_0^2 keeps ten digits."""
 POLISHING, DIFFERENCE = 12, 1e-5
 """Steps of Newton for points of a fold, and their differences, both in the logarithms of nu_0 and t."""
+RATIOS = (1e-2, 1e2)
+"""Smallest and largest ratio of a diagram."""
+LARGEST_SIZE = 2000
+LARGEST_DEGREE = 200
+"""Of the boundaries: 7,500 classes of both directions at degree 200."""
 
 
 @dataclass(frozen=True)
@@ -153,13 +158,6 @@ def _pieces(
         if last - first > 1:
             cut = slice(first, last)
             yield PhaseBoundary(branches, kind, nu[cut], ratio[cut], t[cut])
-
-
-RATIOS = (1e-2, 1e2)
-"""Smallest and largest ratio of a diagram."""
-LARGEST_SIZE = 2000
-LARGEST_DEGREE = 200
-"""Of the boundaries: 7,500 classes of both directions at degree 200."""
 
 
 @dataclass(frozen=True, repr=False)
