@@ -28,7 +28,7 @@ from origami_nlp.display import Content, Poser, Report, Section, record_table, s
 from origami_nlp.io import OneBased, ShortRepr
 from origami_nlp.kkt import Stratum
 from origami_nlp.minima import MinimaResult, points_on
-from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
+from origami_nlp.numerics import BALANCED, NEAR_CONTACT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
 
 SLOPE = 5e-3
@@ -233,6 +233,7 @@ def flat_parts(
         change, least = float(np.ptp(curve.energy[part])), float(curve.multipliers[part].min())
         slope, stiffness, springs = (float(v[part].max()) for v in (steep, bent, curve.springs))
         where = number, "; ".join(curve.contacts), start, end, on
+        least *= least > BALANCED * total  # where the contact stops pushing only rounding is left
         out.append(Segment(*where, change, slope, stiffness, springs / total, least))
     return out
 

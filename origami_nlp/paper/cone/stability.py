@@ -18,6 +18,7 @@ from origami_nlp.arguments import check_callback
 from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
+from origami_nlp.numerics import residual_words
 from origami_nlp.paper.cone.branches import ConeBranch, class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
@@ -68,7 +69,7 @@ class JudgedMinimum:
     energy: float
     depth: float = field(metadata=shown("depth", spec=".4g"))
     fold_angles: tuple[float, ...] = field(repr=False)
-    residual: float = field(metadata=shown("slope", spec=".2e"))
+    residual: float = field(metadata=shown("slope", spec=residual_words))
     verdict: str = field(metadata=shown("verdict"))
     full_space: FullSpace = field(repr=False)
 
