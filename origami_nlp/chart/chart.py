@@ -11,6 +11,7 @@ the manifold.  Radians; everything vectorised over states.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -204,17 +205,29 @@ def fold_wedge(order: int, sectors: Any, folds: Any, by: Any = np) -> tuple[list
     cosines of, such as CasADi.
     """
     azimuth: Any = 0.0
-    turn: Any = quat.IDENTITY
-    rays, last = [], len(sectors)
-    for r in range(last + 1):
-        flat = (by.cos(azimuth), by.sin(azimuth), 0.0)
-        rays.append(quat.rotate(turn, flat))
-        # the mirror halves the fold angle of a crease that lies on it
-        half = folds[r] / (4 if r in (0, last) else 2)
-        turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
-        azimuth = azimuth + sectors[r] if r < last else azimuth
+    flats = [flat_ray(azimuth, by)] + [flat_ray(azimuth := azimuth + a, by) for a in sectors]
+    # the mirror halves the fold angle of a crease that lies on it
+    halves = [fold / (4 if r in (0, len(sectors)) else 2) for r, fold in enumerate(folds)]
+    rays, turn = fold_rays(flats, halves, by)
     whole = math.pi / order
     return rays, quat.rotate(turn, (math.sin(whole), -math.cos(whole), 0.0)), turn
+
+
+def flat_ray(azimuth: Any, by: Any = np) -> tuple[Any, Any, float]:
+    """Return a ray of the flat sheet."""
+    return by.cos(azimuth), by.sin(azimuth), 0.0
+
+
+def fold_rays(
+    flats: Sequence[Any], halves: Sequence[Any], by: Any = np, turn: Any = quat.IDENTITY
+) -> tuple[list[Any], Any]:
+    """Fold rays of the flat sheet by half angles, as many as there are: where each ray is, and all turns in one."""
+    rays = []
+    for flat, half in itertools.zip_longest(flats, halves):
+        rays.append(quat.rotate(turn, flat))
+        if half is not None:
+            turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
+    return rays, turn
 
 
 def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -245,17 +258,15 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
     >>> creases.shape, q.round(12).tolist()
     ((4, 3), [1.0, 0.0, 0.0, 0.0])
     """
-    half = np.asarray(fold_angles, dtype=float) / 2
-    q = tuple(np.full(half.shape[:-1], v, dtype=float) for v in quat.IDENTITY)
-    creases = []
-    for i, b in enumerate(vertex.creases):
-        # c_i = F_{i-1} b_i, the folds before it (paper, section 2)
-        creases.append(np.stack(quat.rotate(q, b), axis=-1))
-        q = quat.multiply(q, quat.fold(np.cos(half[..., i]), np.sin(half[..., i]), b))
+    half = np.moveaxis(np.asarray(fold_angles, dtype=float) / 2, -1, 0)
+    none = np.zeros(half.shape[1:])
+    # c_i = F_{i-1} b_i, the folds before it (paper, section 2)
+    rays, q = fold_rays([tuple(b) for b in vertex.creases], list(half))
     if not vertex.flat:
         turn = vertex.excess / 2
         q = quat.multiply(q, (math.cos(turn), 0.0, 0.0, math.sin(turn)))
-    return np.stack(creases, axis=-2), np.stack(q, axis=-1)
+    creases = [np.stack([v + none for v in ray], axis=-1) for ray in rays]
+    return np.stack(creases, axis=-2), np.stack([v + none for v in q], axis=-1)
 
 
 def pair_depths(creases: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.ndarray:

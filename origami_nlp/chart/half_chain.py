@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart.chart import chart_of, crease_number, fold_wedge
+from origami_nlp.chart.chart import chart_of, crease_number, flat_ray, fold_rays
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene
@@ -122,13 +122,13 @@ class HalfChain:
     def last_but_one(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the crease before P, and P over base points [..., 2], each [..., 3]."""
         p, q = base[..., 0], base[..., 1]
-        order, none = self.scene.group.order, 0.0 * p
-        folds = [p, q, none, none] if self.kind == "degree6" else [q, none, none]
-        rays = fold_wedge(order, self.sectors, folds)[0][:-1]
-        if self.kind != "degree6":
-            turn = quat.fold(np.cos(p / 2), np.sin(p / 2), (0.0, 1.0, 0.0))
-            rays = [quat.rotate(turn, ray) for ray in rays]
-        before, tip = (np.stack([v + none for v in ray], axis=-1) for ray in rays[-2:])
+        flats = [flat_ray(azimuth) for azimuth in np.cumsum([0.0, *self.sectors[:-1]]).tolist()]
+        if self.kind == "degree6":
+            rays, _ = fold_rays(flats, [p / 4, q / 2])
+        else:
+            lift = quat.fold(np.cos(p / 2), np.sin(p / 2), (0.0, 1.0, 0.0))
+            rays, _ = fold_rays(flats, [q / 4], turn=lift)
+        before, tip = (np.stack(np.broadcast_arrays(*ray), axis=-1) for ray in rays[-2:])
         return before, tip
 
     def fold_margin(self, base: np.ndarray) -> np.ndarray:

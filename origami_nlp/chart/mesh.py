@@ -127,10 +127,12 @@ def pulled(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, on: np.ndarray)
     base = np.array(base)
     for bit in (*chain.curved, SEAM):
         here = np.flatnonzero(has(on, bit))
-        for _ in range(0 if chain.straight >> bit & 1 else 6):
+        if chain.straight >> bit & 1 or not len(here):
+            continue
+        for _ in range(6):
             x, side = base[here], leaf[here]
             off = chain.value(bit, x, side)
-            if np.abs(off).max(initial=0.0) <= EPS:
+            if np.abs(off).max() <= EPS:
                 break
             steps = DIFFERENCE * np.eye(2)
             rises = [chain.value(bit, x + h, side) - chain.value(bit, x - h, side) for h in steps]
