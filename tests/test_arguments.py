@@ -172,7 +172,6 @@ CASES = [
     case(cone.ConeBranch, "flaps", (*LISTS, "VXM", (1, 0)), direction="up"),
     case(cone.ConeBranch, "direction", (None, 0, [], "left", *but(-1)), flaps="VVM"),
     case(cone.draw_phase, "diagram", SCENES),
-    case(cone.write_flaps, "flaps", (*LISTS, "VVM", (1, 0))),
     case(fold_vertices, "frame", SCENES),
     case(scene_at, "frame", SCENES, number=0),
     case(scene_at, "number", WHOLES[1:], "frame"),  # None: the only vertex there is

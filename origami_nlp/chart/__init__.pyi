@@ -22,6 +22,7 @@ from .chart import (
     allowed as allowed,
     chart_limits as chart_limits,
     chart_of as chart_of,
+    fold_vertex as fold_vertex,
     fold_wedge as fold_wedge,
 )
 from .energy_map import (
@@ -30,8 +31,7 @@ from .energy_map import (
     Place as Place,
     landscape as landscape,
 )
-from .half_chain import HalfChain as HalfChain, chain_of as chain_of
-from .kinematics import fold_vertex as fold_vertex, pair_depths as pair_depths
+from .half_chain import HalfChain as HalfChain
 from .mesh import MeshError as MeshError, edges_of as edges_of, several as several
 from .topology import (
     Component as Component,

@@ -39,11 +39,10 @@ UNSEEN = 1e-3
 def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
     """One colour scale for all branches and `energies`, finer at low energies, where the minima are."""
     values = np.concatenate([b.energy[np.isfinite(b.energy)] for b in chart.branches])
-    low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
-    low = min([low, *energies])
+    low, high = min([*values, *energies], default=0.0), float(values.max(initial=-math.inf))
     if not high > low:
         high = low + max(abs(low), NONZERO)
-    return PowerNorm(0.5, vmin=float(low), vmax=float(high))
+    return PowerNorm(0.5, vmin=float(low), vmax=high)
 
 
 def draw_area(
@@ -79,18 +78,17 @@ def draw_area(
     image, whole = None, chart_of(chart.scene)
     assert whole is not None
     for k in branches:
-        region = boundary.regions[k] if boundary and boundary.regions else None
+        region, at = None, chart.branches[k].axes
         energy = chart.branches[k].energy
-        if region is not None:  # which cuts: states beyond it have energies too
-            phi = whole.fold_angles(k, *np.meshgrid(*chart.branches[k].axes))
-            energy = np.asarray(chart.scene.energy(phi))
-        image = _draw_energy(axes, chart.branches[k].axes, energy, region, norm, line)
+        if boundary and boundary.regions:  # which cut: states beyond them have energies too
+            region = boundary.regions[k]
+            energy = np.asarray(chart.scene.energy(whole.fold_angles(k, *np.meshgrid(*at))))
+        image = _draw_energy(axes, at, energy, region, norm, line)
     for one in boundary.lines if boundary else ():
         if one.branch in branches and not one.hidden:
-            look: dict[str, Any] = {"color": INK, "linewidth": line, "zorder": 3}
-            if one.thin:
-                look = HANDLE | {"linewidth": 1.9 * line}
-            axes.plot(*one.points.T, **look, clip_on=False, snap=False, solid_capstyle="round")
+            look: dict[str, Any] = {"color": INK, "linewidth": line}
+            look = HANDLE | {"linewidth": 1.9 * line} if one.thin else look
+            axes.plot(*one.points.T, **{"zorder": 3} | look, clip_on=False, snap=False)
     area_axes(axes, whole)
     return image
 
@@ -131,48 +129,41 @@ def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) 
     entries: list[Any] = []
     if boundary:
         entries.append(Line2D([], [], color=INK, linewidth=line, label="contact"))
-    if boundary and any(each.thin for each in boundary.lines):
-        entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
+        if any(each.thin for each in boundary.lines):
+            entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
     white = WHITE[chart.scene.contact]
-    if chart.scene.limits:
-        white = "facets cross, or stops" if chart.scene.contact == "full" else "beyond stops"
-    return [*entries, patch("white", white)]
+    return [*entries, patch("white", f"{white}, or stops" if chart.scene.limits else white)]
 
 
 def _draw_energy(
     axes: Any, at: Any, energy: np.ndarray, region: Any, norm: Normalize, line: float
 ) -> Any:
     """Draw the colours and contour lines of one branch, cut at its exact boundary."""
+    from shapely import get_parts
+
     energy = np.ma.masked_invalid(energy)
     # pixels around the middles of cells
     half = [(v[1] - v[0]) / 2 for v in at]
     extent = [e for v, h in zip(at, half, strict=True) for e in (v[0] - h, v[-1] + h)]
     look: dict[str, Any] = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
     image = axes.imshow(energy, extent=extent, origin="lower", norm=norm, aspect="auto", **look)
-    levels = [norm.inverse(v) for v in np.linspace(0.0, 1.0, 12)[1:-1]]
+    levels = norm.inverse(np.linspace(0.0, 1.0, 12)[1:-1])
     look = {"levels": levels, "colors": "white", "linewidths": 0.4 * line, "alpha": 0.7}
     lines = axes.contour(*at, energy, **look, zorder=2)
     if region is not None:
         # vector files hold what cuts in full, and twice; the lines over its edge are exact
-        path = region_path(region.simplify(UNSEEN))
+        parts = [
+            Path(np.asarray(ring.coords), closed=True)
+            for polygon in get_parts(region.simplify(UNSEEN))
+            if not polygon.is_empty
+            for ring in (polygon.exterior, *polygon.interiors)
+        ]
+        path = Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
         clip = PathPatch(path, transform=axes.transData, fc="none", ec="none")
         axes.add_patch(clip)
         image.set_clip_path(clip)
         lines.set_clip_path(clip)
     return image
-
-
-def region_path(region: Any) -> Path:
-    """Return shapely polygons, holes included, as one compound path."""
-    from shapely import get_parts
-
-    parts = [
-        Path(np.asarray(ring.coords), closed=True)
-        for polygon in get_parts(region)
-        if not polygon.is_empty
-        for ring in (polygon.exterior, *polygon.interiors)
-    ]
-    return Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
 
 
 def draw_curves(axes: Any, chart: Landscape) -> list[Any]:
@@ -235,7 +226,7 @@ def curve_name(chart: Landscape, k: int) -> str:
     towards = 1.0 if np.nanmax(at) > -np.nanmin(at) - 1e-6 else -1.0
     # halfway: where creases are at their limits or flat again, the rest says nothing
     middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
-    letters = "".join("V" if phi > 1e-6 else "M" if phi < -1e-6 else "−" for phi in middle)
+    letters = "".join("−VM"[int(np.sign(np.round(phi, 6)))] for phi in middle)
     return f"{letters} for φ{subscript(crease)} {'>' if towards > 0 else '<'} 0"
 
 

@@ -7,6 +7,7 @@ Only geometry enters: the lines are the same for every stiffness (`with_energy` 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -15,10 +16,10 @@ import numpy as np
 
 from origami_nlp.chart.cells import Cells, cells_of, geometry
 from origami_nlp.chart.chart import Chart, allowed
-from origami_nlp.chart.half_chain import HalfChain
-from origami_nlp.chart.mesh import CUT, SEAM, MeshError, exact_states, has, pulled
+from origami_nlp.chart.half_chain import CUT, SEAM
+from origami_nlp.chart.mesh import MeshError, exact_states, pulled
 from origami_nlp.chart.topology import arcs, borders
-from origami_nlp.continuation import BoundaryCurve, Point, boundary_of, evaluate
+from origami_nlp.continuation import BoundaryCurve, boundary_of, evaluate
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State
 from origami_nlp.numerics import SETTLED
@@ -72,8 +73,7 @@ class BoundaryLine(ShortRepr):
     def rows(self, problem: PatternProblem) -> tuple[Contact, ...]:
         """Return what is closed along it, as contacts of a problem, which numbers them as it meets them."""
         # what is closed in the middle of a line is closed all along it; at its ends more is
-        middle = problem.reduce(self.fold_angles[len(self.s) // 2])
-        return State(problem, middle).pieces[0]
+        return State(problem, problem.reduce(self.fold_angles[len(self.s) // 2])).pieces[0]
 
     @property
     def hidden(self) -> bool:
@@ -138,18 +138,14 @@ def _boundary(scene: Scene) -> Boundary:
     import shapely
 
     cells, problem = cells_of(scene, RINGS), pose(scene)
-    chart = cells.chart
-    lines = [
-        _line(problem, cells, path, branch, thin) for path, branch, thin in border_paths(cells)
-    ]
-    regions = [_region(chart, k, lines) for k in range(len(chart.signs))]
-    free = np.flatnonzero(cells.on == 0)
+    lines = tuple(_line(problem, cells, *path) for path in border_paths(cells))
+    regions = tuple(_region(cells.chart, k, lines) for k in range(len(cells.chart.signs)))
+    free = cells.on == 0
     for k, region in enumerate(regions):
-        at = cells.points[free[cells.branch[free] == k]]
+        at = cells.points[free & (cells.branch == k)]
         if shapely.contains_xy(region, at).sum() < MOSTLY * len(at):
-            regions = []
-            break
-    return Boundary(tuple(lines), tuple(regions))
+            return Boundary(lines, ())
+    return Boundary(lines, regions)
 
 
 def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
@@ -174,15 +170,7 @@ def border_paths(cells: Cells) -> list[tuple[np.ndarray, int, bool]]:
 def _line(
     problem: PatternProblem, cells: Cells, path: np.ndarray, branch: int, thin: bool
 ) -> BoundaryLine:
-    x = _dense(cells.cover.chain, cells, path)
-    phi = x[:, cells.cover.chain.orbit]
-    s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
-    line = BoundaryLine((), branch, cells.chart.points(phi), phi, s, thin)
-    return replace(line, contacts=tuple(map(problem.name, line.rows(problem))))
-
-
-def _dense(chain: HalfChain, cells: Cells, path: np.ndarray) -> np.ndarray:
-    """Return the states [m, k] of a chain of vertices, with more between those that are far apart."""
+    """Return the line through some vertices, with more points between those that are far apart."""
     cover, x, at = cells.cover, cells.wedge[path], cells.origin[path]
     base, leaf, on = cover.base[at], cover.leaf[at], int(np.bitwise_and.reduce(cells.on[path]))
     for _ in range(DOUBLINGS):
@@ -191,29 +179,29 @@ def _dense(chain: HalfChain, cells: Cells, path: np.ndarray) -> np.ndarray:
             break
         side = np.where(leaf[far] != 0, leaf[far], leaf[far + 1])
         walls = np.full(len(far), on)
-        new = pulled(chain, 0.5 * (base[far] + base[far + 1]), side, walls)
-        states = exact_states(chain, new, side, walls)
-        if has(walls, CUT).all():
+        new = pulled(cover.chain, 0.5 * (base[far] + base[far + 1]), side, walls)
+        states = exact_states(cover.chain, new, side, walls)
+        if on >> CUT & 1:
             states[:, -2] = np.copysign(np.pi, x[far, -2])
         base, leaf = np.insert(base, far + 1, new, axis=0), np.insert(leaf, far + 1, side)
-        x = np.insert(x, far + 1, chain.limits.clip(states), axis=0)
-    return x
+        x = np.insert(x, far + 1, cover.chain.limits.clip(states), axis=0)
+    phi = x[:, cover.chain.orbit]
+    s = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1)))
+    line = BoundaryLine((), branch, cells.chart.points(phi), phi, s, thin)
+    return replace(line, contacts=tuple(map(problem.name, line.rows(problem))))
 
 
-def _region(chart: Chart, branch: int, lines: list[BoundaryLine]) -> MultiPolygon:
+def _region(chart: Chart, branch: int, lines: Sequence[BoundaryLine]) -> MultiPolygon:
     """Return the faces between the lines of a branch that hold an admissible state."""
     import shapely
 
     own = [line for line in lines if line.branch == branch and not (line.thin or line.hidden)]
     # corners are known to some 1e-14: on a grid lines that share one meet
-    faces = shapely.polygonize(
-        [shapely.unary_union([shapely.LineString(line.points) for line in own], grid_size=GRID)]
-    )
-    inside = []
-    for face in faces.geoms:
-        at = face.representative_point()
-        if face.area >= SLIVER and allowed(chart, branch, at.x, at.y)[0]:
-            inside.append(face)
+    merged = shapely.unary_union([shapely.LineString(line.points) for line in own], grid_size=GRID)
+    faces = [face for face in shapely.polygonize([merged]).geoms if face.area >= SLIVER]
+    places = [face.representative_point() for face in faces]
+    held = [bool(allowed(chart, branch, at.x, at.y)[0]) for at in places]
+    inside = [face for face, good in zip(faces, held, strict=True) if good]
     union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
     return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])
 
@@ -222,12 +210,11 @@ def with_energy(problem: PatternProblem, line: BoundaryLine) -> BoundaryCurve:
     """Evaluate a scene's energy, its derivatives and the contact moments along a line."""
     at, rows = problem.reduce(line.fold_angles), line.rows(problem)
     along = np.gradient(at * problem.root, axis=0)
-    points: list[Point] = []
-    kept = []
-    for k, x in enumerate(at):
-        size = float(np.linalg.norm(along[k]))
-        point = evaluate(State(problem, x).on(rows), along[k] / size) if size > 0 else None
-        if point is not None and point.dimension == 1:
-            points.append(point)
-            kept.append(k)
-    return boundary_of(rows, points, line.s[kept], 1.0, ("corner", "corner"))
+    size = np.linalg.norm(along, axis=1)
+    found = [
+        evaluate(State(problem, x).on(rows), way / much) if much > 0 else None
+        for x, way, much in zip(at, along, size, strict=True)
+    ]
+    points = [(k, p) for k, p in enumerate(found) if p is not None and p.dimension == 1]
+    s = line.s[[k for k, _ in points]]
+    return boundary_of(rows, [p for _, p in points], s, 1.0, ("corner", "corner"))

@@ -11,15 +11,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.chart.chart import Chart, admissible
-from origami_nlp.chart.half_chain import chain_of
+from origami_nlp.chart.half_chain import CUT, SEAM, HalfChain
 from origami_nlp.chart.mesh import (
-    CUT,
-    SEAM,
     DoubleCover,
     MeshError,
     beside,
@@ -29,7 +26,6 @@ from origami_nlp.chart.mesh import (
     mesh_cover,
     pulled,
     several,
-    straight_walls,
 )
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, groups
@@ -106,7 +102,7 @@ def cells_of(scene: Scene, rings: int) -> Cells:
 
 @lru_cache(maxsize=32)
 def _cells_of(scene: Scene, rings: int) -> Cells:
-    chain = chain_of(scene)
+    chain = HalfChain(scene)
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
@@ -115,55 +111,46 @@ def _cells_of(scene: Scene, rings: int) -> Cells:
         except MeshError:
             if attempt == ATTEMPTS[-1]:
                 raise
-            continue
-        break
+        else:
+            break
     return cells
 
 
 def geometry(scene: Scene) -> Scene:
     """Return a scene without what does not bound its states: springs, loads and its name."""
     n = scene.degree
-    plain: dict[str, Any] = {"stiffness": (1.0,) * n, "rest_angles": (0.0,) * n, "name": None}
-    plain |= {"preload": (), "laws": (), "loads": (), "symmetry": scene.group.name}
-    return replace(scene, **plain)
+    plain = replace(scene, stiffness=(1.0,) * n, rest_angles=(0.0,) * n, name=None, preload=())
+    return replace(plain, laws=(), loads=(), symmetry=scene.group.name)
 
 
 def admissible_cells(cover: DoubleCover) -> Cells:
-    """Keep the cells of a surface whose states are admissible with full contact and symmetric layers."""
-    sign = _sides(cover)
-    good = _good_triangles(cover, sign)
+    """Keep the cells of a surface whose states are admissible with full contact and symmetric layers.
+
+    Vertices are numbered with the sign of the inner fold angle that they have, 3 v + sign + 1, where v is on the cut.
+    """
+    # side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, walls]
+    side = _farthest(cover.values[cover.triangles])
+    good = _good_triangles(cover, side)
+    inner = np.where(side[good, 1] < 0, 1, -1)[:, None]  # short of the cut from below: +pi
     kept = cover.triangles[good]
-    inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
-    corner_sign = np.where(has(cover.on, CUT)[kept], inner[:, None], 0)
-    edges, edge_sign = _edges_alone(cover, kept, corner_sign)
-    keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
-    points = _vertices_alone(cover, np.unique(np.concatenate(keys)))
-    keys.append(points)
-    all_keys, number = np.unique(np.concatenate(keys), return_inverse=True)
-    f, e = kept.size, edges.size
-    origin, which = all_keys // 3, all_keys % 3 - 1
-    wedge = _with_sign(cover.wedge[origin], which)
-    return Cells(
-        cover,
-        wedge,
-        cover.on[origin],
-        origin,
-        number[:f].reshape(-1, 3),
-        number[f : f + e].reshape(-1, 2),
+    kept = 3 * kept + 1 + np.where(has(cover.on, CUT)[kept], inner, 0)
+    edges = _edges_alone(cover, kept)
+    points = _vertices_alone(cover, np.concatenate([kept.ravel(), edges.ravel()]))
+    every, number = np.unique(
+        np.concatenate([kept.ravel(), edges.ravel(), points]), return_inverse=True
     )
+    triangles, alone, _ = np.split(number, [kept.size, kept.size + edges.size])
+    origin = every // 3
+    wedge = _with_sign(cover.wedge[origin], every % 3 - 1)
+    on = cover.on[origin]
+    return Cells(cover, wedge, on, origin, triangles.reshape(-1, 3), alone.reshape(-1, 2))
 
 
 def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
-    """Set the inner fold angle of wedge states [..., k] to +pi or -pi where sign [...] is not 0."""
+    """Set the inner fold angle of wedge states [K, k] to +pi or -pi where sign [K] is not 0."""
     out = np.array(wedge)
-    inner = out[..., -2]
-    out[..., -2] = np.where(sign == 0, inner, sign * math.pi)
+    out[:, -2] = np.where(sign == 0, out[:, -2], sign * math.pi)
     return out
-
-
-def _sides(cover: DoubleCover) -> np.ndarray:
-    """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, walls]."""
-    return _farthest(cover.values[cover.triangles])  # of [F, 3 vertices, walls]
 
 
 def _farthest(values: np.ndarray) -> np.ndarray:
@@ -174,96 +161,84 @@ def _farthest(values: np.ndarray) -> np.ndarray:
 
 def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
-    paper, orbit = pose_paper(cover.chain.scene.vertex), cover.chain.orbit
     if not len(cover.triangles):  # all beyond stops
         return np.zeros(0, dtype=bool)
+    chain, paper = cover.chain, pose_paper(cover.chain.scene.vertex)
     face = _faces(cover, side)
-    wedge, clearance, triangle = _inner_states(cover, side)
+    wedge, clearance = _inner_states(cover, side)
+    at = np.tile(face, len(wedge) // len(face))
     verdict = np.zeros(face.max() + 1, dtype=bool)
-    at = face[triangle]
     order = np.lexsort((-clearance, at))
     for mine in np.split(order, np.flatnonzero(np.diff(at[order])) + 1):
         best = mine[:WITNESSES][clearance[mine[:WITNESSES]] > OUTSIDE]
         if not len(best):
-            if side[triangle[mine[0]], 0] < 0:
+            if side[mine[0] % len(face), 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
-        if not cover.chain.limits.inside(wedge[best]).all():
+        if not chain.limits.inside(wedge[best]).all():
             continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
-        said = {check_admissible(paper, wedge[m][orbit]).admissible for m in best}
+        said = {check_admissible(paper, x[chain.orbit]).admissible for x in wedge[best]}
         if len(said) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[at[mine[0]]] = said.pop()
     return verdict[face]
 
 
-def _inner_states(
-    cover: DoubleCover, side: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """States inside triangles: middles of triangles and of their edges, as wedge fold angles [m, k].
+def _inner_states(cover: DoubleCover, side: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """States inside triangles: middles of triangles, then of their edges, as wedge fold angles [4 F, k].
 
-    Also how far each keeps from walls and seam [m] (negative where it is on another side than its triangle: edges are
-    straight, walls are not), and its triangle [m].
+    Also how far each keeps from walls and seam [4 F]: negative where it is on another side than its triangle (edges are
+    straight, walls are not).
     """
-    chain, t = cover.chain, cover.triangles
-    base = cover.base[t]
+    chain, base = cover.chain, cover.base[cover.triangles]
     middles = [base.mean(axis=1), *(0.5 * (base[:, k] + base[:, k - 1]) for k in range(3))]
-    leaf = _farthest(cover.leaf[t])
-    count = len(middles)
-    point, sides = np.concatenate(middles), np.tile(side, (count, 1))
-    states = chain.points(point, np.tile(leaf, count))
-    inside = sides[:, 0] > 0
-    for k, wrapped in enumerate(chain.wrapped):
-        far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
-        # the state must be on the side of the wall on which its triangle is
-        inside &= far | (states.walls[:, k] * sides[:, k] > 0)
-    room = np.minimum(np.abs(states.walls).min(axis=1), chain.fold_margin(point))
-    room = np.minimum(room, (math.pi - np.abs(states.wedge)).min(axis=1))
-    return states.wedge, np.where(inside, room, -1.0), np.tile(np.arange(len(t)), count)
+    leaf, sides = np.tile(_farthest(cover.leaf[cover.triangles]), 4), np.tile(side, (4, 1))
+    point = np.concatenate(middles)
+    wedge, walls = chain.points(point, leaf)
+    far = (np.abs(sides) > math.pi / 2) & np.array(chain.wrapped)
+    # the state must be on the side of the wall on which its triangle is
+    inside = (sides[:, 0] > 0) & (far | (walls * sides > 0)).all(axis=1)
+    room = np.minimum(np.abs(walls).min(axis=1), (math.pi - np.abs(wedge)).min(axis=1))
+    return wedge, np.where(inside, np.minimum(room, chain.fold_margin(point)), -1.0)
 
 
 def _faces(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
-    one, two = beside(cover.triangles).T
-    apart = np.zeros(len(one), dtype=bool)
-    for k, wrapped in enumerate(cover.chain.wrapped):
-        differ = side[one, k] * side[two, k] < 0
-        if wrapped:
-            # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
-            differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
-        apart |= differ
-    return groups(len(cover.triangles), np.column_stack([one, two])[~apart])
+    pairs = beside(cover.triangles)
+    one, two = side[pairs[:, 0]], side[pairs[:, 1]]
+    # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
+    around = np.array(cover.chain.wrapped) & (np.abs(one) + np.abs(two) >= math.pi)
+    apart = ((one * two < 0) & ~around).any(axis=1)
+    return groups(len(cover.triangles), pairs[~apart])
 
 
-def _edges_alone(
-    cover: DoubleCover, kept: np.ndarray, corner_sign: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Admissible edges on walls that border no kept triangle: vertices [E, 2] and signs on the cut [E, 2]."""
+def _edges_alone(cover: DoubleCover, kept: np.ndarray) -> np.ndarray:
+    """Admissible edges on walls that border no kept triangle: numbers of their vertices with signs, [E, 2]."""
     edges, _ = edges_of(cover.triangles)
     common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
-    edges = edges[(common & ~(1 << SEAM)) != 0]
+    here = (common & ~(1 << SEAM)) != 0
+    edges, common = edges[here], common[here]
     leaf = _farthest(cover.leaf[edges])
-    common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
     # a straight border stays straight
-    free = np.where(common & straight_walls(cover.chain) == 0, common, 0)
+    free = np.where(common & cover.chain.straight == 0, common, 0)
     middle = pulled(cover.chain, cover.base[edges].mean(axis=1), leaf, free)
     wedge = exact_states(cover.chain, middle, leaf, common)
-    used = _edge_keys(
-        np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [2, 0]]]),
-        np.concatenate([corner_sign[:, [0, 1]], corner_sign[:, [1, 2]], corner_sign[:, [2, 0]]]),
-    )
-    found, signs = [], []
+    used, cut = _named(edges_of(kept)[0]), has(common, CUT)
+    found = []
     for s in (-1, 1):
-        cut = has(common, CUT)
-        mine = cut | ((wedge[:, -2] >= 0) == (s > 0))
-        state = _with_sign(wedge, np.where(cut, s, 0))
-        ends = np.where(has(cover.on[edges], CUT), s, 0)
-        alone = mine & ~np.isin(_edge_keys(edges, ends), used)
-        alone[alone] = _stand_alone(cover, state[alone])
-        found.append(edges[alone])
-        signs.append(ends[alone])
-    return np.concatenate(found), np.concatenate(signs)
+        numbers = 3 * edges + 1 + np.where(has(cover.on[edges], CUT), s, 0)
+        alone = cut | ((wedge[:, -2] >= 0) == (s > 0))
+        alone &= ~np.isin(_named(numbers), used)
+        alone[alone] = _stand_alone(cover, _with_sign(wedge, s * cut)[alone])
+        found.append(numbers[alone])
+    return np.concatenate(found)
+
+
+def _named(edges: np.ndarray) -> np.ndarray:
+    """One number for each edge, whatever its direction."""
+    ends = np.sort(edges, axis=1)
+    return ends[:, 0] * (1 << 31) + ends[:, 1]
 
 
 def check_lower_dimensional(cells: Cells) -> None:
@@ -274,53 +249,42 @@ def check_lower_dimensional(cells: Cells) -> None:
     MeshError
         If a handle has embedded states beside it: then it is the border of a surface that the mesh missed.
     """
-    inner = np.setdiff1d(np.unique(cells.extra_edges), np.unique(cells.triangles))
+    inner = np.setdiff1d(cells.extra_edges, cells.triangles)
     if len(cells.extra_edges) and not len(inner):
         raise MeshError("a handle is shorter than the mesh: use a larger size")
-    cover, origin = cells.cover, cells.origin[inner]
-    turn = 2 * math.pi * np.arange(16) / 16
-    paper = pose_paper(cover.chain.scene.vertex)
-    circle = RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    cover, chain, origin = cells.cover, cells.cover.chain, cells.origin[inner]
+    turn, paper = 2 * math.pi * np.arange(16) / 16, pose_paper(chain.scene.vertex)
     for side in (-1, 1):
         leaf = np.where(cover.leaf[origin] == 0, side, cover.leaf[origin])
-        for step in circle:
+        for step in RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1):
             base = cover.base[origin] + step
-            states = cover.chain.points(base, leaf).wedge
+            states = chain.points(base, leaf).wedge
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
-            near &= cover.chain.fold_margin(base) > 0
+            near &= chain.fold_margin(base) > 0
             # not on the handle itself
-            near &= cover.chain.limits.room(states).min(axis=1) > CONTACT_TOL
-            states = states[near][:, cover.chain.orbit]
-            states = states[admissible(cover.chain.scene, states)]
+            near &= chain.limits.room(states).min(axis=1) > CONTACT_TOL
+            states = states[near][:, chain.orbit]
+            states = states[admissible(chain.scene, states)]
             if any(check_admissible(paper, phi).admissible for phi in states):
                 raise MeshError("a handle has a surface next to it: use a larger size")
 
 
-def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:
-    """One number for each edge with its signs, whatever its direction."""
-    ends = np.sort(edges * 3 + signs + 1, axis=1)
-    return ends[:, 0] * (1 << 31) + ends[:, 1]
-
-
 def _stand_alone(cover: DoubleCover, wedge: np.ndarray) -> np.ndarray:
     """Return which states [K, k] are admissible by themselves, their layers ordered with the symmetry."""
-    chain, scene = cover.chain, cover.chain.scene
+    chain, paper = cover.chain, pose_paper(cover.chain.scene)
     good = chain.limits.inside(wedge, CONTACT_TOL).all(axis=1)
     phi = chain.limits.clip(wedge)[:, chain.orbit]
-    good[good] = admissible(scene, phi[good])
-    paper = pose_paper(scene)
+    good[good] = admissible(chain.scene, phi[good])
     good[good] = [check_admissible(paper, one).admissible for one in phi[good]]
     return np.asarray(good)
 
 
 def _vertices_alone(cover: DoubleCover, used: np.ndarray) -> np.ndarray:
-    """Keys of admissible vertices on two walls or more that are on no other cell."""
-    keys = []
+    """Numbers of admissible vertices, with signs, on two walls or more that are on no other cell."""
+    found = []
     for s in (-1, 0, 1):
         who = np.flatnonzero(several(cover.on) & (has(cover.on, CUT) == (s != 0)))
-        key = who * 3 + s + 1
-        who = who[~np.isin(key, used)]
-        state = _with_sign(cover.wedge[who], np.full(len(who), s))
-        inside = _stand_alone(cover, state)
-        keys.append(who[inside] * 3 + s + 1)
-    return np.concatenate(keys)
+        who = who[~np.isin(3 * who + s + 1, used)]
+        inside = _stand_alone(cover, _with_sign(cover.wedge[who], np.full(len(who), s)))
+        found.append(3 * who[inside] + s + 1)
+    return np.concatenate(found)

@@ -11,16 +11,17 @@ the manifold.  Radians; everything vectorised over states.
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.chart.kinematics import fold_vertex, pair_depths
 from origami_nlp.closed_forms import degree6, wedge3
-from origami_nlp.numerics import OUTSIDE, SETTLED, quaternion as quat
-from origami_nlp.pattern import Scene
+from origami_nlp.numerics import NONZERO, OUTSIDE, SETTLED, cross, quaternion as quat
+from origami_nlp.pattern import Scene, Vertex
 
 
 @dataclass(frozen=True)
@@ -53,21 +54,21 @@ class Chart:
             piece = np.stack([value[..., 0], x, value[..., 1]], axis=-1)
         return piece[..., list(self.scene.group.orbit)]
 
+    @property
+    def sided(self) -> bool:
+        """Whether each side of the flat state has one branch, with elevations of one sign (`closed_forms.wedge3`)."""
+        return self.kind == "wedge" and self.scene.group.order == 2 and self.scene.contact == "full"
+
     def branch_of(self, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Branch on which states [..., N] lie, and how far they are from where branches meet, [...]."""
         elevation = self.points(fold_angles)[..., 1]
         if self.kind == "degree6":
             return np.zeros(elevation.shape, dtype=int), np.ones(elevation.shape)
-        if self.scene.group.order == 2 and self.scene.contact == "full":
-            # each side of the flat state has one: `closed_forms.wedge3`
+        if self.sided:
             return np.where(elevation > 0, 1, 0), np.abs(elevation)
-        misfit = []
-        for k in (0, 1):
-            there = self.fold_angles(
-                k, fold_angles[..., crease_number(self.scene, 1) - 1], elevation
-            )
-            error = np.abs(there - fold_angles).max(axis=-1)
-            misfit.append(np.where(np.isfinite(error), error, 10.0))
+        x = fold_angles[..., crease_number(self.scene, 1) - 1]
+        there = np.stack([self.fold_angles(k, x, elevation) for k in (0, 1)])
+        misfit = np.nan_to_num(np.abs(there - fold_angles).max(axis=-1), nan=10.0)
         return np.where(misfit[1] < misfit[0], 1, 0), np.abs(misfit[1] - misfit[0])
 
     def points(self, fold_angles: np.ndarray) -> np.ndarray:
@@ -167,16 +168,15 @@ def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
 
 def family_of(scene: Scene, phi: np.ndarray) -> str:
     """Return why a whole family of states shares the chart point of `phi`, or return ''."""
-    group = scene.group
-    first, last = crease_number(scene, 0), crease_number(scene, len(group.rays) - 1)
+    first, last = crease_number(scene, 0), crease_number(scene, len(scene.group.rays) - 1)
     pairs = [(first, last)]
-    if group.order == 2:  # crease 1 and its image under the half turn, both in one plane
+    if scene.group.order == 2:  # crease 1 and its image under the half turn, both in one plane
         pairs.append((first, (first - 1 + scene.degree // 2) % scene.degree + 1))
     creases, _ = fold_vertex(scene.vertex, phi)
     for i, j in pairs:
-        a, b = creases[i - 1], creases[j - 1]
-        if np.linalg.norm(np.cross(a, b)) < SETTLED:
-            how = "form one straight line" if a @ b < 0 else "coincide"
+        along = float(creases[i - 1] @ creases[j - 1])
+        if np.linalg.norm(np.cross(creases[i - 1], creases[j - 1])) < SETTLED:
+            how = "form one straight line" if along < 0 else "coincide"
             return f"creases {i} and {j} {how}, about which the vertex folds freely"
     return ""
 
@@ -205,14 +205,93 @@ def fold_wedge(order: int, sectors: Any, folds: Any, by: Any = np) -> tuple[list
     cosines of, such as CasADi.
     """
     azimuth: Any = 0.0
-    turn: Any = quat.IDENTITY
-    rays, last = [], len(sectors)
-    for r in range(last + 1):
-        flat = (by.cos(azimuth), by.sin(azimuth), 0.0)
-        rays.append(quat.rotate(turn, flat))
-        # the mirror halves the fold angle of a crease that lies on it
-        half = folds[r] / (4 if r in (0, last) else 2)
-        turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
-        azimuth = azimuth + sectors[r] if r < last else azimuth
+    flats = [flat_ray(azimuth, by)] + [flat_ray(azimuth := azimuth + a, by) for a in sectors]
+    # the mirror halves the fold angle of a crease that lies on it
+    halves = [fold / (4 if r in (0, len(sectors)) else 2) for r, fold in enumerate(folds)]
+    rays, turn = fold_rays(flats, halves, by)
     whole = math.pi / order
     return rays, quat.rotate(turn, (math.sin(whole), -math.cos(whole), 0.0)), turn
+
+
+def flat_ray(azimuth: Any, by: Any = np) -> tuple[Any, Any, float]:
+    """Return a ray of the flat sheet."""
+    return by.cos(azimuth), by.sin(azimuth), 0.0
+
+
+def fold_rays(
+    flats: Sequence[Any], halves: Sequence[Any], by: Any = np, turn: Any = quat.IDENTITY
+) -> tuple[list[Any], Any]:
+    """Fold rays of the flat sheet by half angles, as many as there are: where each ray is, and all turns in one."""
+    rays = []
+    for flat, half in itertools.zip_longest(flats, halves):
+        rays.append(quat.rotate(turn, flat))
+        if half is not None:
+            turn = quat.multiply(turn, quat.fold(by.cos(half), by.sin(half), flat))
+    return rays, turn
+
+
+def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fold a vertex with its last facet held fixed (paper, eq. 2.1, fold-map).
+
+    Parameters
+    ----------
+    vertex
+        The vertex.
+    fold_angles
+        States, shape [..., N] [rad], valley positive; they need not close.
+
+    Returns
+    -------
+    creases : numpy.ndarray
+        Deformed unit creases c_i = F_{i-1} b_i, shape [..., N, 3].
+    q : numpy.ndarray
+        Product of all folds, and of the turn by `Vertex.excess` about e3 that closes the unrolled sheet of a
+        vertex that is not flat, as a quaternion, shape [..., 4]; (1, 0, 0, 0) when the sheet closes.
+        Every embedded vertex has +1: simple spherical polygons are deformed into each other through simple
+        ones, along which the sign cannot change.
+
+    Examples
+    --------
+    >>> from origami_nlp import Vertex
+    >>> from origami_nlp.chart import fold_vertex
+    >>> creases, q = fold_vertex(Vertex(("pi/2",) * 4), [3.141592653589793, 0, 3.141592653589793, 0])
+    >>> creases.shape, q.round(12).tolist()
+    ((4, 3), [1.0, 0.0, 0.0, 0.0])
+    """
+    half = np.moveaxis(np.asarray(fold_angles, dtype=float) / 2, -1, 0)
+    none = np.zeros(half.shape[1:])
+    # c_i = F_{i-1} b_i, the folds before it (paper, section 2)
+    rays, q = fold_rays([tuple(b) for b in vertex.creases], list(half))
+    if not vertex.flat:
+        turn = vertex.excess / 2
+        q = quat.multiply(q, (math.cos(turn), 0.0, 0.0, math.sin(turn)))
+    creases = [np.stack([v + none for v in ray], axis=-1) for ray in rays]
+    return np.stack(creases, axis=-2), np.stack([v + none for v in q], axis=-1)
+
+
+def pair_depths(creases: np.ndarray, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
+    """Return how deep pairs of facets cross, 0 where they do not; facet i is the arc from crease i to the next.
+
+    Two arcs cross where their four ends alternate; each end is off the plane of the other arc by the sine of its
+    distance from the common point times that of the angle between the arcs: the smallest of the four is the depth.
+
+    Parameters
+    ----------
+    creases
+        Unit vectors, shape [..., N, 3].
+    pairs
+        Positions of the facets, shape [P, 2].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape [..., P].
+    """
+    facets = np.array(pairs, int).reshape(-1, 2).T
+    first, last = creases[..., facets, :], creases[..., (facets + 1) % creases.shape[-2], :]
+    normal = cross(first, last)
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), NONZERO)
+    off = [np.einsum("...i,...i->...", normal, end[..., ::-1, :, :]) for end in (first, last)]
+    # of one sign where the ends alternate around a common point; mixed: they miss, or meet antipodally
+    v = np.stack([off[0][..., 0, :], -off[1][..., 0, :], -off[0][..., 1, :], off[1][..., 1, :]])
+    return np.asarray(np.maximum(np.maximum(v.min(axis=0), (-v).min(axis=0)), 0.0))

@@ -65,8 +65,8 @@ class Place:
     drawn: bool = field(default=True, metadata=shown("drawn"))
 
 
-COARSE, LARGEST_SIZE = 81, 8192
-"""Cells along each coordinate: for a first look, and at most; that many take about 5 GB."""
+LARGEST_SIZE = 8192
+"""Cells along each coordinate at most; that many take about 5 GB."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,9 +88,8 @@ class Landscape(ShortRepr):
     @property
     def one_plane(self) -> bool:
         """Whether all branches fit into one picture, each on its own side of zero."""
-        return len(self.branches) <= 1 or (
-            self.scene.contact == "full" and self.scene.group.order == 2
-        )
+        chart = chart_of(self.scene)
+        return len(self.branches) <= 1 or (chart is not None and chart.sided)
 
     def place(self, fold_angles: object, winding: int = 1) -> Place:
         """Return where the state with all N `fold_angles` [rad] lies, which winds so often round the axis.
@@ -131,19 +130,10 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     chart = chart_of(scene)
     if chart is not None:
         return _areas(chart, size)
-    group = scene.group
-    variables = sum(ray.crease is not None for ray in group.rays)
-    one_turn = 3 if group.kind == "C" else 2
-    dof = variables - (one_turn if group.order == (scene.winding or 1) else 1)
+    name, dof = scene.group.name, pose(scene).dof
     if dof == 1:
         return _curves(scene, size)
-    what = f"{dof} degrees of freedom keep the symmetry {group.name}"
-    if dof <= 0:
-        why = f"the vertex is rigid within the symmetry {group.name}"
-    elif dof == 2:
-        why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
-    else:
-        why = f"{what}: too many for a plane"
+    why = f"{dof} degrees of freedom keep the symmetry {name}: no two-coordinate chart for this vertex"
     return Landscape(scene, "none", (), (), why)
 
 
@@ -157,28 +147,15 @@ def _areas(chart: Chart, size: int) -> Landscape:
     scene, branches = chart.scene, []
     x = cells(-math.pi, math.pi, size)
     for k, sign in enumerate(chart.signs):
-        name, y = (
-            ("", x) if chart.kind == "degree6" else (f"branch {sign:+d}", _rows(chart, k, size))
-        )
+        name = "" if chart.kind == "degree6" else f"branch {sign:+d}"
+        low, high = chart_limits(chart)[2:]
+        if chart.sided:
+            low, high = (0.0, high) if sign < 0 else (low, 0.0)
+        y = cells(low, high, size)
         good, phi = allowed(chart, k, *np.meshgrid(x, y))
         phi[~good] = np.nan
         branches.append(EnergyBranch(name, (x, y), np.asarray(scene.energy(phi)), phi))
     return Landscape(scene, "area", chart.coordinates, tuple(branches))
-
-
-def _rows(chart: Chart, branch: int, size: int) -> np.ndarray:
-    """Elevations of a branch, which fills only a part of them."""
-    low, high = chart_limits(chart)[2:]
-    coarse = cells(low, high, COARSE)
-    cell = (high - low) / COARSE
-    # broadcast: phi_2 along columns, elevations along rows
-    look = allowed(chart, branch, cells(-math.pi, math.pi, COARSE), coarse[:, None])[0]
-    rows = coarse[look.any(axis=1)]
-    if rows.size:
-        low, high = max(low, rows[0] - 1.5 * cell), min(high, rows[-1] + 1.5 * cell)
-        if chart.scene.group.order == 2:  # branches of D_2 end at upsilon = 0 exactly
-            low, high = (0.0 if abs(end) < 2 * cell else end for end in (low, high))
-    return cells(low, high, size)
 
 
 def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:

@@ -18,144 +18,23 @@ which is a true singularity of the space (two cones that meet at their tips).  R
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart.chart import Chart, chart_of, crease_number
+from origami_nlp.chart.chart import chart_of, crease_number, flat_ray, fold_rays
 from origami_nlp.errors import OptionError
-from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import FoldLimits
 
-
-@dataclass(frozen=True, repr=False)
-class HalfChain(ShortRepr):
-    """The half-chain of a scene; see the module.
-
-    Attributes
-    ----------
-    chart
-        Of the scene that it folds.
-    sectors
-        Sector angles along the chain [rad].
-    last_normal, last_along, up
-        Inward normal of the last mirror, and a basis of its plane, each [3].
-    reach
-        Half widths of the base rectangle [rad], its borders being walls (fold angle at +-pi, or crease 1 on the axis).
-    walls
-        Names of the walls: two borders of the base, then in the order of `Points.walls`.
-    limits
-        Fold limits of a wedge state.
-    stops
-        Those before facets meet: variable and angle [rad].
-    """
-
-    chart: Chart
-    sectors: tuple[float, ...]
-    last_normal: np.ndarray
-    last_along: np.ndarray
-    up: np.ndarray
-    reach: tuple[float, float]
-    walls: tuple[str, ...]
-    limits: FoldLimits
-    stops: tuple[tuple[int, float], ...]
-
-    @property
-    def scene(self) -> Scene:
-        """The scene that it folds."""
-        return self.chart.scene
-
-    @property
-    def kind(self) -> str:
-        """``"degree6"`` or ``"wedge"``."""
-        return self.chart.kind
-
-    @property
-    def wrapped(self) -> tuple[bool, ...]:
-        """Which of the first three of `Points.walls` are angles modulo 2 pi."""
-        return WRAPPED[self.kind] + (True,) * len(self.stops)
-
-    @cached_property
-    def orbit(self) -> list[int]:
-        """For each crease, the position of its fold angle in a wedge state."""
-        return list(self.scene.group.orbit)
-
-    @property
-    def size(self) -> int:
-        """Number of fold angles of a wedge state."""
-        return len(self.sectors) + 1
-
-    def penultimate(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return creases (first, second last but one, P) over base points [..., 2], each [..., 3]."""
-        p, q = base[..., 0], base[..., 1]
-        if self.kind == "degree6":
-            a1, a2, _ = self.sectors
-            turn = quat.fold(np.cos(p / 4), np.sin(p / 4), (1.0, 0.0, 0.0))
-            b2, b3 = (math.cos(a1), math.sin(a1), 0.0), (math.cos(a1 + a2), math.sin(a1 + a2), 0.0)
-            first = np.broadcast_to([1.0, 0.0, 0.0], (*p.shape, 3))
-            before = np.stack(np.broadcast_arrays(*quat.rotate(turn, b2)), axis=-1)
-            turn = quat.multiply(turn, quat.fold(np.cos(q / 2), np.sin(q / 2), b2))
-            return first, before, np.stack(np.broadcast_arrays(*quat.rotate(turn, b3)), axis=-1)
-        a1 = self.sectors[0]
-        turn = quat.fold(np.cos(p / 2), np.sin(p / 2), (0.0, 1.0, 0.0))
-        first = np.stack(np.broadcast_arrays(*quat.rotate(turn, (1.0, 0.0, 0.0))), axis=-1)
-        turn = quat.multiply(turn, quat.fold(np.cos(q / 4), np.sin(q / 4), (1.0, 0.0, 0.0)))
-        b2 = (math.cos(a1), math.sin(a1), 0.0)
-        tip = np.stack(np.broadcast_arrays(*quat.rotate(turn, b2)), axis=-1)
-        return first, first, tip
-
-    def fold_margin(self, base: np.ndarray) -> np.ndarray:
-        """sin^2 a - y^2: positive where the two leaves are apart, zero where they meet, negative where no state is."""
-        height = self.penultimate(base)[2] @ self.last_normal
-        return np.asarray(math.sin(self.sectors[-1]) ** 2 - height**2)
-
-    def points(self, base: np.ndarray, leaf: np.ndarray) -> Points:
-        """Fold the chain: base [V, 2], leaf [V] of +1, -1 (0: where the leaves meet)."""
-        _, before, tip = self.penultimate(base)
-        a = self.sectors[-1]
-        y = tip @ self.last_normal
-        foot = np.arctan2(tip @ self.up, tip @ self.last_along)
-        # tan delta = sqrt(sin^2 a - y^2) / cos a, from cos a = sqrt(1 - y^2) cos delta; the difference of squares as a
-        # product, since both leaves meet where it vanishes
-        root = np.sqrt(np.maximum((math.sin(a) - y) * (math.sin(a) + y), 0.0))
-        root = np.where(leaf == 0, 0.0, root)
-        delta = np.arctan2(root, math.cos(a))
-        place = foot + np.where(leaf == 0, 1, leaf) * delta
-        last = np.cos(place)[..., None] * self.last_along + np.sin(place)[..., None] * self.up
-        n1, n2 = np.cross(before, tip), np.cross(tip, last)
-        # fold angle from the normals of two facets about their crease, valley positive
-        inner = np.arctan2(np.einsum("...i,...i", tip, np.cross(n1, n2)), (n1 * n2).sum(-1))
-        side = np.cross(self.last_normal, last)
-        # from the last facet to its mirror image: half of the fold angle lies on this side
-        half = np.arctan2(
-            np.einsum("...i,...i", last, np.cross(n2, side)), np.einsum("...i,...i", n2, side)
-        )
-        if self.kind == "degree6":
-            wedge = np.stack([base[..., 0], base[..., 1], inner, 2 * half], axis=-1)
-            # c_1 = c_4: the angle from crease 1 to crease 4 on the mirror; +-pi (book fold) is no contact
-            other = np.arctan2(last[..., 2], last[..., 0])
-        else:
-            wedge = np.stack([base[..., 1], inner, 2 * half], axis=-1)
-            other = np.cos(place)  # crease 3 on its own side of the axis
-        cut = np.where(inner >= 0, inner - math.pi, inner + math.pi)
-        stops = [self._beyond(wedge, v, at) for v, at in self.stops]
-        return Points(wedge, np.stack([y, cut, other, *stops], axis=-1))
-
-    def _beyond(self, wedge: np.ndarray, variable: int, at: float) -> np.ndarray:
-        """How far a fold angle is above that of a stop; the inner one goes on from +pi to -pi."""
-        off = wedge[..., variable] - at
-        if variable == self.size - 2:
-            off = np.where(
-                off > math.pi, off - math.tau, np.where(off < -math.pi, off + math.tau, off)
-            )
-        return np.asarray(off)
+BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER = range(5)
+"""Bits of walls, in the order of `HalfChain.walls`, after these five the stops."""
+SEAM = 60
+"""The bit of the seam, where the two leaves meet: behind all walls."""
 
 
-@dataclass(frozen=True)
-class Points:
+class Points(NamedTuple):
     """States of a chain.
 
     wedge: fold angles of the chain [V, k]; the inner one in [-pi, pi], the last in (-2 pi, 2 pi).
@@ -168,55 +47,136 @@ class Points:
     walls: np.ndarray
 
 
-WRAPPED = {"degree6": (False, True, True), "wedge": (False, True, False)}
-"""Which of the first three of `Points.walls` are angles modulo 2 pi."""
-
-
-def chain_of(scene: Scene) -> HalfChain:
-    """Return the half-chain of a scene.
+class HalfChain:
+    """The half-chain of a scene; see the module.
 
     Parameters
     ----------
     scene
         Of D1 and degree 6, or D_n and degree 4 n, with creases on all mirrors and full contact.
 
-    Returns
-    -------
-    HalfChain
-        The half-chain, which folds over two parameters.
+    Attributes
+    ----------
+    chart, kind
+        Of the scene.
+    sectors
+        Sector angles along the chain [rad].
+    orbit, size
+        For each crease the position of its fold angle in a wedge state, and how many that has.
+    reach
+        Half widths of the base rectangle [rad], its borders being walls (fold angle at +-pi, or crease 1 on the axis).
+    walls
+        Names of the walls, by bit.
+    curved
+        Bits of those that are found by their values, in the order of `Points.walls`.
+    straight
+        Bit mask of the walls that are straight in the base: its borders, and stops of its fold angles.
+    wrapped
+        Which of `Points.walls` are angles modulo 2 pi.
+    limits
+        Fold limits of a wedge state.
+    stops
+        Those before facets meet: variable and angle [rad].
 
     Raises
     ------
     OptionError
         If the scene has not two symmetric degrees of freedom of a known kind, or does not ask for full contact.
     """
-    chart = chart_of(scene)
-    if chart is None:
-        raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves no chart of two degrees of freedom: the space is analysed for D1 of "
-            "degree 6 and D<n> of degree 4 n, with creases on all mirrors"
-        )
-    if scene.contact != "full":
-        raise OptionError(f'contact = "{scene.contact}": the admissible space needs "full"')
-    group = scene.group
-    sectors = tuple(ray.sector for ray in group.rays[:-1])
-    creases = [crease_number(scene, r) for r in range(len(sectors) + 1)]
-    names = [f"phi_{crease} = +-pi" for crease in creases]
-    limits = FoldLimits(*scene.limit_angles[:, np.array(creases) - 1])
-    at_stops = [c for c in limits.both if c.at != math.pi]
-    stops = tuple((c.index, c.side * c.at) for c in at_stops)
-    stop_names = (f"phi_{creases[c.index]} = {c.where}" for c in at_stops)
-    first, last = creases[0], creases[-1]
-    up = np.array([0.0, 0.0, 1.0])
-    if chart.kind == "degree6":
-        touch = f"creases {first} and {last} on each other"
-        walls = (names[0], names[1], names[3], names[2], touch, *stop_names)
-        along, normal, reach = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), math.pi
-    else:
-        axis = (f"crease {crease} on the axis" for crease in (first, last))
-        walls = (next(axis), names[0], names[2], names[1], next(axis), *stop_names)
+
+    def __init__(self, scene: Scene) -> None:
+        chart, group = chart_of(scene), scene.group
+        if chart is None:
+            raise OptionError(
+                f"symmetry = {scene.symmetry!r} leaves no chart of two degrees of freedom: the space is analysed for "
+                "D1 of degree 6 and D<n> of degree 4 n, with creases on all mirrors"
+            )
+        if scene.contact != "full":
+            raise OptionError(f'contact = "{scene.contact}": the admissible space needs "full"')
+        self.scene, self.chart, self.kind = scene, chart, chart.kind
+        self.sectors = tuple(ray.sector for ray in group.rays[:-1])
+        self.orbit, self.size = list(group.orbit), len(group.rays)
+        creases = [crease_number(scene, r) for r in range(self.size)]
+        self.limits = FoldLimits(*scene.limit_angles[:, np.array(creases) - 1])
+        at_stops = [c for c in self.limits.both if c.at != math.pi]
+        self.stops = tuple((c.index, c.side * c.at) for c in at_stops)
+        folded = [f"phi_{crease} = +-pi" for crease in creases]
+        axis = [f"crease {crease} on the axis" for crease in (creases[0], creases[-1])]
+        if self.kind == "degree6":
+            touch = f"creases {creases[0]} and {creases[-1]} on each other"
+            walls = (folded[0], folded[1], folded[3], folded[2], touch)
+        else:
+            walls = (axis[0], folded[0], folded[2], folded[1], axis[1])
+        self.walls = (*walls, *(f"phi_{creases[c.index]} = {c.where}" for c in at_stops))
+        self.reach = (math.pi if self.kind == "degree6" else math.pi / 2, math.pi)
+        self.curved = range(HEIGHT, len(self.walls))
+        bits = [k for k, (v, _) in enumerate(self.stops, OTHER + 1) if v < self.size - 2]
+        self.straight = sum(1 << k for k in (BORDER_P, BORDER_Q, *bits))
+        self.wrapped = (False, True, self.kind == "degree6") + (True,) * len(self.stops)
+        # inward normal of the last mirror, and a basis of its plane
         c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
-        if group.order == 2:
-            c, s = 0.0, 1.0
-        normal, along, reach = np.array([s, -c, 0.0]), np.array([c, s, 0.0]), math.pi / 2
-    return HalfChain(chart, sectors, normal, along, up, (reach, math.pi), walls, limits, stops)
+        if group.order <= 2:  # exactly
+            c, s = (0.0, 1.0) if group.order == 2 else (-1.0, 0.0)
+        self._normal, self._along = np.array([s, -c, 0.0]), np.array([abs(c), s, 0.0])
+
+    def last_but_one(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the crease before P, and P over base points [..., 2], each [..., 3]."""
+        p, q = base[..., 0], base[..., 1]
+        flats = [flat_ray(azimuth) for azimuth in np.cumsum([0.0, *self.sectors[:-1]]).tolist()]
+        if self.kind == "degree6":
+            rays, _ = fold_rays(flats, [p / 4, q / 2])
+        else:
+            lift = quat.fold(np.cos(p / 2), np.sin(p / 2), (0.0, 1.0, 0.0))
+            rays, _ = fold_rays(flats, [q / 4], turn=lift)
+        before, tip = (np.stack(np.broadcast_arrays(*ray), axis=-1) for ray in rays[-2:])
+        return before, tip
+
+    def fold_margin(self, base: np.ndarray) -> np.ndarray:
+        """sin^2 a - y^2: positive where the two leaves are apart, zero where they meet, negative where no state is."""
+        height = self.last_but_one(base)[1] @ self._normal
+        return np.asarray(math.sin(self.sectors[-1]) ** 2 - height**2)
+
+    def value(self, bit: int, base: np.ndarray, leaf: np.ndarray) -> np.ndarray:
+        """Return the value of a curved wall or of the seam, [V]."""
+        if bit == SEAM:
+            return self.fold_margin(base)
+        return self.points(base, leaf).walls[:, bit - HEIGHT]
+
+    def points(self, base: np.ndarray, leaf: np.ndarray) -> Points:
+        """Fold the chain: base [V, 2], leaf [V] of +1, -1 (0: where the leaves meet)."""
+        before, tip = self.last_but_one(base)
+        a = self.sectors[-1]
+        y = tip @ self._normal
+        foot = np.arctan2(tip[..., 2], tip @ self._along)
+        # tan delta = sqrt(sin^2 a - y^2) / cos a, from cos a = sqrt(1 - y^2) cos delta; the difference of squares as a
+        # product, since both leaves meet where it vanishes
+        root = np.sqrt(np.maximum((math.sin(a) - y) * (math.sin(a) + y), 0.0))
+        delta = np.arctan2(np.where(leaf == 0, 0.0, root), math.cos(a))
+        place = foot + np.where(leaf == 0, 1, leaf) * delta
+        last = np.cos(place)[..., None] * self._along
+        last[..., 2] = np.sin(place)
+        n1, n2 = np.cross(before, tip), np.cross(tip, last)
+        side = np.cross(self._normal, last)
+        # fold angle from the normals of two facets about their crease, valley positive; from the last facet to its
+        # mirror image half of it lies on this side
+        inner, half = _turn(n1, n2, tip), _turn(n2, side, last)
+        if self.kind == "degree6":
+            wedge = np.stack([base[..., 0], base[..., 1], inner, 2 * half], axis=-1)
+            # c_1 = c_4: the angle from crease 1 to crease 4 on the mirror; +-pi (book fold) is no contact
+            other = np.arctan2(last[..., 2], last[..., 0])
+        else:
+            wedge = np.stack([base[..., 1], inner, 2 * half], axis=-1)
+            other = np.cos(place)  # crease 3 on its own side of the axis
+        walls = [y, np.where(inner >= 0, inner - math.pi, inner + math.pi), other]
+        for v, at in self.stops:
+            off = wedge[..., v] - at
+            # the inner fold angle goes on from +pi to -pi
+            around = math.tau * np.round(off / math.tau) if v == self.size - 2 else 0.0
+            walls.append(off - around)
+        return Points(wedge, np.stack(walls, axis=-1))
+
+
+def _turn(one: np.ndarray, two: np.ndarray, about: np.ndarray) -> np.ndarray:
+    """Return the angle from one vector to another about an axis, [...]."""
+    across = np.einsum("...i,...i", about, np.cross(one, two))
+    return np.asarray(np.arctan2(across, np.einsum("...i,...i", one, two)))

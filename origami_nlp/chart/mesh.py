@@ -1,6 +1,6 @@
 """A triangulation of all closed symmetric states whose edges follow every contact curve exactly.
 
-Base points of the half-chain (`chain`) are triangulated, cut where the two leaves meet, doubled, and cut along
+Base points of the half-chain (`half_chain`) are triangulated, cut where the two leaves meet, doubled, and cut along
 every wall; new vertices lie on the walls to rounding, and where walls meet on both.  Nothing is dropped here but base
 points without a state: which triangles are admissible is decided later.
 """
@@ -8,13 +8,12 @@ points without a state: which triangles are admissible is decided later.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart.half_chain import HalfChain
+from origami_nlp.chart.half_chain import CUT, HEIGHT, OTHER, SEAM, HalfChain
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED, bracketed_roots
@@ -23,12 +22,6 @@ ON = 1000 * ROUNDED
 """Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
 ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
-BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER = range(5)
-"""Bits of `DoubleCover.on`: the walls in the order of `HalfChain.walls`, after these five the stops."""
-SEAM = 60
-"""The bit of the seam, where the two leaves meet: behind all walls."""
-
-
 LONGEST, SHORTENINGS = 16.0, 6
 """Edges longer than LONGEST / size [rad, largest fold angle] are divided, this often: next to the seam states change
 with the square root of the base point."""
@@ -70,9 +63,11 @@ class Surface(NamedTuple):
     leaf: np.ndarray
     triangles: np.ndarray
 
-    def between(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Leaf of the edges between vertices a and b, [E]."""
-        return np.where(self.leaf[a] != 0, self.leaf[a], self.leaf[b])
+    def edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the ends of all edges, their leaf, and what passes through both ends, [E] each."""
+        a, b = edges_of(self.triangles)[0].T
+        leaf = np.where(self.leaf[a] != 0, self.leaf[a], self.leaf[b])
+        return a, b, leaf, self.on[a] & self.on[b]
 
     def divided(
         self, which: np.ndarray, base: np.ndarray, on: np.ndarray, leaf: np.ndarray
@@ -92,28 +87,24 @@ class Surface(NamedTuple):
 def mesh_cover(chain: HalfChain, size: int) -> DoubleCover:
     """Triangulate the closed states of `chain`; `size` rings around the flat state, 4 `size` directions."""
     base, triangles = polar_mesh(chain.reach, size)
-    on = np.zeros(len(base), dtype=np.int64)
-    for k in (0, 1):
-        on |= np.where(np.abs(base[:, k]) == chain.reach[k], 1 << k, 0)
+    on = ((np.abs(base) == chain.reach) << np.arange(2)).sum(axis=1)
     surface = Surface(base, on, np.zeros(len(base), dtype=np.int64), triangles)
-    straight = [bit for bit in curved_walls(chain) if straight_walls(chain) >> bit & 1]
+    straight = [bit for bit in chain.curved if chain.straight >> bit & 1]
     for bit in (*straight, HEIGHT, SEAM):
         surface = _split(chain, surface, bit)
-    margin = chain.fold_margin(surface.base)
-    margin[has(surface.on, SEAM)] = 0.0
-    corners = margin[surface.triangles]
-    surface = _double(surface, (corners >= 0).all(axis=1) & (corners > 0).any(axis=1))
-    for bit in (CUT, *(b for b in curved_walls(chain)[3:] if b not in straight), OTHER):
+    surface = _double(chain, surface)
+    for bit in (CUT, *(b for b in chain.curved if b > OTHER and b not in straight), OTHER):
         surface = _split(chain, surface, bit)
     for _ in range(SHORTENINGS):
         surface = _shorten(chain, surface, LONGEST / size)
-    base, on, leaf, triangles = _compact(surface)
+    used, triangles = np.unique(surface.triangles, return_inverse=True)
+    base, on, leaf = (v[used] for v in surface[:3])
     values = chain.points(base, leaf).walls
-    for column, bit in enumerate(curved_walls(chain)):
-        on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
+    on = on | ((np.abs(values) <= ON) << np.array(chain.curved)).sum(axis=1)
+    for column, bit in enumerate(chain.curved):
         values[has(on, bit), column] = 0.0
     wedge = exact_states(chain, base, leaf, on)
-    return DoubleCover(chain, size, base, leaf, on, triangles, values, wedge)
+    return DoubleCover(chain, size, base, leaf, on, triangles.reshape(-1, 3), values, wedge)
 
 
 def exact_states(
@@ -129,27 +120,27 @@ def exact_states(
 
 
 def pulled(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, on: np.ndarray) -> np.ndarray:
-    """Move base points between two vertices onto the curved walls that pass through both, `on` [V]."""
-    straight = straight_walls(chain)
+    """Move base points between two vertices onto the curved walls that pass through both, `on` [V].
+
+    By Newton steps along the gradient of one wall after the other.
+    """
     base = np.array(base)
-    for bit in (*curved_walls(chain), SEAM):
-        here = has(on, bit)
-        if not straight >> bit & 1 and here.any():
-            base[here] = pull(chain, base[here], leaf[here], bit)
+    for bit in (*chain.curved, SEAM):
+        here = np.flatnonzero(has(on, bit))
+        if chain.straight >> bit & 1 or not len(here):
+            continue
+        for _ in range(6):
+            x, side = base[here], leaf[here]
+            off = chain.value(bit, x, side)
+            if np.abs(off).max() <= EPS:
+                break
+            steps = DIFFERENCE * np.eye(2)
+            rises = [chain.value(bit, x + h, side) - chain.value(bit, x - h, side) for h in steps]
+            slope = np.stack(rises, axis=1) / (2 * DIFFERENCE)
+            way = (off / np.maximum((slope**2).sum(axis=1), OUTSIDE))[:, None] * slope
+            length = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), NONZERO)
+            base[here] = x - way * np.minimum(1.0, 0.1 / length)
     return base
-
-
-def curved_walls(chain: HalfChain) -> range:
-    """Bits of the walls that are found by their values, in the order of `Points.walls`."""
-    return range(HEIGHT, OTHER + 1 + len(chain.stops))
-
-
-def straight_walls(chain: HalfChain) -> int:
-    """Bit mask of the walls that are straight in the base: its borders, and stops of its fold angles."""
-    stops = (
-        1 << bit for bit, (v, _) in enumerate(chain.stops, start=OTHER + 1) if v < chain.size - 2
-    )
-    return sum(stops, 1 << BORDER_P | 1 << BORDER_Q)
 
 
 def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.ndarray]:
@@ -159,25 +150,21 @@ def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.nd
     the border has vertices at its middle and quarters: there the height y over the last mirror is extreme along
     the border (for degree 6 y is -+sin a_2 sin phi_2 and sin(a_1 - a_2) cos phi_1/2), and walls can touch it.
     """
-    per_side = max(8, 4 * round(size / 4))
-    t = np.linspace(-1.0, 1.0, per_side + 1)[:-1]
+    t = np.linspace(-1.0, 1.0, max(8, 4 * round(size / 4)) + 1)[:-1]
     one = np.ones_like(t)
-    square = np.concatenate(
-        [np.stack(v, axis=1) for v in ((t, -one), (one, t), (-t, one), (-one, -t))]
+    sides = ((t, -one), (one, t), (-t, one), (-one, -t))
+    outer = np.concatenate([np.stack(v, axis=1) for v in sides]) * reach
+    base = ((np.arange(1, size + 1) / size)[:, None, None] * outer).reshape(-1, 2)
+    base[-len(outer) :] = outer
+    ring = 1 + np.arange(len(base)).reshape(size, -1)
+    after = np.roll(ring, -1, axis=1)
+    corners = (
+        (0 * ring[0], ring[0], after[0]),
+        (ring[:-1], ring[1:], after[1:]),
+        (ring[:-1], after[1:], after[:-1]),
     )
-    rings = np.arange(1, size + 1) / size
-    outer = square * reach
-    base = (rings[:, None, None] * outer).reshape(-1, 2)
-    base[-len(square) :] = outer
-    base = np.vstack([[0.0, 0.0], base])
-    k = len(square)
-    i = np.arange(k)
-    j = (i + 1) % k
-    triangles = [np.stack([np.zeros(k, dtype=int), 1 + i, 1 + j], axis=1)]
-    for r in range(size - 1):
-        a, b, c, d = 1 + r * k + i, 1 + r * k + j, 1 + (r + 1) * k + i, 1 + (r + 1) * k + j
-        triangles += [np.stack([a, c, d], axis=1), np.stack([a, d, b], axis=1)]
-    return base, np.vstack(triangles)
+    triangles = np.vstack([np.stack(c, axis=-1).reshape(-1, 3) for c in corners])
+    return np.vstack([[0.0, 0.0], base]), triangles
 
 
 def has(on: np.ndarray, bit: int) -> np.ndarray:
@@ -192,92 +179,69 @@ def several(on: np.ndarray) -> np.ndarray:
     return np.asarray((walls & (walls - 1)) != 0)
 
 
-Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-
-def wall_function(chain: HalfChain, bit: int) -> Evaluate:
-    """Return the function (base, leaf) -> value of a curved wall or of the seam."""
-    if bit == SEAM:
-        return lambda base, leaf: chain.fold_margin(base)
-    column = bit - HEIGHT
-    return lambda base, leaf: chain.points(base, leaf).walls[:, column]
-
-
 def _split(chain: HalfChain, surface: Surface, bit: int) -> Surface:
     """Cut every triangle along a wall or the seam."""
-    function = wall_function(chain, bit)
-    wrapped = bit in curved_walls(chain) and chain.wrapped[bit - HEIGHT]
+    wrapped = bit != SEAM and chain.wrapped[bit - HEIGHT]
     period = math.pi if wrapped else math.inf
     for _ in range(LOOKS):
-        surface = _refine(chain, surface, function, period)
-    surface = _cut(chain, surface, bit, function, period)
-    return _nearby(chain, surface, *chain.stops[bit - OTHER - 1]) if OTHER < bit < SEAM else surface
-
-
-def _nearby(chain: HalfChain, surface: Surface, variable: int, at: float) -> Surface:
-    """Drop the triangles of whose corners none is on this side of a stop, in a fold angle that is not +-pi."""
+        surface = _refine(chain, surface, bit, period)
+    surface = _cut(chain, surface, bit, period)
+    if not OTHER < bit < SEAM:
+        return surface
+    # drop the triangles of whose corners none is on this side of a stop, in a fold angle that is not +-pi
+    variable, at = chain.stops[bit - OTHER - 1]
     phi = chain.points(surface.base, surface.leaf).wedge[:, variable]
-    limits = chain.limits
-    beyond = phi > at + ON if at == limits.high[variable] else phi < at - ON
+    beyond = phi > at + ON if at == chain.limits.high[variable] else phi < at - ON
     if variable == chain.size - 2:
         beyond &= ~has(surface.on, CUT)
     return surface._replace(triangles=surface.triangles[~beyond[surface.triangles].all(axis=1)])
 
 
-def _cut(
-    chain: HalfChain, surface: Surface, bit: int, function: Evaluate, period: float
-) -> Surface:
+def _cut(chain: HalfChain, surface: Surface, bit: int, period: float) -> Surface:
     """Give every edge whose ends are on different sides a vertex on the wall."""
-    value = function(surface.base, surface.leaf)
+    value = chain.value(bit, surface.base, surface.leaf)
     zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
     surface = surface._replace(on=surface.on | np.where(zero, 1 << bit, 0))
     value = np.where(zero, 0.0, value)
-    a, b = edges_of(surface.triangles)[0].T
+    a, b, leaf, common = surface.edges()
     # a wrapped angle that jumps from near pi to near -pi does not pass 0
     cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
-    a, b = a[cut], b[cut]
-    leaf = surface.between(a, b)
-    common = surface.on[a] & surface.on[b]
+    a, b, leaf, common = (v[cut] for v in (a, b, leaf, common))
     start, way = surface.base[a], surface.base[b] - surface.base[a]
 
     def at(t: np.ndarray) -> np.ndarray:
         # edges that follow curved walls stay on them
         return pulled(chain, start + t[:, None] * way, leaf, common)
 
-    share = bracketed_roots(lambda t: function(at(t), leaf), 0.0 * value[a], 0.0 * value[a] + 1.0)
-    place = at(share)
-    return surface.divided(
-        cut, place, common | (1 << bit), np.zeros_like(leaf) if bit == SEAM else leaf
-    )
+    zeros, ones = np.zeros(len(cut)), np.ones(len(cut))
+    place = at(bracketed_roots(lambda t: chain.value(bit, at(t), leaf), zeros, ones))
+    return surface.divided(cut, place, common | (1 << bit), 0 * leaf if bit == SEAM else leaf)
 
 
-def _refine(chain: HalfChain, surface: Surface, function: Evaluate, period: float) -> Surface:
+def _refine(chain: HalfChain, surface: Surface, bit: int, period: float) -> Surface:
     """Give edges that a wall crosses twice, as far as a few samples show, a vertex in between."""
-    base, on = surface.base, surface.on
-    a, b = edges_of(surface.triangles)[0].T
-    value = function(base, surface.leaf)
-    size = np.abs(value)
-    end = np.where(size[a] >= size[b], value[a], value[b])  # the larger end decides the side
+    base = surface.base
+    a, b, leaf, common = surface.edges()
+    value = chain.value(bit, base, surface.leaf)
+    # the larger end decides the side
+    end = np.where(np.abs(value[a]) >= np.abs(value[b]), value[a], value[b])
     look = np.flatnonzero((value[a] * value[b] > -(ON**2)) & (np.abs(end) > ON))
-    a, b, end = a[look], b[look], np.sign(end[look])
-    leaf = surface.between(a, b)
+    a, b, leaf, common, end = (v[look] for v in (a, b, leaf, common, np.sign(end)))
     worst, where = np.zeros(len(look)), np.full(len(look), 0.5)
     for t in SAMPLES:
-        beyond = -end * function(base[a] + t * (base[b] - base[a]), leaf)
+        beyond = -end * chain.value(bit, base[a] + t * (base[b] - base[a]), leaf)
         beyond = np.where(np.abs(beyond) < period / 4, beyond, -math.inf)
         where, worst = np.where(beyond > worst, t, where), np.maximum(worst, beyond)
     twice = np.flatnonzero(worst > 10 * ON)
     if not len(twice):
         return surface
-    a, b, t = a[twice], b[twice], where[twice, None]
-    place = base[a] + t * (base[b] - base[a])
-    return surface.divided(look[twice], place, on[a] & on[b] & straight_walls(chain), leaf[twice])
+    place = base[a] + where[:, None] * (base[b] - base[a])
+    return surface.divided(look[twice], place[twice], common[twice] & chain.straight, leaf[twice])
 
 
 def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Edges [E, 2] (smaller vertex first) and, for each triangle, its three: (0, 1), (1, 2), (2, 0)."""
-    t = triangles
-    pairs = np.sort(np.stack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]], axis=1), axis=-1)
+    pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=-1)
     edges, inverse = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     return edges, inverse.reshape(-1, 3)
 
@@ -305,43 +269,19 @@ def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
     return triangles
 
 
-def pull(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, bit: int) -> np.ndarray:
-    """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
-    function = wall_function(chain, bit)
-    h = DIFFERENCE
-    for _ in range(6):
-        value = function(base, leaf)
-        if np.abs(value).max(initial=0.0) <= EPS:
-            break
-        gradient = np.stack(
-            [
-                (function(base + step, leaf) - function(base - step, leaf)) / (2 * h)
-                for step in ([h, 0.0], [0.0, h])
-            ],
-            axis=1,
-        )
-        size = np.maximum((gradient**2).sum(axis=1), OUTSIDE)
-        step = (value / size)[:, None] * gradient
-        step *= np.minimum(1.0, 0.1 / np.maximum(np.linalg.norm(step, axis=1), NONZERO))[:, None]
-        base = base - step
-    return base
-
-
-def _double(surface: Surface, kept: np.ndarray) -> Surface:
-    """Two copies of the triangles `kept`, joined along the seam."""
+def _double(chain: HalfChain, surface: Surface) -> Surface:
+    """Two copies of the triangles where states are, joined along the seam."""
     base, on, _, triangles = surface
-    triangles = triangles[kept]
-    seam = has(on, SEAM)
-    count = len(base)
-    other = np.where(seam, np.arange(count), count + np.arange(count))
-    leaf = np.where(seam, 0, 1)
-    leaf = np.concatenate([leaf, -np.ones(count, dtype=leaf.dtype)])
-    triangles = np.vstack([triangles, other[triangles]])
-    if seam[triangles % count].all(axis=1).any():
+    seam, count = has(on, SEAM), len(base)
+    corners = np.where(seam, 0.0, chain.fold_margin(base))[triangles]
+    triangles = triangles[(corners >= 0).all(axis=1) & (corners > 0).any(axis=1)]
+    other = np.where(seam, 0, count) + np.arange(count)
+    leaf = np.concatenate([np.where(seam, 0, 1), np.full(count, -1)])
+    if seam[triangles].all(axis=1).any():
         # its two copies would be one triangle, and the surface no surface there
         raise MeshError("a triangle lies between seams: use a larger size")
-    _, of_triangle = edges_of(triangles)
-    if np.bincount(of_triangle.ravel()).max() > 2:
+    triangles = np.vstack([triangles, other[triangles]])
+    if np.bincount(edges_of(triangles)[1].ravel()).max() > 2:
         raise MeshError("two seams are closer than the mesh: use a larger size")
     return Surface(np.vstack([base, base]), np.concatenate([on, on]), leaf, triangles)
 
@@ -350,24 +290,12 @@ def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
     """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
     base, on = surface.base, surface.on
     wedge = chain.points(base, surface.leaf).wedge
-    a, b = edges_of(surface.triangles)[0].T
+    a, b, leaf, common = surface.edges()
     apart = np.abs(wedge[a] - wedge[b])
     apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
-    common = on[a] & on[b]
     # edges that follow curved walls would have to be pulled back onto them: those stay
-    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~straight_walls(chain) == 0))
+    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~chain.straight == 0))
     a, b = a[long], b[long]
-    seam_a, seam_b = has(on[a], SEAM), has(on[b], SEAM)
     # next to the seam states go as the square root of the base point: a quarter of the way is half of it
-    t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
-    place = (1 - t) * base[a] + t * base[b]
-    return surface.divided(long, place, common[long], surface.between(a, b))
-
-
-def _compact(surface: Surface) -> Surface:
-    """Drop unused vertices."""
-    base, on, leaf, triangles = surface
-    used = np.unique(triangles)
-    number = np.full(len(base), -1)
-    number[used] = np.arange(len(used))
-    return Surface(base[used], on[used], leaf[used], number[triangles])
+    t = 0.5 + 0.25 * (has(on[b], SEAM).astype(int) - has(on[a], SEAM))[:, None]
+    return surface.divided(long, (1 - t) * base[a] + t * base[b], common[long], leaf[long])

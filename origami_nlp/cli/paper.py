@@ -143,7 +143,7 @@ def foldings(degree: int = o.DEGREE) -> Any:
     from origami_nlp.paper import cone as cones
 
     cones.check_degree(degree, MOST_DIGITS)
-    return cones.Foldings(degree, degree <= LISTED)
+    return cones.Foldings.of(degree, degree <= LISTED)
 
 
 @writes("json", "csv", "figure")

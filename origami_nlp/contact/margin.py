@@ -19,42 +19,23 @@ rigidity (paper, introduction: Dorn, Li, Pellegrino): below it the contacts stay
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from origami_nlp.contact.force_cone import distance_to_boundary
 from origami_nlp.display import shown
 from origami_nlp.io import ShortRepr
-from origami_nlp.kkt import (
-    Multipliers,
-    State,
-    Stratum,
-    find_multipliers,
-    judge_branch,
-    newton,
-    polish,
-    project,
-)
-from origami_nlp.numerics import (
-    BALANCED,
-    CARRIES,
-    CONTACT_TOL,
-    DUPLICATE_TOL,
-    NEAR_CONTACT,
-    NONZERO,
-    null_space,
-)
+from origami_nlp.kkt import State, Stratum, judge_branch, newton
+from origami_nlp.numerics import BALANCED, CARRIES, DUPLICATE_TOL, INDEPENDENT, NONZERO, null_space
 from origami_nlp.pattern import most_torque
 from origami_nlp.problem import Problem
-from origami_nlp.search import descent_path, solve_with
 
 LEAST_DAMPING, SOFT = 1e-2, 1e-2
 """Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
-ASIDE = 1e-3
-"""The re-solves of a check use the critical load times 1 -+ this."""
 MOST_REFINEMENTS = 60
 FARTHEST = 0.2
 """A re-solved state farther than this [rad] from where it was expected has jumped to another basin."""
@@ -115,9 +96,6 @@ class LoadMargin(ShortRepr):
         Loads on single orbits are tried up to this 2-norm [N m]: 2 pi times the sum of all stiffnesses.
     symmetry
         Group that the loads keep; ``none`` means that all loads are covered.
-    checked
-        Whether re-solves at `moments` times 1 - 1e-3 and 1 + 1e-3 found the contact closed and loaded below, and open
-        above.
     reason
         Words on how the number came about, or why there is none.
     """
@@ -132,22 +110,14 @@ class LoadMargin(ShortRepr):
     opens: str = ""
     ends: Ending | None = None
     creases: tuple[CreaseMargin, ...] = ()
-    checked: bool = False
 
     def __str__(self) -> str:
         return f"{self.norm:.5g}" if math.isfinite(self.norm) else self.status
 
 
-def load_margin(state: State, *, check: bool = True) -> LoadMargin:
-    """Find the load margin of a minimum.
-
-    Parameters
-    ----------
-    check
-        Whether to re-solve just below and just above the critical load.
-    """
-    model = state.problem
-    choices = state.pieces
+def load_margin(state: State) -> LoadMargin:
+    """Find the load margin of a minimum."""
+    model, choices = state.problem, state.pieces
     if not state.few:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
     if choices == [()]:
@@ -155,26 +125,21 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
     judged = [judge_branch(state.on(rows)) for rows in choices]
     if any(b.multipliers.residual > BALANCED * (1 + np.abs(state.gradient).max()) for b in judged):
         return _nothing(model, "none", "no multipliers balance the springs on some piece")
-    dependent = [b for b in judged if not (b.regular and b.multipliers.unique)]
-    if dependent:
-        return _dependent(state.on(dependent[0].rows), check)
-    weak = {
-        row: None
-        for b in judged
-        for row, value in zip(b.rows, b.multipliers.smallest, strict=True)
-        if value <= CARRIES
-    }
+    for b in judged:
+        if not (b.regular and b.multipliers.unique):
+            return _dependent(state.on(b.rows))
+    pairs = (zip(b.rows, b.multipliers.smallest, strict=True) for b in judged)
+    weak = {row: None for each in pairs for row, value in each if value <= CARRIES}
     if weak:
-        words = "; ".join(model.name(row) for row in weak)
+        words = "; ".join(map(model.name, weak))
         return _nothing(model, "zero", "closed but carrying nothing: any load may open it", words)
     # where pieces of the feasible set meet, the state must stay a minimum on each of them
-    pieces = [_regular(state.on(b.rows), check) for b in judged]
-    least = min(pieces, key=lambda margin: margin.norm)
-    creases = tuple(_smaller([p.creases[v] for p in pieces]) for v in range(model.size))
-    return replace(least, creases=creases)
+    pieces = [_regular(state.on(b.rows)) for b in judged]
+    creases = (_smaller(each) for each in zip(*(p.creases for p in pieces), strict=True))
+    return replace(min(pieces, key=lambda margin: margin.norm), creases=tuple(creases))
 
 
-def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
+def _smaller(margins: Sequence[CreaseMargin]) -> CreaseMargin:
     """Combine the margins of one orbit over pieces of the feasible set."""
     up = min(margins, key=lambda m: m.positive)
     down = min(margins, key=lambda m: m.negative)
@@ -204,35 +169,24 @@ def moments_of(model: Problem, load: np.ndarray) -> tuple[float, ...]:
     return tuple(model.expand(model.scale * load / model.root).tolist())
 
 
-def _regular(piece: Stratum, check: bool) -> LoadMargin:
-    model, rows = piece.state.problem, piece.contacts
+def _regular(piece: Stratum) -> LoadMargin:
+    model, cap = piece.state.problem, _cap(piece.state.problem)
     response, _ = piece.response()
     # mu_i + D_i . f = 0 is a plane of loads at the distance mu_i / |D_i|
-    margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), NONZERO)
-    best: tuple[float, np.ndarray, _Event] | None = None
-    for i in range(len(rows)):
-        # planes are first order: along the refined direction the load is raised until the state really ends
-        direction = _refine(piece, i, response[i])
-        event = _critical(piece, direction, 4 * float(margins[i]))
-        if best is None or event.load < best[0]:
-            best = (event.load, event.load * direction, event)
-    assert best is not None
-    _, load, event = best
-    ending, i = event.ending, event.row
-    cap = _cap(model)
+    planes = piece.forces / np.maximum(np.linalg.norm(response, axis=1), NONZERO)
+    # planes are first order: along the refined direction the load is raised until the state really ends
+    ways = [_refine(piece, i, d) for i, d in enumerate(response)]
+    ends = [_critical(piece, way, 4 * far) for way, far in zip(ways, planes.tolist(), strict=True)]
+    first = min(range(len(ends)), key=lambda i: ends[i].load)
+    load, ending, row = ends[first]
     creases = tuple(_orbit(piece, v, cap) for v in range(model.size))
-    checked = False
-    if check and ending == "opens":
-        (closed, pushes), (still_closed, _) = (
-            _resolve(piece, event.state, i, share * load) for share in (1 - ASIDE, 1 + ASIDE)
-        )
-        checked = closed and pushes > 0 and not still_closed
-    norm, first = (float(model.scale * v) for v in (np.linalg.norm(load), margins.min()))
     reason = "smallest load with a vanishing multiplier, found by re-solving under load"
     if ending != "opens":
         reason = f"the load path ends before a contact opens: {ending}"
-    about = norm, first, cap, model.symmetry, reason, moments_of(model, load), model.name(rows[i])
-    return LoadMargin("exact", *about, ending, creases, checked)
+    norm, plane = model.scale * load, model.scale * float(planes.min())
+    moments, opens = moments_of(model, load * ways[first]), model.name(piece.contacts[row])
+    about = norm, plane, cap, model.symmetry, reason, moments, opens
+    return LoadMargin("exact", *about, ending, creases)
 
 
 def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
@@ -243,17 +197,15 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
     """
     model, rows = piece.state.problem, piece.contacts
     d, mu = response, piece.forces[i]
-    start = -mu * d / (d @ d)
+    start = wanted = -mu * d / (d @ d)
     load, y, damping = np.zeros(model.size), piece.state.x, 1.0
-    wanted = start
     for _ in range(MOST_REFINEMENTS):
         trial = load + damping * (wanted - load)
-        loaded = under_load(model, trial)
-        solved, _ = newton(loaded, y, rows)
+        solved, _ = newton(loaded := under_load(model, trial), y, rows)
         if solved is None or not solved.converged:
             damping /= 2
             if damping < LEAST_DAMPING:
-                return start / np.linalg.norm(start)
+                break
             continue
         here = State(loaded, solved.x).on(rows)
         d, mu = here.response()[0][i], here.forces[i]
@@ -267,14 +219,12 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
     return start / np.linalg.norm(start)
 
 
-@dataclass(frozen=True)
-class _Event:
-    """First event along a load path: load (scaled), what happens, to which row, and the state there."""
+class _Event(NamedTuple):
+    """First event along a load path: load (scaled), what happens, and to which row."""
 
     load: float
     ending: Ending
     row: int
-    state: np.ndarray
 
 
 def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
@@ -294,19 +244,18 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
             return solved.x, "opens", int(mu.argmin())
         if State(loaded, solved.x).on(rows).stiffness <= 0:
             return solved.x, "softens", 0
-        return solved.x, None if not model.refuses(solved.x) else "closes", 0
+        return solved.x, "closes" if model.refuses(solved.x) else None, 0
 
     # invariant: nothing has happened up to `low`; what was seen beyond, or that Newton failed there, halves the step
-    low, near, step = 0.0, piece.state.x, cap / 32
+    low, near, step, row = 0.0, piece.state.x, cap / 32, 0
     ending: Ending = "lost"
-    row = 0
     while True:
         high = min(low + step, cap)
         found = look(high, near)
         if found is not None and found[1] is None:
             low, near = high, found[0]
             if low >= cap:
-                return _Event(cap, "cap", 0, near)
+                return _Event(cap, "cap", 0)
             step *= 1.5
             continue
         if found is not None and found[1] is not None:
@@ -318,78 +267,73 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
         left = State(under_load(model, low * direction), near).on(rows).stiffness
         ending = "softens" if left <= SOFT * piece.stiffness else "lost"
-    return _Event(high, ending, row, near)
+    return _Event(high, ending, row)
 
 
 def _orbit(piece: Stratum, v: int, cap: float) -> CreaseMargin:
     """Return the margins for moments on the creases of variable v alone."""
     model = piece.state.problem
-    root = math.sqrt(model.multiplicity[v])
-    values, ends = [], []
-    for sign in (1.0, -1.0):
-        direction = np.zeros(model.size)
-        direction[v] = sign
-        event = _critical(piece, direction, cap / model.scale)
-        tau = math.inf if event.ending == "cap" else event.load
-        values.append(float(model.scale * tau / root))
-        ends.append(event.ending)
-    return CreaseMargin(model.creases_of(v), values[0], values[1], (ends[0], ends[1]))
+    unit = model.scale / math.sqrt(model.multiplicity[v])
+    way = np.eye(model.size)[v]
+    up, down = (_critical(piece, sign * way, cap / model.scale) for sign in (1, -1))
+    most, least = (math.inf if e.ending == "cap" else float(unit * e.load) for e in (up, down))
+    return CreaseMargin(model.creases_of(v), most, least, (up.ending, down.ending))
 
 
-def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray) -> tuple[bool, float]:
-    """Solve the loaded scene from a state beside `near` with row i slightly open: is it closed, its multiplier.
-
-    By IPOPT (and polish), or, where that jumps to another basin because the loaded state is shallow, by
-    `search.descent_path`, which does not jump.
-    """
-    model, rows = piece.state.problem, piece.contacts
-    loaded = under_load(model, load)
-    _, jac = model.constraints(near, rows)
-    wanted = np.zeros(len(jac))
-    wanted[model.equation_count + i] = NEAR_CONTACT
-    start = near + np.linalg.lstsq(jac, wanted, rcond=None)[0]
-    start, _ = project(model, start, tuple(row for row in rows if row != rows[i]))
-    dead = loaded.parameters.dead is not None  # forces in space have no symbols
-    y = start if dead else polish(loaded, *solve_with(loaded, start, rows)[:2]).x
-    if (dead or np.linalg.norm(y - near) > FARTHEST) and not model.refuses(start):
-        y = descent_path(loaded, start).end
-    there = State(loaded, y).on(rows)
-    # on another piece of the feasible set it opens to the other side
-    closed = abs(float(there.openings[i])) <= CONTACT_TOL
-    # another row may have described the same touch: read it as row i
-    return closed, float(there.forces[i]) if closed else 0.0
-
-
-def _dependent(piece: Stratum, check: bool) -> LoadMargin:
+def _dependent(piece: Stratum) -> LoadMargin:
     """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces."""
     state, rows = piece.state, piece.contacts
-    model, z, pull = state.problem, state.kernel, state.gradient
+    model, z = state.problem, state.kernel
     gradients = piece.slopes @ z  # in the tangent space of closure
     # the pull is balanced while it lies in the cone {A' mu: mu >= 0}; leaving that, some contact would have to pull
-    found = distance_to_boundary(gradients.T, z.T @ pull)
-    names = "; ".join(model.name(row) for row in rows)
+    found = distance_to_boundary(gradients.T, z.T @ state.gradient)
+    names = "; ".join(map(model.name, rows))
     if found is None:
-        return _nothing(
-            model,
-            "unbounded",
-            "the contacts lock one another: their forces balance every load that is normal to the "
-            "set on which all stay closed; other loads move the state along that set",
-            names,
-        )
+        why = "the contacts lock one another: no load that is normal to their common set opens one"
+        return _nothing(model, "unbounded", why, names)
     distance, normal = found
-    load = z @ normal * distance
-
-    def balanced(factor: float) -> Multipliers:
-        return find_multipliers(gradients.T, z.T @ (pull - factor * load))
-
-    size = CARRIES * (1 + float(np.abs(pull).max()))
-    checked = False
-    if check:
-        below, above = balanced(1 - ASIDE), balanced(1 + ASIDE)
-        checked = below.residual <= size < above.residual
     held = null_space(gradients).shape[1] == 0
     still = "the state is a corner and does not move" if held else "with the state held still"
     reason = f"dependent contacts: distance to the boundary of the cone of contact forces, {still}"
-    norm = float(model.scale * distance)
-    about = norm, norm, _cap(model), model.symmetry, reason, moments_of(model, load), names
-    return LoadMargin("bound", *about, "opens", (), checked)
+    norm, moments = float(model.scale * distance), moments_of(model, z @ normal * distance)
+    about = norm, norm, _cap(model), model.symmetry, reason, moments, names
+    return LoadMargin("bound", *about, "opens")
+
+
+def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Find the distance of c from the boundary of cone(b) = {b mu: mu >= 0} within its span.
+
+    The cone is bounded by planes through its generators; each is found by enumeration (contacts are few).
+
+    Parameters
+    ----------
+    b, c
+        Generators [t, r] (contact gradients in the tangent space) and a point of the cone [t].
+
+    Returns
+    -------
+    distance, direction
+        c - distance * direction lies on the boundary, direction a unit vector [t]; or None where the cone is
+        a linear space and has no boundary: the contacts lock one another.
+    """
+    length = np.linalg.norm(b, axis=0)
+    g = b[:, length > INDEPENDENT] / length[length > INDEPENDENT]
+    u, s, _ = np.linalg.svd(g, full_matrices=False)
+    rank = int((s > INDEPENDENT).sum())
+    if rank == 0:
+        return None
+    span = u[:, :rank]
+    g, p = span.T @ g, span.T @ c
+    best: tuple[float, np.ndarray] | None = None
+    # a facet of the cone is spanned by rank - 1 of its generators, and has all others on one side
+    for chosen in itertools.combinations(range(g.shape[1]), rank - 1):
+        wall = g[:, list(chosen)]
+        _, s, vt = np.linalg.svd(wall.T) if rank > 1 else (None, np.zeros(0), np.eye(1))
+        if (s > INDEPENDENT).sum() < rank - 1:
+            continue
+        inward = vt[-1]
+        for w in (inward, -inward):
+            # w . p is the distance of p from that facet's plane, negative outside; the smallest over all facets counts
+            if (w @ g >= -INDEPENDENT).all() and (best is None or w @ p < best[0]):
+                best = (float(w @ p), span @ w)
+    return best

@@ -126,8 +126,8 @@ class ContactReport(Report, Viewable):
     --------
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
-    >>> print(o.find_contacts(result, check=False).headline)
-    degree 6, alpha_1 = pi/4, r_k = 0.01: 1 of 2 minima reported, each with closed contacts; symmetry D1, contact full
+    >>> print(o.find_contacts(result).headline)
+    degree 6, alpha_1 = pi/4, r_k = 0.01: 1 of 2 minima reported, each with closed contacts
     """
 
     result: MinimaResult
@@ -140,22 +140,21 @@ class ContactReport(Report, Viewable):
     def headline(self) -> str:
         """Which scene it is, and how many of its states are in contact."""
         many = f"{len(self.states)} of {len(self.result.minima)} minima reported, each with closed contacts"
-        if self.result.is_pattern:
-            return f"{self.result.title}: {many}"
-        scene = self.result.scene
-        return f"{self.result.title}: {many}; symmetry {scene.group.name}, contact {scene.contact}"
+        return f"{self.result.title}: {many}"
 
     @property
     def contacts(self) -> list[ContactRow]:
         """The contacts as tables, frames and CSV have them."""
-        rows = []
-        for s in self.states:
-            about = self.result.name, s.number, s.energy, s.kind
-            for c in s.contacts:
-                what = c.text, c.multiplier, *c.multiplier_range
-                unit = "N m/length" if c.is_force else "N m"
-                rows.append(ContactRow(*about, *what, unit, s.margin.norm, s.margin.status))
-        return rows
+        return [
+            ContactRow(
+                *(self.result.name, s.number, s.energy, s.kind, c.text, c.multiplier),
+                *c.multiplier_range,
+                "N m/length" if c.is_force else "N m",
+                *(s.margin.norm, s.margin.status),
+            )
+            for s in self.states
+            for c in s.contacts
+        ]
 
     def table(self) -> Table:
         """Return one row a state."""
@@ -178,10 +177,9 @@ class ContactReport(Report, Viewable):
         content = self.result.view_content()
         stations = list(content.stations)
         for s in self.states:
+            said = field_table(s.margin, "").rows
+            lines = (f"load margin: {name}: {value}" for name, value in said)
             old = stations[s.number - 1]
-            lines = (
-                f"load margin: {name}: {said}" for name, said in field_table(s.margin, "").rows
-            )
             stations[s.number - 1] = replace(old, lines=(*old.lines, *lines))
         pieces = tuple(self.report_sections())
         content = replace(content, stations=tuple(stations), pieces=pieces)
@@ -189,7 +187,7 @@ class ContactReport(Report, Viewable):
 
 
 def find_contacts(
-    result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
+    result: MinimaResult, *, state: int | None = None, segments: bool = False
 ) -> ContactReport:
     """Describe what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
 
@@ -201,8 +199,6 @@ def find_contacts(
         Number (1-based) of the only minimum to report on.
     segments
         Whether to follow the contact boundaries as well (`find_segments`): of vertices.
-    check
-        Whether to re-solve beside each critical load: of vertices.
 
     Returns
     -------
@@ -218,7 +214,7 @@ def find_contacts(
     --------
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
-    >>> report = o.find_contacts(result, check=False)
+    >>> report = o.find_contacts(result)
     >>> [(s.number, s.margin.status) for s in report.states]
     [(2, 'zero')]
     """
@@ -226,30 +222,41 @@ def find_contacts(
     if state is not None:
         check_whole("state", state, 1, len(result.minima))
     check_flag("segments", segments)
-    check_flag("check", check)
-    one = not result.is_pattern
-    if segments and not one:
+    if segments and result.is_pattern:
         raise OptionError(
             "segments = True: contact boundaries are followed for one vertex, not a pattern"
         )
-    states = []
-    for number, minimum in enumerate(result.minima, start=1):
-        if not minimum.contacts or state not in (None, number):
-            continue
-        at = result.state_of(minimum)
-        what: Any = minimum if one else classify(at)
-        margin = load_margin(at, check=check and one)
-        if what.local_dimension == 0:
-            why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
-            margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
-        stiffness = what.hessian_eigenvalues if one else what.eigenvalues
-        total = at.problem.scale * float(np.sum(at.problem.parameters.stiffness))
-        softness = min(stiffness, default=math.inf) / total
-        breaking: tuple[float, ...] = ()
-        if one and not result.scene.group.is_trivial:
+    states = tuple(
+        _pinned(result, number)
+        for number, minimum in enumerate(result.minima, start=1)
+        if minimum.contacts and state in (None, number)
+    )
+    return ContactReport(result, states, find_segments(result) if segments else None)
+
+
+def _pinned(result: MinimaResult, number: int) -> PinnedState:
+    """Describe what holds a minimum by its number."""
+    minimum = result.minima[number - 1]
+    at = result.state_of(minimum)
+    margin = load_margin(at)
+    breaking: tuple[float, ...] = ()
+    if result.is_pattern:
+        judged = classify(at)
+        contacts, stiffness, alone = (
+            judged.contacts,
+            judged.eigenvalues,
+            judged.local_dimension == 0,
+        )
+    else:
+        contacts, stiffness = minimum.contacts, minimum.hessian_eigenvalues
+        alone = minimum.local_dimension == 0
+        if not result.scene.group.is_trivial:
             whole = State(pose(full_scene(result.scene)), np.array(minimum.fold_angles))
             breaking = breaking_stiffnesses(whole, result.scene)
-        about = number, minimum.energy, minimum.kind, minimum, what.contacts
-        states.append(PinnedState(*about, stiffness, breaking, softness, margin))
-    found = find_segments(result) if segments else None
-    return ContactReport(result, tuple(states), found)
+    if alone:
+        why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
+        margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
+    total = at.problem.scale * float(np.sum(at.problem.parameters.stiffness))
+    softness = min(stiffness, default=math.inf) / total
+    about = number, minimum.energy, minimum.kind, minimum, contacts
+    return PinnedState(*about, stiffness, breaking, softness, margin)

@@ -17,29 +17,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
-from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary
-from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
+from origami_nlp.arguments import check_type
+from origami_nlp.continuation import BoundaryCurve, follow_boundary
 from origami_nlp.display import Content, Poser, Report, Section, record_table, shown
 from origami_nlp.io import OneBased, ShortRepr
-from origami_nlp.kkt import State, Stratum
+from origami_nlp.kkt import Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
+from origami_nlp.numerics import BALANCED, NEAR_CONTACT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import PatternProblem
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
 STIFFNESS = 5e-2
 """Largest |d2U/ds2| / (sum k) of a metastable segment."""
-SAMPLES, NEAR = 60, 0.5
-"""Random states from which boundaries without a stable state are looked for, of contacts that a step so long [rad]
-closes."""
-FROM_AFAR = 30
-"""Newton steps that take them there."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -97,19 +91,15 @@ class SegmentReport(Report):
     curves
         The contact boundaries that were followed.
     states
-        For each curve the numbers (1-based) of the minima that it starts from, () where it was found by sampling.
+        For each curve the numbers (1-based) of the minima that lie on it.
     segments
         In order of curve and arclength.
-    slope, stiffness
-        The thresholds used.
     """
 
     scene: Scene
     curves: tuple[BoundaryCurve, ...]
     states: tuple[tuple[int, ...], ...]
     segments: tuple[Segment, ...]
-    slope: float
-    stiffness: float
 
     PICTURE, SCHEMA, READS, ROWS = "draw_segments", "origami-nlp/contacts/4", False, "segments"
 
@@ -121,10 +111,9 @@ class SegmentReport(Report):
     @property
     def verdict(self) -> str:
         """How many segments there are, and what counts as one."""
-        many = len(self.segments)
         return (
-            f"{many or 'no'} metastable segment{'s' * (many != 1)} on {len(self.curves)} contact boundaries: |dU/ds| "
-            f"/ (pi sum k) <= {self.slope:g}, |d2U/ds2| / (sum k) <= {self.stiffness:g}, every contact pushes"
+            f"{len(self.segments)} metastable segment(s) on {len(self.curves)} contact boundaries: |dU/ds| "
+            f"/ (pi sum k) <= {SLOPE:g}, |d2U/ds2| / (sum k) <= {STIFFNESS:g}, every contact pushes"
         )
 
     def report_sections(self) -> Iterator[Section]:
@@ -132,14 +121,7 @@ class SegmentReport(Report):
         yield record_table(self.segments, self.verdict) if self.segments else self.verdict
 
 
-def find_segments(
-    result: MinimaResult,
-    *,
-    every_boundary: bool = False,
-    slope: float = SLOPE,
-    stiffness: float = STIFFNESS,
-    seed: int = 0,
-) -> SegmentReport:
+def find_segments(result: MinimaResult) -> SegmentReport:
     """Follow the contact boundaries of a scene from its stable states, and find their metastable segments.
 
     Curves from a state whose contacts push end where one of them stops to; where a state only touches (its
@@ -149,16 +131,6 @@ def find_segments(
     ----------
     result
         Of `find_minima`.
-    every_boundary
-        Also follow contact boundaries on which no stable state lies (two degrees of freedom only): all those
-        of the scene's chart where it has one (`chart.trace_boundary`), and those found from random states
-        on each contact; no curve then ends where a contact stops pushing.
-    slope
-        Largest |dU/ds| / (pi sum k) of a metastable segment.
-    stiffness
-        Largest |d2U/ds2| / (sum k) of a metastable segment.
-    seed
-        Of the random states.
 
     Returns
     -------
@@ -168,7 +140,7 @@ def find_segments(
     Raises
     ------
     OptionError
-        If the result is not that of one vertex, or an argument is not what it must be.
+        If the result is not that of one vertex.
 
     Examples
     --------
@@ -178,56 +150,29 @@ def find_segments(
     [('phi = -pi at crease 1',), ('phi = -pi at crease 4',)]
     """
     check_type("result", result, MinimaResult)
-    check_flag("every_boundary", every_boundary)
-    for name, value in (("slope", slope), ("stiffness", stiffness)):
-        check_number(name, value, math.ulp(0.0))
-    check_whole("seed", seed, 0)
-    scene, model = result.scene, result.model
-    curves: list[BoundaryCurve] = []
-    states: list[tuple[int, ...]] = []
-
-    def keep(curve: BoundaryCurve | None, *numbers: int) -> None:
-        if curve is not None and len(curve.s) > 1:
-            curves.append(curve)
-            states.append(numbers)
-
+    scene, curves = result.scene, list[BoundaryCurve]()
+    states: list[list[int]] = []
     for number, minimum in enumerate(result.minima, start=1):
         state = result.state_of(minimum)
         pinned = any(contact.multiplier_range[1] > 0 for contact in minimum.contacts)
-        for held in _held(state, one_at_a_time=not pinned):
+        choices = [rows for rows in state.pieces if rows]
+        if not pinned:  # alternatives that describe one boundary are both listed
+            choices = list(dict.fromkeys((row,) for rows in choices for row in rows))
+        for held in map(state.on, choices):
             known = _on_known(held, curves)
-            if known is not None:
-                if number not in states[known]:
-                    states[known] = (*states[known], number)
-                continue
-            curve = follow_boundary(held, stop_at_release=pinned and not every_boundary)
-            keep(curve, number)
-    # lines that no stable state lies on: of the chart, then through states drawn at random
-    if every_boundary:
-        for line in _chart_lines(scene):
-            middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
-            for held in _held(State(model, middle, NEAR_CONTACT), one_at_a_time=True):
-                if _on_known(held, curves) is None:
-                    keep(follow_boundary(held, stop_at_release=False))
-        for held in _boundary_states(model, np.random.default_rng(seed)):
-            if _on_known(held, curves) is None:
-                keep(follow_boundary(held, stop_at_release=False))
-    total = sum(scene.stiffness)
+            if known is None:
+                curve = follow_boundary(held, stop_at_release=pinned)
+                if curve is None or len(curve.s) < 2:
+                    continue
+                known = len(curves)
+                curves.append(curve)
+                states.append([])
+            if number not in states[known]:
+                states[known].append(number)
     angles = [np.array(m.fold_angles) for m in result.minima]
-    segments = [
-        segment
-        for number, curve in enumerate(curves)
-        for segment in flat_parts(curve, number, total, slope, stiffness, angles)
-    ]
-    return SegmentReport(scene, tuple(curves), tuple(states), tuple(segments), slope, stiffness)
-
-
-def _held(state: State, *, one_at_a_time: bool) -> list[Stratum]:
-    """Return the sets of contacts to hold at a state; alternatives that describe one boundary are both listed."""
-    choices = [rows for rows in state.pieces if rows]
-    if one_at_a_time:
-        choices = list(dict.fromkeys((row,) for rows in choices for row in rows))
-    return [state.on(rows) for rows in choices]
+    total = sum(scene.stiffness)
+    segments = [s for k, c in enumerate(curves) for s in flat_parts(c, k, total, angles)]
+    return SegmentReport(scene, tuple(curves), tuple(map(tuple, states)), tuple(segments))
 
 
 def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
@@ -237,11 +182,9 @@ def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
         at = curve.states
         distance = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(distance.argmin())
-        step = np.abs(np.diff(curve.s)).max(initial=NEAR_SINGULAR_TOL)
-        if distance[k] > step:
+        if distance[k] > np.abs(np.diff(curve.s)).max(initial=NEAR_SINGULAR_TOL):
             continue
-        # the same boundary may be described by other contacts: they stay closed along it
-        # three points to either side
+        # the same boundary may be described by other contacts: they stay closed three points to either side
         near = (at[max(k - 3, 0)], at[min(k + 3, len(at) - 1)])
         values = [model.local(y).openings(held.contacts)[0] for y in near]
         if np.abs(values).max() <= NEAR_CONTACT:
@@ -249,35 +192,8 @@ def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
     return None
 
 
-def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
-    """Return all contact boundaries of the scene's chart; none where it has no chart or not all contacts."""
-    if scene.contact != "full" or chart_of(scene) is None:
-        return ()
-    return trace_boundary(scene).lines
-
-
-def _boundary_states(model: PatternProblem, rng: np.random.Generator) -> Iterator[Stratum]:
-    """Yield admissible states with one contact held closed, that were near it or drawn at random."""
-    if not model.has_limits or model.dof != 2:
-        return
-    drawn = [rng.uniform(model.fold_limits.low, model.fold_limits.high) for _ in range(SAMPLES)]
-    for x in (model.project(y)[0] for y in drawn):
-        for row in (*model.limits, *model.about_to_close(x, NEAR)):
-            exact = correct(State(model, x).on((row,)), FROM_AFAR)
-            if exact is None or exact.refused:
-                continue
-            # a crease in the plane of a facet, but beside it, is no contact
-            if any(row in choice for choice in exact.pieces):
-                yield exact.on((row,))
-
-
 def flat_parts(
-    curve: BoundaryCurve,
-    number: int,
-    total: float,
-    slope: float,
-    stiffness: float,
-    angles: list[np.ndarray],
+    curve: BoundaryCurve, number: int, total: float, angles: Sequence[np.ndarray]
 ) -> list[Segment]:
     """Cut the metastable stretches out of one curve; their ends are interpolated between points.
 
@@ -289,8 +205,6 @@ def flat_parts(
         Of the curve, as `Segment.curve`.
     total
         Sum of all stiffnesses.
-    slope, stiffness
-        The thresholds, as for `find_segments`.
     angles
         Fold angles of the minima, [N] each [rad].
 
@@ -302,7 +216,7 @@ def flat_parts(
     # paper, eq. 3.5 and 3.6, free of units
     steep = np.abs(curve.slope) / (math.pi * total)
     bent = np.abs(curve.stiffness) / total
-    excess = np.maximum(steep / slope, bent / stiffness) - 1
+    excess = np.maximum(steep / SLOPE, bent / STIFFNESS) - 1
     # runs of true: where the difference is 1 one begins, where it is -1 one has ended
     flat = (excess <= 0) & curve.pressed
     out = []
@@ -312,24 +226,14 @@ def flat_parts(
         end = _edge(curve, excess, last, last + 1)
         if end <= start:
             continue
-        inside = slice(first, last + 1)
-        energy = curve.energy[inside]
-        near = [np.linalg.norm(curve.fold_angles[inside] - phi, axis=1).min() for phi in angles]
-        on = [number for number, far in enumerate(near, start=1) if far <= NEAR_CONTACT]
-        out.append(
-            Segment(
-                number,
-                "; ".join(curve.contacts),
-                float(start),
-                float(end),
-                tuple(on),
-                float(energy.max() - energy.min()),
-                float(steep[inside].max()),
-                float(bent[inside].max()),
-                float(curve.springs[inside].max()) / total,
-                float(curve.multipliers[inside].min()),
-            )
-        )
+        part = slice(first, last + 1)
+        near = [np.linalg.norm(curve.fold_angles[part] - phi, axis=1).min() for phi in angles]
+        on = tuple(number for number, far in enumerate(near, start=1) if far <= NEAR_CONTACT)
+        change, least = float(np.ptp(curve.energy[part])), float(curve.multipliers[part].min())
+        slope, stiffness, springs = (float(v[part].max()) for v in (steep, bent, curve.springs))
+        where = number, "; ".join(curve.contacts), start, end, on
+        least *= least > BALANCED * total  # where the contact stops pushing only rounding is left
+        out.append(Segment(*where, change, slope, stiffness, springs / total, least))
     return out
 
 
@@ -343,9 +247,8 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
         part = -excess[inside] / (excess[outside] - excess[inside])
     if not curve.pressed[outside]:  # where the moment that changes sign vanishes
         here, there = curve.multipliers[inside], curve.multipliers[outside]
-        for m, n in zip(here, there, strict=True):
-            if n <= 0 < m:
-                part = min(part, m / (m - n))
+        lost = (there <= 0) & (here > 0)
+        part = min([part, *(here[lost] / (here[lost] - there[lost]))])
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
 
 
@@ -364,20 +267,11 @@ def add_segments(content: Content, segments: SegmentReport) -> Content:
     Content
         With a track for each boundary.
     """
-    poser = Poser(segments.scene)
-    tracks = [
-        poser.track(
-            _title(curve.contacts, numbers),
-            curve.fold_angles,
-            curve.energy,
-            parameter=curve.s,
-            label="arclength s [rad]",
+    poser, tracks = Poser(segments.scene), []
+    for curve, numbers in zip(segments.curves, segments.states, strict=True):
+        title = (
+            f"contact boundary through {', '.join(map(str, numbers))}: {'; '.join(curve.contacts)}"
         )
-        for curve, numbers in zip(segments.curves, segments.states, strict=True)
-    ]
+        along: Any = {"parameter": curve.s, "label": "arclength s [rad]"}
+        tracks.append(poser.track(title, curve.fold_angles, curve.energy, **along))
     return replace(content, tracks=(*content.tracks, *tracks))
-
-
-def _title(contacts: Sequence[str], numbers: Sequence[int]) -> str:
-    through = f" through state {', '.join(map(str, numbers))}" if numbers else ""
-    return f"contact boundary{through}: {'; '.join(contacts)}"

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from origami_nlp.contact.segments import SegmentReport
-from origami_nlp.display import BAND, INK, METASTABLE, label_text, patch
+from origami_nlp.contact.segments import SLOPE, STIFFNESS, SegmentReport
+from origami_nlp.display import BAND, INK, METASTABLE, label_text
 
 MOST_CURVES = 4
 """Boundaries drawn; the figure says how many there are more."""
+STATE: dict[str, Any] = {"marker": "o", "ls": "", "ms": 5, "mfc": INK, "mec": "white"}
 
 
 def draw_segments(report: SegmentReport) -> Figure:
@@ -30,91 +29,65 @@ def draw_segments(report: SegmentReport) -> Figure:
     matplotlib.figure.Figure
         One column a boundary.
     """
-    shown = list(range(len(report.curves)))
     marked = {segment.curve for segment in report.segments}
-    shown.sort(key=lambda k: (k not in marked, not report.states[k], k))
-    left_out = len(shown) - len(shown[:MOST_CURVES])
-    shown = sorted(shown[:MOST_CURVES])
-    columns = max(1, len(shown))
-    width = 2.0 + 2.3 * columns
-    figure = Figure(figsize=(width, 7.4 if shown else 2.0), dpi=110, layout="constrained")
-    title = f"{report.scene.title}: {report.verdict.partition(':')[0]}"
-    if report.segments:
-        title += f", {report.length:.2f} rad"
-    if left_out:
-        title += f" ({left_out} more boundar{'y' if left_out == 1 else 'ies'} not drawn)"
-    lines = textwrap.wrap(label_text(title), int(width * 10))
-    figure.suptitle("\n".join(lines), fontsize=12, weight="bold")
-    if not shown:
+    order = sorted(range(len(report.curves)), key=lambda k: (k not in marked, k))
+    drawn = sorted(order[:MOST_CURVES])
+    width = 2.0 + 2.3 * max(1, len(drawn))
+    figure = Figure(figsize=(width, 7.4), dpi=110, layout="constrained")
+    title = f"{report.scene.title}\nmetastable: {report.length:.2f} rad"
+    if more := len(order) - len(drawn):
+        title += f" ({more} more boundaries not drawn)"
+    figure.suptitle(label_text(title), fontsize=11, weight="bold")
+    if not drawn:
         figure.text(0.5, 0.4, "No minimum has a closed contact.", ha="center")
-    else:
-        axes = figure.subplots(4, columns, squeeze=False, sharex="col")
-        for column, k in enumerate(shown):
-            _column(axes[:, column], report, k, first=column == 0)
-        handles = _legend(report, shown)
-        ncols = max(1, int(width / 2.2))
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=ncols, fontsize=9, frameon=False
-        )
+        return figure
+    axes = figure.subplots(4, len(drawn), squeeze=False, sharex="col")
+    for column, k in zip(axes.T, drawn, strict=True):
+        _column(column, report, k)
+    for axis, label in zip(
+        axes[:, 0], ("U  [J]", "dU/ds / (π Σk)", "d²U/ds² / Σk", "moment  [N m]"), strict=True
+    ):
+        axis.set_ylabel(label, fontsize=9)
+    entries = {
+        name: entry
+        for axis in axes.flat
+        for entry, name in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
+    look: Any = {"loc": "outside lower center", "ncols": max(1, int(width / 2.2)), "fontsize": 9}
+    figure.legend(entries.values(), entries, **look, frameon=False)
     return figure
 
 
-def _legend(report: SegmentReport, shown: list[int]) -> list[Any]:
-    """Return handles for what occurs."""
-    handles: list[Any] = [Line2D([], [], color=INK, lw=1.4, label="contact pushes")]
-    if not all(report.curves[k].pressed.all() for k in shown):
-        handles.append(Line2D([], [], color=INK, lw=1, ls=":", label="contact does not push"))
-    if any(segment.curve in shown for segment in report.segments):
-        handles.append(Line2D([], [], color=METASTABLE, lw=3, alpha=0.75, label="metastable"))
-    if any(report.states[k] for k in shown):
-        handles.append(Line2D([], [], **_STATE, label="minimum"))
-    return [*handles, patch(BAND, "within the threshold")]
-
-
-_STATE: dict[str, Any] = {"marker": "o", "ls": "", "ms": 5, "mfc": INK, "mec": "white"}
-
-
-def _column(axes, report: SegmentReport, k: int, *, first: bool) -> None:  # type: ignore[no-untyped-def]
-    curve = report.curves[k]
-    total = sum(report.scene.stiffness)
-    rows = (
-        (curve.energy, None, "U  [J]"),
-        (curve.slope / (math.pi * total), report.slope, "dU/ds / (π Σk)"),
-        (curve.stiffness / total, report.stiffness, "d²U/ds² / Σk"),
-        (curve.multipliers, 0.0, "moment  [N m]"),
-    )
-    for axis, (values, band, label) in zip(axes, rows, strict=True):
-        _limit(axis, curve.s, np.atleast_2d(values.T), band or 0.0)
-        if band:
-            axis.axhspan(-band, band, color=BAND, lw=0)
-        elif band is not None:
-            axis.axhline(0.0, color="0.6", lw=0.8)
+def _column(axes: Any, report: SegmentReport, k: int) -> None:
+    curve, total = report.curves[k], sum(report.scene.stiffness)
+    s, slope, stiffness = curve.s, curve.slope / (math.pi * total), curve.stiffness / total
+    rows = (curve.energy, None), (slope, SLOPE), (stiffness, STIFFNESS), (curve.multipliers, 0.0)
+    for axis, (values, band) in zip(axes, rows, strict=True):
+        if band is not None:
+            axis.axhspan(-band, band, color=BAND, lw=0.8, label="within the threshold")
         for line in np.atleast_2d(values.T):
-            axis.plot(curve.s, line, color=INK, lw=1, ls=":")
-            pushing = np.where(curve.pressed, line, np.nan)
-            axis.plot(curve.s, pushing, color=INK, lw=1.4)
-            for segment in report.segments:
-                if segment.curve == k:
-                    s = np.linspace(segment.start, segment.end, 100)
-                    axis.plot(s, np.interp(s, curve.s, line), color=METASTABLE, lw=3, alpha=0.75)
+            if not curve.pressed.all():
+                axis.plot(s, line, color=INK, lw=1, ls=":", label="contact does not push")
+            axis.plot(s, np.where(curve.pressed, line, np.nan), color=INK, label="contact pushes")
+            for part in (part for part in report.segments if part.curve == k):
+                at = np.linspace(part.start, part.end, 100)
+                look = {"color": METASTABLE, "lw": 3, "alpha": 0.75, "label": "metastable"}
+                axis.plot(at, np.interp(at, s, line), **look)
         if report.states[k]:
-            axis.plot(0.0, np.interp(0.0, curve.s, np.atleast_2d(values.T)[0]), **_STATE)
-        if first:
-            axis.set_ylabel(label, fontsize=9)
+            first = np.interp(0.0, s, np.atleast_2d(values.T)[0])
+            axis.plot(0.0, first, **STATE, label="minimum")
+        _limit(axis, s, np.atleast_2d(values.T), band or 0.0)
         axis.tick_params(labelsize=8)
+    contacts = "\n".join(curve.contacts[:2])
     states = ", ".join(f"#{n}" for n in report.states[k])
-    head = f"from state {states}" if states else "no minimum"
-    contacts = "\n".join(curve.contacts[:2]) + ("\n..." if len(curve.contacts) > 2 else "")
-    words = contacts.replace("phi", "φ").replace("pi", "π").replace("= -", "= −")
-    axes[0].set_title(f"{head}\n{words}", fontsize=9)
+    axes[0].set_title(label_text(f"from state {states}\n{contacts}"), fontsize=9)
     axes[-1].set_xlabel("arclength s  [rad]", fontsize=9)
 
 
-def _limit(axis, s: np.ndarray, lines: np.ndarray, band: float) -> None:  # type: ignore[no-untyped-def]
+def _limit(axis: Any, s: np.ndarray, lines: np.ndarray, band: float) -> None:
     """Keep the picture to what most of the curve does: near singular ends values grow without bound."""
     even = np.linspace(s[0], s[-1], 400)
-    values = np.array([np.interp(even, s, line) for line in lines])
-    low, high = np.percentile(values, [1, 99])
+    low, high = np.percentile([np.interp(even, s, line) for line in lines], [1, 99])
     low, high = min(low, -1.5 * band), max(high, 1.5 * band)
     pad = 0.12 * (high - low) + 1e-9
     if lines.max() > high + pad or lines.min() < low - pad:

@@ -1,6 +1,4 @@
-from .contact_choice import solve as solve
-from .convex import ConvexDesign as ConvexDesign, scene_of as scene_of
-from .examples import EXAMPLES as EXAMPLES
+from .convex import ConvexDesign as ConvexDesign, scene_of as scene_of, solve as solve
 from .figure import draw_design as draw_design
 from .finding import design as design
 from .infeasibility import Infeasibility as Infeasibility, why_not as why_not
@@ -12,7 +10,11 @@ from .targets import (
     Targets as Targets,
     place as place,
 )
-from .targets_file import parse_targets as parse_targets, read_targets as read_targets
+from .targets_file import (
+    EXAMPLES as EXAMPLES,
+    parse_targets as parse_targets,
+    read_targets as read_targets,
+)
 from .transition_paths import (
     TransitionPath as TransitionPath,
     height as height,

@@ -46,16 +46,16 @@ def check(
     """
     near = [_nearest(minima, targets.model.expand(p.state.x)) for p in targets.placed]
     states = tuple(_held(targets, minima, *one) for one in zip(targets.placed, near, strict=True))
-    names = [s.name for s in states]
     energy = {s.name: s.energy for s in states}
     barriers = tuple(_barrier(targets, scene, ask, passes, energy) for ask in targets.barriers)
     failed = [*_unheld(targets, states), *_energies(targets, energy)]
+    asked = {k: s.name for (k, _), s in zip(near, states, strict=True)}
     return Design(
         targets,
         posed.margin,
         scene,
         states,
-        tuple(_extra(minima, dict(zip((k for k, _ in near), names, strict=True)))),
+        tuple(_extra(minima, asked)),
         failed=(*failed, *(b.why for b in barriers if b.why)),
         minima=minima,
         iterations=posed.answer.iterations,

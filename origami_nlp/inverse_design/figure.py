@@ -44,54 +44,40 @@ def draw_design(design: Design) -> Figure:
         why = design.reason.text if design.reason else ""
         raise OptionError(f"the design has no springs to draw: {why}")
     made = design.scene
-    states = [(s.name, s.energy, s.fold_angles) for s in design.states]
-    states += [(f"not asked for ({m.kind})", m.energy, m.fold_angles) for m in design.extra_minima]
+    states = [(s.name, s.energy, s.fold_angles, "black") for s in design.states]
+    states += [
+        (f"not asked for ({m.kind})", m.energy, m.fold_angles, GREY) for m in design.extra_minima
+    ]
     rows, across = math.ceil(len(states) / ACROSS), min(ACROSS, max(len(states), 3))
     size = (10.5, 2.5 * rows + 3.4)
     figure = Figure(figsize=size, dpi=110, facecolor="white", layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(2.5 * rows, 3.4))
-    above, below = parts
-    grid = above.subplots(rows, across, squeeze=False)
+    grid = parts[0].subplots(rows, across, squeeze=False)
     for axes in grid.flat[len(states) :]:
         axes.axis("off")
-    for k, (axes, (name, energy, phi)) in enumerate(zip(grid.flat, states, strict=False)):
+    for axes, (name, energy, phi, colour) in zip(grid.flat, states, strict=False):
         draw_state(axes, made, phi, size=7.0)
-        colour = "black" if k < len(design.states) else GREY
         axes.set_title(label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color=colour)
     what = "verified" if design.verified else "NOT verified"
     label = made.name or ("pattern" if isinstance(made, Pattern) else made.label)
-    above.suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
-    axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
-    _springs(axes[0], axes[1], design)
-    _levels(axes[2], design)
-    for one in axes:
-        one.spines[["top", "right"]].set_visible(False)
-    return figure
-
-
-def _springs(left: Axes, right: Axes, design: Design) -> None:
-    """Draw a bar for each crease: stiffness, and the angle at which it has no torque."""
-    assert design.scene is not None
-    scene = design.scene
-    number = np.arange(1, len(scene.stiffness) + 1)
-    left.bar(number, scene.stiffness, color=GREY, width=0.6)
-    left.set_yscale("log")
-    left.set_ylabel("stiffness [N m/rad]")
-    low, high = design.targets.stiffness
-    for bound in (low, high):
+    parts[0].suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
+    left, right, levels = parts[1].subplots(1, 3, width_ratios=(1, 1, 1.15))
+    number = np.arange(1, len(made.stiffness) + 1)
+    left.bar(number, made.stiffness, color=GREY, width=0.6)
+    left.set(yscale="log", ylabel="stiffness [N m/rad]")
+    for bound in design.targets.stiffness:
         left.axhline(bound, color="black", lw=0.7, ls=":")
-    left.set_ylim(0.7 * low, 1.4 * high)
-    angles = np.degrees(scene.rest if isinstance(scene, Pattern) else scene.wound_angles)
+    angles = np.degrees(made.rest if isinstance(made, Pattern) else made.wound_angles)
     right.bar(number, angles, color=[VALLEY if a > 0 else MOUNTAIN for a in angles], width=0.6)
-    right.axhline(0.0, color="black", lw=0.8)
-    most = max(180.0, 1.08 * float(np.abs(angles).max()))
-    for limit in (-180.0, 180.0):
-        right.axhline(limit, color="black", lw=0.7, ls=":")
-    right.set_ylim(-1.1 * most, 1.1 * most)
-    right.set_ylabel("wound to [deg]" if getattr(scene, "preload", ()) else "rest angle [deg]")
+    right.set_ylabel("wound to [deg]" if getattr(made, "preload", ()) else "rest angle [deg]")
+    for limit in (-180.0, 0.0, 180.0):
+        right.axhline(limit, color="black", lw=0.7, ls=":" if limit else "-")
     for axes in (left, right):
-        axes.set_xticks(number)
-        axes.set_xlabel("crease")
+        axes.set(xticks=number, xlabel="crease")
+    _levels(levels, design)
+    for axes in (left, right, levels):
+        axes.spines[["top", "right"]].set_visible(False)
+    return figure
 
 
 def _levels(axes: Axes, design: Design) -> None:
@@ -117,4 +103,3 @@ def _levels(axes: Axes, design: Design) -> None:
     axes.set_xticks([2.0 * k for k in range(len(names))], names, fontsize=8, rotation=turned)
     axes.set_ylabel("energy [J]")
     axes.margins(y=0.15)
-    axes.set_xlim(-1.1, 2.0 * len(names) - 0.9)

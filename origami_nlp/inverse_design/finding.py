@@ -13,8 +13,7 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.checking import check
-from origami_nlp.inverse_design.contact_choice import solve
-from origami_nlp.inverse_design.convex import ConvexDesign, scene_of
+from origami_nlp.inverse_design.convex import ConvexDesign, scene_of, solve
 from origami_nlp.inverse_design.infeasibility import why_not
 from origami_nlp.inverse_design.result import Design
 from origami_nlp.inverse_design.targets import Targets

@@ -11,8 +11,7 @@ from functools import partial
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.inverse_design.contact_choice import solve
-from origami_nlp.inverse_design.convex import ConvexDesign
+from origami_nlp.inverse_design.convex import ConvexDesign, solve
 from origami_nlp.inverse_design.targets import TURNS, Targets
 from origami_nlp.numerics import SETTLED
 
@@ -79,22 +78,17 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
     """
     weights = Counter[str]()
     for rows, y in zip(posed.problem.rows, posed.answer.duals, strict=True):
-        if isinstance(rows.words, str):
-            weights[rows.words] += float(np.abs(y).max(initial=0.0))  # type: ignore[assignment]
-        else:
-            weights.update(dict(zip(rows.words, np.abs(y).tolist(), strict=True)))
-    for words in ("the mean stiffness is 1", "the margin has a cap"):
-        weights.pop(words, None)
+        words = [rows.words] * len(y) if isinstance(rows.words, str) else rows.words
+        for one, size in zip(words, np.abs(y).tolist(), strict=True):
+            weights[one] = max(weights[one], size)
+    for own in ("the mean stiffness is 1", "the margin has a cap"):
+        weights.pop(own, None)
     # rows with a dual that counts are those whose combination is contradictory
     least = WEIGHTY * max(weights.values(), default=0.0)
-    heavy = sorted(((w, words) for words, w in weights.items() if w > least), reverse=True)
+    heavy = [words for words, w in weights.most_common() if w > least]
     names = [t.name for t in posed.targets.states]
-    states = tuple(
-        n
-        for n in names
-        if any(words.startswith(f"{n} ") or f" {n} " in f" {words} " for _, words in heavy)
-    )
-    bounds = tuple(words for _, words in heavy if not words.endswith((" balances", " is stiff")))
+    states = tuple(n for n in names if any(f" {n} " in f" {words} " for words in heavy))
+    bounds = tuple(w for w in heavy if not w.endswith((" balances", " is stiff")))
     return Infeasibility(states, bounds, proof_of(posed), changes(posed.targets, tried))
 
 
@@ -138,10 +132,8 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
             return replace(targets, preload=far, rest_angles=(f * low, f * high))
 
         # springs of sheets are not wound
-        ends = (TURNS / size, math.pi / size)
-        found = (_least(tried, wound, 1.0, end, steps) for end in ends)
-        least = next(filter(None, found), None)
-        if least is not None:
+        found = (_least(tried, wound, end / size, steps) for end in (TURNS, math.pi))
+        if least := next(filter(None, found), None):
             how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
             out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
     low, high = targets.stiffness
@@ -149,21 +141,18 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
     def wider(f: float) -> Targets:
         return replace(targets, stiffness=(low / f, high * f))
 
-    least = _least(tried, wider, 1.0, WIDEST, steps)
-    if least is not None:
+    if least := _least(tried, wider, WIDEST, steps):
         out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
-    if len(targets.states) > 1:
-        for target in targets.states:
-            if _works(tried, partial(without, targets, target.name)):
-                out.append(f"leave out state {target.name!r}")
-    return tuple(out)
+    names = [t.name for t in targets.states] if len(targets.states) > 1 else []
+    return (
+        *out,
+        *(f"leave out state {n!r}" for n in names if _works(tried, partial(without, targets, n))),
+    )
 
 
-def _least(
-    tried: Works, make: Callable[[float], Targets], good: float, bad: float, steps: int
-) -> float | None:
-    """Return the smallest factor in (good, bad] that works, by bisection; None if the largest does not."""
-    low, high = good, bad
+def _least(tried: Works, make: Callable[[float], Targets], bad: float, steps: int) -> float | None:
+    """Return the smallest factor from 1 to `bad` that works, by bisection; None if the largest does not."""
+    low, high = 1.0, bad
     if not _works(tried, partial(make, high)):
         return None
     for _ in range(steps):

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from origami_nlp.display import (
     Details,
     Report,
     Section,
-    Table,
     Words,
     record_table,
     shown,
@@ -23,13 +20,7 @@ from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Pattern, Scene
 
-LISTS = {
-    "proved": "list proved complete",
-    "proved-except-singular": "list proved complete but for singular states",
-}
-"""What is said of a list, by how far it is proved."""
-MOST_ANGLES = 24
-"""Fold angles that are printed of a minimum that was not asked for."""
+MARGIN = "margin: smallest stiffness of a free motion, and moment of a loaded contact per rad, over the mean"
 
 
 @dataclass(frozen=True)
@@ -92,7 +83,8 @@ class HeldBarrier:
     why: str
 
 
-class ExtraMinimum(NamedTuple):
+@dataclass(frozen=True)
+class ExtraMinimum:
     """A minimum that nobody asked for.
 
     Attributes
@@ -107,10 +99,10 @@ class ExtraMinimum(NamedTuple):
         Of which state it is an image, under a symmetry that geometry and springs happen to share; else "".
     """
 
-    energy: float
-    kind: str
-    fold_angles: tuple[float, ...]
-    image: str = ""
+    energy: float = field(metadata=shown("energy", "J", ".5g"))
+    kind: str = field(metadata=shown("kind"))
+    fold_angles: tuple[float, ...] = field(metadata=shown("fold angles", "rad", ".2f"))
+    image: str = field(default="", metadata=shown("image of"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -186,64 +178,40 @@ class Design(Report):
     def verdict(self) -> str:
         """Whether springs hold the states, in a sentence."""
         title = printable(self.targets.source) or "design"
-        if self.scene is None:
-            assert self.reason is not None
+        if self.reason is not None:
             proved = "" if self.refuted else " was found, which proves nothing"
             return f"{title}: no design{proved}: {self.reason.text}"
         n, more = len(self.states), len(self.extra_minima)
-        if not self.verified:
-            return f"{title}: springs for {n} state{'s' * (n > 1)}, NOT verified: {self.failed[0]}"
-        all_of = {1: "the state", 2: "both states"}.get(n, f"all {n} states")
-        others = f"{more or 'no'} other minim{'um' if more < 2 else 'a'}"
-        status = getattr(getattr(self.minima, "completeness", None), "status", "")
-        complete = LISTS.get(status, "completeness not proved")
-        return f"{title}: springs hold {all_of} asked for, {others} found (margin {self.margin:.4g}, {complete})"
+        if self.failed:
+            return f"{title}: springs for {n} states, NOT verified: {self.failed[0]}"
+        held = "the state" if n == 1 else f"all {n} states"
+        status = getattr(getattr(self.minima, "completeness", None), "status", "not proved")
+        known = f"margin {self.margin:.4g}, list {status}"
+        return (
+            f"{title}: springs hold {held} asked for, {more or 'no'} other minima found ({known})"
+        )
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict, states, springs, other minima, what is not proved, and the details of the solution."""
-        if self.scene is None:
-            assert self.reason is not None
+        if self.reason is not None:
             yield Words(self.verdict)
-            if not self.refuted:
-                yield Words("see what of the question the problem leaves open")
             for change in self.reason.changes:
                 yield Words(f"what would help, alone: {change}")
             return
-        yield self.table()
-        yield self.springs()
+        yield record_table(self.states, self.verdict)
+        assert self.scene is not None
+        yield record_table(springs_of(self.scene), "Springs")
         for b in self.barriers:
             yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.6g} J")
         for words in self.failed[1:]:
             yield Words(f"not verified: {words}")
-        for energy, kind, phi, whose in self.extra_minima:
-            angles = " ".join(f"{math.degrees(a):.2f}" for a in phi[:MOST_ANGLES])
-            angles += " ..." * (len(phi) > MOST_ANGLES)
-            same = f", image of {whose} under a symmetry of the scene" if whose else ""
-            yield Words(f"not asked for: {energy:.5g} J, {kind}, fold angles [deg] {angles}{same}")
+        if self.extra_minima:
+            yield record_table(self.extra_minima, "not asked for", narrow=True)
         known = self.minima and self.minima.completeness
         if known:
             yield from known.open_lines()
         if self.minima and not (known and known.proved):
             yield from self.minima.search.open_lines()
-        yield Details(tuple(self._details()), "Margin, solver, search")
-
-    def _details(self) -> Iterator[Table | Words]:
-        """Return what the margin is, how the states were found, and what the solver did."""
-        yield Words(
-            "margin: smallest stiffness along a free motion, and smallest moment of a loaded contact per rad, over the "
-            "mean stiffness"
-        )
-        for s in self.states:
-            yield Words(f"{s.name}: the search found it within {s.found:.0e} rad: {s.certificate}")
-        yield Words(f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}")
-        if self.minima and self.minima.completeness:
-            yield from self.minima.completeness.report_sections()
-
-    def table(self) -> Table:
-        """The states, one a row."""
-        return record_table(self.states, self.verdict)
-
-    def springs(self) -> Table:
-        """The springs, one crease a row."""
-        assert self.scene is not None
-        return record_table(springs_of(self.scene), "Springs")
+        solver = f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}"
+        proof = known.report_sections() if known else ()
+        yield Details((Words(MARGIN), Words(solver), *proof), "Margin, solver, search")

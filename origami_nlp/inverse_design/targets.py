@@ -11,7 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_number, check_type, refuse, shown
+from origami_nlp.arguments import (
+    check_angles,
+    check_flag,
+    check_number,
+    check_type,
+    refuse,
+    shown,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
@@ -30,6 +37,7 @@ _OF_A_VERTEX = {
 """What is not for a pattern, and why."""
 OF_THE_SCENE = ("symmetry", "contact", "mirror", "limits", "panels")
 """Attributes that are those of the scene to be made."""
+INFINITE = ((math.inf, math.inf), (-math.inf, -math.inf))
 FAR = 0.1
 """Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
 2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
@@ -78,6 +86,16 @@ class EnergyBounds:
     second: str
     least: float = 0.0
     most: float = math.inf
+
+    def __post_init__(self) -> None:
+        who = f"energy between {shown(self.first)} and {shown(self.second)}"
+        if self.first == self.second:
+            raise OptionError(f"{who}: it is between two states, not of one and itself")
+        bounds = (self.least, self.most)
+        if any(isinstance(v, bool) or not isinstance(v, Real) for v in bounds):
+            raise OptionError(f"{who}: {shown(bounds)} must be numbers [J]")
+        if not self.least <= self.most or bounds in INFINITE:
+            raise OptionError(f"{who}: [{self.least:g}, {self.most:g}] must be least <= most [J]")
 
 
 @dataclass(frozen=True)
@@ -137,54 +155,34 @@ class Targets:
 
     def __post_init__(self) -> None:
         self._check_kind()
-        object.__setattr__(self, "states", tuple(self.states))
-        object.__setattr__(self, "energies", tuple(self.energies))
-        object.__setattr__(self, "barriers", tuple(self.barriers))
+        for key in ("states", "energies", "barriers"):
+            object.__setattr__(self, key, tuple(getattr(self, key)))
         names = [t.name for t in self.states]
         if not names:
             raise OptionError("states is empty: give at least one [[states]] with fold_angles_deg")
-        for name in names:
-            if names.count(name) > 1:
-                raise OptionError(f"two states are called {name!r}: give each a name of its own")
-        for what, asked, lowest in (
-            ("energy", self.energies, -math.inf),
-            ("barrier", self.barriers, 0.0),
-        ):
-            for ask in asked:
-                self._check_between(what, ask, lowest)
+        if twice := [name for k, name in enumerate(names) if name in names[:k]]:
+            raise OptionError(f"two states are called {twice[0]!r}: give each a name of its own")
+        for ask in (*self.energies, *self.barriers):
+            for name in (ask.first, ask.second):
+                if name not in names:
+                    what = f"energy or barrier of {shown(name)}"
+                    raise OptionError(f"{what}: states are {', '.join(names)}")
+        if any(ask.least < 0.0 for ask in self.barriers):
+            raise OptionError("a barrier is not below 0 J")
+        check_flag("full_space", self.full_space)
         low, high = _pair("stiffness", self.stiffness)
         if not 0 < low <= high:
             said = f"stiffness = [{low:g}, {high:g}]"
             raise OptionError(f"{said} must be 0 < least <= most [N m/rad]")
         if self.rest_angles is not None:
             low, high = _pair("rest_angles", self.rest_angles)
-            said = f"rest_angles = [{low:.6g}, {high:.6g}]"
-            if low > high:
-                raise OptionError(f"{said} rad must be [least, most]")
             most = TURNS if self.preload is True else math.pi
-            if not -most - OUTSIDE <= low or not high <= most + OUTSIDE:
-                wound = (
-                    "" if self.preload is True else "; preload = true lets springs be wound beyond"
-                )
-                raise OptionError(f"{said} must lie in [-{most:.6g}, {most:.6g}] rad{wound}")
+            if not -most - OUTSIDE <= low <= high <= most + OUTSIDE:
+                wound = "" if self.preload is True else "; preload = true lets springs be wound"
+                said = f"rest_angles = [{low:.6g}, {high:.6g}]"
+                raise OptionError(f"{said} must rise in [-{most:.6g}, {most:.6g}] rad{wound}")
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
-
-    def _check_between(self, what: str, ask: EnergyBounds, lowest: float) -> None:
-        """Raise an error unless two states, and two numbers, which may be infinite, are given."""
-        known = [t.name for t in self.states]
-        for name in (ask.first, ask.second):
-            if name not in known:
-                raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
-        who = f"{what} between {ask.first!r} and {ask.second!r}"
-        if ask.first == ask.second:
-            raise OptionError(f"{who}: it is between two states, not of one and itself")
-        for value in (ask.least, ask.most):
-            if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
-                raise OptionError(f"{who}: {shown(value)} must be a number [J]")
-        if not lowest <= ask.least <= ask.most or ask.least == math.inf or ask.most == -math.inf:
-            span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
-            raise OptionError(f"{who}: [{ask.least:g}, {ask.most:g}] must be {span} [J]")
 
     def _check_kind(self) -> None:
         """Raise an error for what is not for a vertex, or not for a pattern."""

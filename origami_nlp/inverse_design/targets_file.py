@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
+from origami_nlp.arguments import check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.inverse_design.targets import EnergyBounds, Target, Targets
 from origami_nlp.io import check_tables, one_of, parse_toml, read_toml
 from origami_nlp.minima import MinimaResult
@@ -25,15 +25,19 @@ from origami_nlp.pattern import (
     vertex_from_dict,
 )
 
+NAMES = ("waitukaitis-five", "six-states", "switch", "flat-and-one", "three-equal")
+_FOLDER = files("origami_nlp.inverse_design") / "example_files"
+EXAMPLES = {name: (_FOLDER / f"{name}.toml").read_text("utf-8") for name in NAMES}
+"""TOML by name."""
+
+
+_ENERGY = ("energy_above", "energy_difference")
 _KEYS = {
     "vertex": ("sector_angles", "sector_angles_deg", "flat", "normalize"),
     "pattern": ("example", "file", "equal"),
     "creases": LIMIT_KEYS,
     "model": ("symmetry", "contact", "mirror", "name"),
-    "states": (
-        *("name", "fold_angles", "fold_angles_deg", "like", "margin"),
-        *("energy_above", "energy_difference"),
-    ),
+    "states": ("name", "fold_angles", "fold_angles_deg", "like", "margin", *_ENERGY),
     "barriers": ("from", "to", "at_least", "at_most", "exactly"),
     "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
     "ask": ("full_space",),
@@ -86,31 +90,19 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> Targets:
         origami, stops = origami.with_limits(thick_limits(limits, many, stops.get("panels"))), {}
     entries = data.get("states", [])
     states = [_state(entry, i, folder, many) for i, entry in enumerate(entries, start=1)]
-    named = [*zip((t.name for t in states), entries, strict=True)]
-    above = ("energy_above", "energy_difference")
-    springs, more = dict(data.get("springs", {})), dict(data.get("model", {}))
-    if "stiffness" in springs:
-        more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
-    given = [k for k in ("rest_angles", "rest_angles_deg") if k in springs]
-    if len(given) == 2:
+    gaps = zip(states, entries, strict=True)
+    more = data.get("springs", {}) | data.get("model", {}) | data.get("ask", {}) | stops | equal
+    if {"rest_angles", "rest_angles_deg"} <= set(more):
         raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
-    for key in given:
-        two = _two(f"[springs] {key}", springs[key])
-        more["rest_angles"] = tuple(_angles(two, key))
-    if "preload" in springs:
-        more["preload"] = springs["preload"]
-    if (full := data.get("ask", {}).get("full_space")) is not None:
-        if not isinstance(full, bool):
-            raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
-        more["full_space"] = full
+    for key in ("rest_angles", "rest_angles_deg"):
+        if key in more:
+            more["rest_angles"] = tuple(_angles(more.pop(key), f"[springs] {key}"))
     return Targets(
         origami,
         tuple(states),
-        energies=tuple(_gap(e, name) for name, e in named if any(key in e for key in above)),
-        barriers=tuple(_barrier(entry) for entry in data.get("barriers", [])),
+        energies=tuple(_gap(e, t.name) for t, e in gaps if set(e) & set(_ENERGY)),
+        barriers=tuple(map(_barrier, data.get("barriers", []))),
         source=source,
-        **equal,
-        **stops,
         **more,
     )
 
@@ -171,30 +163,17 @@ def _gap(entry: Mapping[str, Any], name: str) -> EnergyBounds:
     if "energy_above" not in entry:
         raise OptionError(f"[[states]] {name!r}: energy_difference needs energy_above = 'STATE'")
     value = entry.get("energy_difference", [0.0, math.inf])
-    if isinstance(value, list):
-        least, most = _two(f"{name!r}: energy_difference", value)
-    else:
-        least = most = check_number(f"{name!r}: energy_difference", value)
+    least, most = value if isinstance(value, list) and len(value) == 2 else (value, value)
     return EnergyBounds(name, entry["energy_above"], least, most)
 
 
 def _barrier(entry: Mapping[str, Any]) -> EnergyBounds:
     """Read what is asked of a barrier."""
-    ends = [entry.get(key) for key in ("from", "to")]
-    if not all(isinstance(name, str) for name in ends):
-        raise OptionError("[[barriers]] needs from = 'STATE' and to = 'STATE'")
-    who = f"barrier from {ends[0]!r} to {ends[1]!r}"
-    keys = [key for key in ("at_least", "at_most", "exactly") if key in entry]
-    value = {key: check_number(f"{who}: {key}", entry[key], 0.0) for key in keys}
-    least, most = value.get("at_least", 0.0), value.get("at_most", math.inf)
-    if "exactly" in value:
-        if len(value) > 1:
+    first, second = entry.get("from"), entry.get("to")
+    least, most = entry.get("at_least", 0.0), entry.get("at_most", math.inf)
+    if "exactly" in entry:
+        if {"at_least", "at_most"} & set(entry):
+            who = f"barrier from {first!r} to {second!r}"
             raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
-        least = most = value["exactly"]
-    return EnergyBounds(str(ends[0]), str(ends[1]), least, most)
-
-
-def _two(name: str, value: Any) -> list[Any]:
-    if not isinstance(value, list) or len(value) != 2:
-        raise OptionError(f"{name} = {shown(value)} must be [least, most]")
-    return value
+        least = most = entry["exactly"]
+    return EnergyBounds(first, second, least, most)  # type: ignore[arg-type]

@@ -88,22 +88,17 @@ def _candidate(number: int, record: Any) -> Candidate:
     if isinstance(degree, bool) or degree not in INDEPENDENT:
         raise SceneFileError(f"{where}: degree = {degree!r} must be 6 or 8 (the paper's families)")
     try:
-        alpha = parse_angle(values["alpha"], f"{where}: alpha")
-        phi = parse_angles(values["phi"], f"{where}: phi")
+        alpha = parse_angle(values["alpha"], "alpha")
+        phi = parse_angles(values["phi"], "phi")
         (examples.degree6 if degree == 6 else examples.degree8)(alpha, ratio)
     except OrigamiError as error:
-        text = str(error)
-        raise SceneFileError(text if text.startswith(where) else f"{where}: {text}") from None
+        raise SceneFileError(f"{where}: {error}") from None
     orbit = INDEPENDENT[degree]
     size = max(orbit) + 1
     if len(phi) not in (size, degree):
         raise SceneFileError(f"{where}: phi has {len(phi)} entries: give all {degree} or {size}")
     for i, angle in enumerate(phi):
-        if abs(angle) > math.pi + PRINTED:
-            raise SceneFileError(f"{where}: phi[{i + 1}] = {angle:.6g} is outside [-pi, pi]")
-        if abs(angle - phi[orbit[i]]) > PRINTED:
-            raise SceneFileError(
-                f"{where}: phi[{i + 1}] = {angle:.6g} differs from phi[{orbit[i] + 1}] = "
-                f"{phi[orbit[i]]:.6g}: the family keeps them equal"
-            )
+        if abs(angle) > math.pi + PRINTED or abs(angle - phi[orbit[i]]) > PRINTED:
+            why = f"must be in [-pi, pi], and that of crease {orbit[i] + 1}"
+            raise SceneFileError(f"{where}: phi[{i + 1}] = {angle:.6g} {why}")
     return Candidate(number, degree, alpha, float(ratio), phi[:size])

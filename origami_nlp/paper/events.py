@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.chart import HalfChain, chain_of, fold_vertex, fold_wedge, pair_depths
+from origami_nlp.chart import HalfChain, fold_wedge
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import check_admissible
@@ -29,12 +29,17 @@ from origami_nlp.pattern_problem import check_admissible
 STARTS = 12
 """Random starts for each set of walls."""
 MOST_WALLS = 3
+MARGIN = 0.1
+"""Sector angles keep this far from 0 and pi/2 [rad], where facets degenerate."""
+MIDDLE = math.pi / 4
 SOLVED = DEPENDENT
 """Residual of an event: where its walls depend on each other nothing smaller is reached."""
 
+Family = Callable[[float], Scene]
+"""The scene at a sector angle; its sector angles are affine functions of it."""
 
-@dataclass(frozen=True)
-class Wall:
+
+class Wall(NamedTuple):
     """A contact as one equation: fold angle `variable` at side * pi, or (variable -1) creases that meet."""
 
     variable: int
@@ -44,43 +49,41 @@ class Wall:
 
 @dataclass(frozen=True)
 class Event:
-    """A sector angle at which the active walls become dependent.
+    """A sector angle at which the active walls become dependent, at a state that contact and layers admit.
 
-    alpha: sector angle, polished to rounding [rad].  walls: active walls.  fold_angles: a state of it, all N.
-    multipliers: lambda of closure, then walls.  residual: of the polished equations (closure and walls).
-    admissible: whether the state is, contact and symmetric layers included.
+    alpha: sector angle, polished to rounding [rad].  walls: active walls.  fold_angles: of the state, all N.
+    residual: of the polished equations (closure and walls).
     """
 
     alpha: float
     walls: tuple[str, ...]
     fold_angles: tuple[float, ...]
-    multipliers: tuple[float, ...]
     residual: float
-    admissible: bool
+
+    def is_like(self, other: Event) -> bool:
+        """Return whether it is at the same sector angle, with the same walls."""
+        return self.walls == other.walls and abs(self.alpha - other.alpha) <= RESOLVED
 
 
 def walls_of(chain: HalfChain) -> list[Wall]:
     """Every wall of a chain, each side of a fold limit by itself."""
-    creases = [ray.crease for ray in chain.scene.group.rays]
-    walls = []
-    for v, crease in enumerate(creases):
-        assert crease is not None
-        walls += [Wall(v, s, f"phi_{crease + 1} = {'+' if s > 0 else '-'}pi") for s in (-1, 1)]
-    last = len(creases)
-    if chain.kind == "degree6":
-        return [*walls, Wall(-1, last - 1, chain.walls[-1])]
-    return [*walls, Wall(-1, 0, chain.walls[0]), Wall(-1, last - 1, chain.walls[-1])]
+    names = [ray.crease + 1 for ray in chain.scene.group.rays if ray.crease is not None]
+    limits = [
+        Wall(v, s, f"phi_{crease} = {'+' if s > 0 else '-'}pi")
+        for v, crease in enumerate(names)
+        for s in (-1, 1)
+    ]
+    ends = (chain.size - 1,) if chain.kind == "degree6" else (0, chain.size - 1)
+    return [*limits, *(Wall(-1, end, chain.walls[-(end > 0)]) for end in ends)]
 
 
-def find_events(
-    make: Callable[[float], Scene], low: float, high: float, seed: int = 0, starts: int = STARTS
-) -> list[Event]:
-    """Find sector angles in [low, high] at which walls become dependent at a state that does not cross itself.
+def find_events(make: Family, seed: int = 0, starts: int = STARTS) -> list[Event]:
+    """Find sector angles at which walls become dependent at an admissible state.
 
     Parameters
     ----------
     make
-        Scene at a sector angle; the sector angles must be affine functions of it.
+        The family.
     seed
         Of the random starts.
 
@@ -92,48 +95,46 @@ def find_events(
     from scipy.optimize import root
 
     rng = np.random.default_rng(seed)
-    middle = 0.5 * (low + high)
-    chain = chain_of(make(middle))
-    walls = walls_of(chain)
-    k = chain.size
-    found: list[Event] = []
-    sets = (itertools.combinations(walls, count) for count in range(1, MOST_WALLS + 1))
-    for chosen in itertools.chain.from_iterable(sets):
-        limits = [wall for wall in chosen if wall.variable >= 0]
-        if len({wall.variable for wall in limits}) < len(limits):
-            continue
-        system = ContactKkt(make, middle, chain, chosen)
+    chain = HalfChain(make(MIDDLE))
+    k, found = chain.size, list[Event]()
+    for chosen in _sets(walls_of(chain)):
+        limits = {wall.variable: wall.side * math.pi for wall in chosen if wall.variable >= 0}
+        system = ContactKkt(make, chain, chosen)
         for _ in range(starts):
-            z = np.append(rng.uniform(-math.pi, math.pi, k), rng.uniform(low, high))
-            for wall in limits:
-                z[wall.variable] = wall.side * math.pi
+            z = np.append(
+                rng.uniform(-math.pi, math.pi, k), rng.uniform(MARGIN, math.pi / 2 - MARGIN)
+            )
+            z[[*limits]] = [*limits.values()]
             z = np.append(z, system.first_multipliers(z))
             answer = root(
                 system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
             )
             if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
                 continue
-            event = _polished(make, chosen, system, answer.x, low, high)
-            if event is None:
-                continue
-            same = [e for e in found if e.walls == event.walls]
-            same = [e for e in same if abs(e.alpha - event.alpha) <= RESOLVED]
-            if not same or (event.admissible and not same[0].admissible):
-                found = [e for e in found if e not in same] + [event]
+            event = _polished(make, chosen, system, answer.x)
+            if event and not any(event.is_like(other) for other in found):
+                found.append(event)
     return sorted(found, key=lambda e: (e.alpha, e.walls))
+
+
+def _sets(walls: Sequence[Wall]) -> Iterator[tuple[Wall, ...]]:
+    """All sets of up to `MOST_WALLS` walls, with one side of each fold limit."""
+    for count in range(1, MOST_WALLS + 1):
+        for chosen in itertools.combinations(walls, count):
+            limits = [wall.variable for wall in chosen if wall.variable >= 0]
+            if len(set(limits)) == len(limits):
+                yield chosen
 
 
 class ContactKkt:
     """The KKT system of one set of walls at z = (x, alpha, lambda), compiled: `residual` and `jacobian`."""
 
-    def __init__(
-        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: Sequence[Wall]
-    ) -> None:
+    def __init__(self, make: Family, chain: HalfChain, walls: Sequence[Wall]) -> None:
         import casadi as ca
 
         self.k = chain.size
         x, alpha = ca.SX.sym("x", self.k), ca.SX.sym("alpha")
-        equations = _equations(make, middle, chain, walls, x, alpha)
+        equations = _equations(make, chain, walls, x, alpha)
         lam = ca.SX.sym("lam", equations.numel())
         jx, ja = ca.jacobian(equations, x), ca.jacobian(equations, alpha)
         # KKT of the sector angle itself: alpha is stationary among states with these walls closed, grad alpha = J' lam
@@ -152,22 +153,14 @@ class ContactKkt:
         return np.linalg.lstsq(jacobian.T, target, rcond=CONTACT_TOL)[0]
 
 
-def _equations(
-    make: Callable[[float], Scene],
-    middle: float,
-    chain: HalfChain,
-    walls: Sequence[Wall],
-    x: Any,
-    alpha: Any,
-) -> Any:
+def _equations(make: Family, chain: HalfChain, walls: Sequence[Wall], x: Any, alpha: Any) -> Any:
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
-    one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
+    one, two = (np.array(HalfChain(make(a)).sectors) for a in (MIDDLE, 0.5 * MIDDLE))
     # two scenes of the family give both coefficients
-    slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
-    start = one - slope * middle
-    sectors = [start[i] + slope[i] * alpha for i in range(len(one))]
+    slope = np.round((one - two) / (0.5 * MIDDLE), 9)  # sector angles are a + b alpha, b an integer
+    sectors = [a + b * alpha for a, b in zip((one - slope * MIDDLE).tolist(), slope, strict=True)]
     order = chain.scene.group.order
     rays, normal, turn = fold_wedge(order, sectors, [x[r] for r in range(chain.size)], ca)
     # the last mirror makes the angle pi/n with the first (paper, eq. 2.5 and 2.8): H e2 = e2 for n = 1
@@ -177,22 +170,15 @@ def _equations(
             rows.append(x[wall.variable] - wall.side * math.pi)
         elif chain.kind == "degree6":
             rows.append(rays[-1][2])  # crease 4 on the line of crease 1
-        elif wall.side == 0:
-            rows.append(quat.dot(rays[0], normal))
         else:
-            rows.append(rays[-1][1])
+            rows.append(rays[-1][1] if wall.side else quat.dot(rays[0], normal))
     return ca.vertcat(*rows)
 
 
 def _polished(
-    make: Callable[[float], Scene],
-    walls: Sequence[Wall],
-    system: ContactKkt,
-    z: np.ndarray,
-    low: float,
-    high: float,
+    make: Family, walls: Sequence[Wall], system: ContactKkt, z: np.ndarray
 ) -> Event | None:
-    """Newton steps to rounding, and the state looked at; None where there is no such state.
+    """Newton steps to rounding, and the state looked at; None where it is not admissible.
 
     Where a whole curve is critical the Jacobian is singular: steps of least length stay on the curve's nearest point.
     """
@@ -203,22 +189,14 @@ def _polished(
         z = z - np.linalg.lstsq(system.jacobian(z), f, rcond=SETTLED)[0]
     residual = float(np.abs(system.residual(z)).max())
     x, alpha = z[: system.k], float(z[system.k])
-    if residual > SOLVED or not np.abs(x).max() <= math.pi + RESOLVED or not low <= alpha <= high:
+    if (
+        residual > SOLVED
+        or np.abs(x).max() > math.pi + RESOLVED
+        or not MARGIN <= alpha <= math.pi / 2 - MARGIN
+    ):
         return None
     scene = make(alpha)
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
-    creases, q = fold_vertex(scene.vertex, phi)
-    # closed as the lift q = +1, and no facets through each other
-    if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
+    if not check_admissible(scene, phi, tolerance=SETTLED).admissible:
         return None
-    good = check_admissible(scene, phi, tolerance=SETTLED).admissible
-    names = tuple(wall.name for wall in walls)
-    lam = tuple(z[system.k + 1 :].tolist())
-    return Event(alpha, names, tuple(phi.tolist()), lam, residual, good)
-
-
-def _deepest(creases: np.ndarray) -> float:
-    """Depth of the deepest crossing of two non-adjacent facets."""
-    n = len(creases)
-    pairs = [(i, j) for i, j in itertools.combinations(range(n), 2) if 2 <= j - i <= n - 2]
-    return float(pair_depths(creases, pairs).max())
+    return Event(alpha, tuple(wall.name for wall in walls), tuple(phi.tolist()), residual)

@@ -22,7 +22,7 @@ from origami_nlp.chart import (
     outline_of,
     with_energy,
 )
-from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
+from origami_nlp.contact import flat_parts
 from origami_nlp.display import Report, Section, record_table
 from origami_nlp.io import to_plain
 from origami_nlp.minima import MinimaResult
@@ -123,12 +123,10 @@ class ExactLandscape(Report):
         if self.places:
             names = ", ".join(name.split(" (")[0] for name in self.chart.coordinates)
             yield record_table(self.places, f"where they are on ({names})")
-        symmetric, not_unstable, stable = self.counts
-        yield f"{symmetric} symmetric minima (N_sym)" + (
-            "; stability in the full space was not asked for"
-            if stable is None
-            else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
+        counts = zip(
+            ("symmetric", "not ruled out", "stable in the full space"), self.counts, strict=True
         )
+        yield "minima: " + ", ".join(f"{n} {what}" for what, n in counts if n is not None)
         if self.boundary is None:
             yield "boundary not traced: contact is not 'full', or contacts meet too closely"
             return
@@ -192,7 +190,7 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
         curve = with_energy(problem, line)
         if len(curve.s) < 3:
             continue
-        for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
+        for part in flat_parts(curve, number, total, angles):
             # linear between points of the line, which lie on the boundary to rounding
             s = np.linspace(part.start, part.end, 2 + int(part.length / PIECE))
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)

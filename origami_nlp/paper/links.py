@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +26,7 @@ from origami_nlp.chart import admissible
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import INDEPENDENT
 from origami_nlp.pattern import Scene
-from origami_nlp.problem import Contact, Parameters, Problem
+from origami_nlp.problem import Contact, Parameters
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
@@ -38,8 +40,7 @@ Way = tuple[np.ndarray, tuple[Contact, ...]]
 """Along a handle: a direction [n], and the contacts that stay closed."""
 
 
-@dataclass(frozen=True)
-class Circle:
+class Circle(NamedTuple):
     """One circle of directions: states x [S, n] in cyclic order, and which of them belong to X."""
 
     x: np.ndarray
@@ -62,20 +63,18 @@ class Link:
     @property
     def pieces(self) -> int:
         """Connected pieces of the link (a state with two or more is a cut point of its neighbourhood)."""
-        arcs = sum(max(count_arcs(c.inside), int(c.inside.all())) for c in self.circles)
-        return arcs + len(self.thin)
+        arcs = (max(count_arcs(c.inside), int(c.inside.all())) for c in self.circles)
+        return sum(arcs) + len(self.thin)
 
     def lower(self, hinges: Parameters) -> tuple[int, bool, bool]:
         """Return chi of the lower link, whether the lower link is empty, and whether it is the whole link."""
         # not as a difference: U(x) - U(p) goes as r^2, r = 2e-4
-        low = hinges.energy_change(self.center, self.thin) < 0
-        chi, empty, whole = int(low.sum()), not low.any(), bool(low.all())
-        for circle in self.circles:
-            low = circle.inside & (hinges.energy_change(self.center, circle.x) < 0)
-            chi += count_arcs(low)
-            empty &= not low.any()
-            whole &= bool((low == circle.inside).all())
-        return chi, empty, whole and not empty
+        thin = hinges.energy_change(self.center, self.thin) < 0
+        low = [c.inside & (hinges.energy_change(self.center, c.x) < 0) for c in self.circles]
+        chi = int(thin.sum()) + sum(map(count_arcs, low))
+        any_low = bool(thin.any()) or any(map(np.any, low))
+        same = (np.array_equal(x, c.inside) for x, c in zip(low, self.circles, strict=True))
+        return chi, not any_low, any_low and bool(thin.all()) and all(same)
 
 
 def count_arcs(mask: np.ndarray) -> int:
@@ -92,35 +91,30 @@ def link_of(scene: Scene, state: State, radius: float, handles: Sequence[Way] = 
         Where closure loses more than one rank, or its quadratic form is degenerate: the cone is unknown.
     """
     problem = state.problem
-    circles = []
-    for place in _placings(state, radius):
+
+    def circle(place: Placing) -> Circle:
         # an irrational shift keeps samples off the symmetric directions in which contacts stay closed
         theta = (np.arange(SAMPLES) + 0.382) * (2 * np.pi / SAMPLES)
         inside = admissible(scene, problem.expand(place(theta)))
-        theta = np.concatenate([theta, _ends(scene, problem, place, theta, inside)])
-        inside = np.append(inside, np.ones(len(theta) - SAMPLES, dtype=bool))
+        after = np.append(theta[1:], theta[0] + 2 * np.pi)
+        ends = inside != np.roll(inside, -1)
+        # arcs of X end between samples: the last ones inside are bisected
+        low, high = (np.where(inside, a, b)[ends] for a, b in ((theta, after), (after, theta)))
+        for _ in range(BISECTIONS * bool(len(low))):
+            middle = 0.5 * (low + high)
+            good = admissible(scene, problem.expand(place(middle)))
+            low, high = np.where(good, middle, low), np.where(good, high, middle)
+        theta = np.append(theta, low)
+        inside = np.append(inside, np.ones(len(low), dtype=bool))
         order = np.argsort(theta % (2 * np.pi))
-        circles.append(Circle(place(theta[order]), inside[order]))
+        return Circle(place(theta[order]), inside[order])
+
     thin = [
         project(problem, state.x + radius * way / np.linalg.norm(way), rows)[0]
         for way, rows in handles
     ]
-    return Link(state.x, radius, tuple(circles), np.array(thin).reshape(-1, problem.size))
-
-
-def _ends(
-    scene: Scene, problem: Problem, place: Placing, theta: np.ndarray, inside: np.ndarray
-) -> np.ndarray:
-    """Return the angles at which the arcs of X end, bisected between samples: the last ones inside."""
-    after = np.append(theta[1:], theta[0] + 2 * np.pi)
-    ends = inside != np.roll(inside, -1)
-    low = np.where(inside, theta, after)[ends]
-    high = np.where(inside, after, theta)[ends]
-    for _ in range(BISECTIONS * bool(len(low))):
-        middle = 0.5 * (low + high)
-        good = admissible(scene, problem.expand(place(middle)))
-        low, high = np.where(good, middle, low), np.where(good, high, middle)
-    return low
+    circles = tuple(map(circle, _placings(state, radius)))
+    return Link(state.x, radius, circles, np.array(thin).reshape(-1, problem.size))
 
 
 def _placings(state: State, radius: float) -> list[Placing]:
@@ -142,19 +136,17 @@ def _placings(state: State, radius: float) -> list[Placing]:
     if np.abs(form).min() <= INDEPENDENT or len(form) != 3:
         raise ValueError("the quadratic form of closure is degenerate")
     # three eigenvalues: two of one sign, and one of the other if the form is a cone
-    sign = np.sign(np.median(np.sign(form)))
-    alone = int(np.argmin(sign * form))
-    if sign * form[alone] > 0:
-        return []  # definite: closure isolates the state
+    alone = int(np.argmin(np.sign(np.median(form)) * form))
     two = [i for i in range(3) if i != alone]
+    if form[alone] * form[two[0]] > 0:
+        return []  # definite: closure isolates the state
     axes = kernel @ axes
     # lambda_0 + lambda_1 (s_1 cos)^2 + lambda_2 (s_2 sin)^2 = 0 with s_i^2 = |lambda_0 / lambda_i|
-    stretch = np.sqrt(np.abs(form[alone]) / np.abs(form[two]))
+    stretched = axes[:, two] * np.sqrt(np.abs(form[alone]) / np.abs(form[two]))
 
-    def cone(theta: np.ndarray, side: float) -> np.ndarray:
-        d = side * axes[:, alone] + np.outer(stretch[0] * np.cos(theta), axes[:, two[0]])
-        d = d + np.outer(stretch[1] * np.sin(theta), axes[:, two[1]])
+    def cone(side: float, theta: np.ndarray) -> np.ndarray:
+        d = side * axes[:, alone] + np.stack([np.cos(theta), np.sin(theta)], axis=1) @ stretched.T
         d = radius * d / np.linalg.norm(d, axis=1, keepdims=True)
         return project(problem, state.x + d)[0]
 
-    return [lambda theta: cone(theta, 1.0), lambda theta: cone(theta, -1.0)]
+    return [partial(cone, 1.0), partial(cone, -1.0)]

@@ -8,7 +8,7 @@ isolated states; surfaces can touch in single points (pinch points), the flat st
 
 from __future__ import annotations
 
-import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,7 +19,6 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.chart import (
     Cells,
     Component,
-    Spot,
     cells_of,
     handles,
     parts,
@@ -154,17 +153,15 @@ class Space(Report):
     @property
     def corners(self) -> tuple[tuple[tuple[str, ...], int], ...]:
         """States of X where two contacts or more close, by their contacts, with how many vertices have them."""
-        counts: dict[tuple[str, ...], int] = {}
-        mesh = self.mesh
+        mesh, counts = self.mesh, Counter[tuple[str, ...]]()
         for v in np.flatnonzero(several(mesh.on)).tolist():
             names = []
             for name in mesh.contacts(int(mesh.on[v])):
-                if name.startswith("phi_"):  # with the sign of fold angles at +-pi
-                    angle = mesh.fold_angles[v, int(name.removeprefix("phi_").split(" ")[0]) - 1]
+                if name.endswith("+-pi"):  # with the sign of fold angles at +-pi
+                    angle = mesh.fold_angles[v, int(name.split(" ")[0].removeprefix("phi_")) - 1]
                     name = name.replace("+-", "+" if angle > 0 else "-")
                 names.append(name)
-            key = tuple(sorted(names))
-            counts[key] = counts.get(key, 0) + 1
+            counts[tuple(sorted(names))] += 1
         return tuple(sorted(counts.items()))
 
     @cached_property
@@ -176,21 +173,18 @@ class Space(Report):
         For each such point: its coordinates, and one state [N] of each separate set of states over it.
         """
         mesh, place = self.mesh, self._places
-        low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
-        low = -low
-        np.minimum.at(low, place, mesh.wedge)
-        np.maximum.at(high, place, mesh.wedge)
+        order = place.argsort(kind="stable")
         found = []
-        for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
-            over = np.flatnonzero(place == k)
-            point = mesh.points[over[0]]
+        for over in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
+            if len(over) < 2 or np.ptp(mesh.wedge[over], axis=0).max() <= EXTENDED:
+                continue
             # states that X does not connect over the disc around the point
+            point = mesh.points[over[0]]
             near = np.linalg.norm(mesh.points - point, axis=1) < NEARBY
-            edges = mesh.edges[near[mesh.edges].all(axis=1)]
-            piece = groups(len(place), edges)[over]
+            piece = groups(len(place), mesh.edges[near[mesh.edges].all(axis=1)])[over]
             first = over[np.unique(piece, return_index=True)[1]]
             if len(first) > 1:
-                states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
+                states = tuple(map(tuple, mesh.fold_angles[first].tolist()))
                 found.append(((float(point[0]), float(point[1])), states))
         return tuple(found)
 
@@ -209,11 +203,10 @@ class Space(Report):
         Families over one point are arcs (contractible), so each join of n separate sets lowers the Euler
         characteristic by n - 1; a picture in the plane encloses no volume.
         """
-        joins = [len(states) - 1 for _, states in self.picture_joins]
-        place = self._places
+        joined, place = sum(len(states) - 1 for _, states in self.picture_joins), self._places
         count = int(place.max(initial=-1)) + 1
         components = int(groups(count, place[self.mesh.edges]).max(initial=-1)) + 1
-        return components - (self.euler_characteristic - sum(joins))
+        return components - (self.euler_characteristic - joined)
 
     def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
@@ -224,13 +217,12 @@ class Space(Report):
         for records in (self.components, self.pinch_points, self.handles):
             if records:
                 yield record_table(records, "")
-        joins = self.picture_joins
-        if joins:
+        if self.picture_joins:
             yield (
                 f"  the picture in the paper's chart encloses {self.picture_holes} hole(s), the space {self.holes}: "
                 "these chart points carry states that are apart in the space"
             )
-        for point, states in joins:
+        for point, states in self.picture_joins:
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
 
 
@@ -268,37 +260,25 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
     cells = cells_of(scene, check_whole("rings", rings, *SIZES))
-    count = len(cells.wedge)
-    components = tuple(parts(count, cells.triangles, cells.extra_edges))
-    pinch = tuple(
-        _pinch_point(cells, spot) for spot in spots(count, cells.triangles, cells.extra_edges)
-    )
+    complex_ = len(cells.wedge), cells.triangles, cells.extra_edges
+    components = tuple(parts(*complex_))
+    pinch = tuple(_pinch_point(cells, *spot) for spot in spots(*complex_))
     kinds = {p.vertex: p.kind for p in pinch}
-    arcs = tuple(
-        _handle(cells, path, kinds) for path in handles(count, cells.triangles, cells.extra_edges)
-    )
+    arcs = tuple(_handle(cells, path, kinds) for path in handles(*complex_))
     holes = sum(c.holes for c in components)
     euler = sum(c.euler_characteristic for c in components)
     return Space(scene, cells.cover.rings, components, holes, pinch, arcs, euler, cells)
 
 
-def _pinch_point(mesh: Cells, spot: Spot) -> PinchPoint:
-    dimensions = spot.dimensions
-    if dimensions.count(2) >= 2:
-        kind = "pinch point"
-    elif 2 in dimensions:
-        kind = "handle end"
-    else:
-        kind = "handle junction"
-    v = spot.vertex
+def _pinch_point(mesh: Cells, v: int, dimensions: tuple[int, ...]) -> PinchPoint:
+    kind = ("handle junction", "handle end", "pinch point")[min(dimensions.count(2), 2)]
     phi = tuple(mesh.fold_angles[v].tolist())
     return PinchPoint(kind, phi, dimensions, mesh.contacts(int(mesh.on[v])), v)
 
 
 def _handle(mesh: Cells, path: np.ndarray, kinds: dict[int, str]) -> Handle:
-    common = int(np.bitwise_and.reduce(mesh.on[path]))
+    contacts = mesh.contacts(int(np.bitwise_and.reduce(mesh.on[path])))
     length = float(np.linalg.norm(np.diff(mesh.wedge[path], axis=0), axis=1).sum())
-    ends = tuple(kinds.get(int(v), "free") for v in (path[0], path[-1]))
-    if path[0] == path[-1]:
-        ends = ("loop", "loop")
-    return Handle(mesh.contacts(common), path, mesh.fold_angles[path], length, (ends[0], ends[1]))
+    first, last = (kinds.get(v, "free") for v in path[[0, -1]].tolist())
+    ends = ("loop", "loop") if path[0] == path[-1] else (first, last)
+    return Handle(contacts, path, mesh.fold_angles[path], length, ends)

@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.display import Report, Section, Words, record_table, shown
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.paper.events import Event, find_events
+from origami_nlp.paper.events import MARGIN, Event, find_events
 from origami_nlp.paper.space import find_space
 from origami_nlp.pattern import Scene, degree6, degree8, format_angle
 
@@ -29,8 +29,6 @@ SIDE = 1e-5
 """Distance from a transition at which its two sides are looked at [rad]."""
 RINGS = 16
 """Of the meshes."""
-MARGIN = 0.1
-"""Sector angles keep this far from 0 and pi/2 [rad], where facets degenerate."""
 
 OnProgress = Callable[[str, float], None]
 
@@ -72,38 +70,23 @@ class Transition:
     ----------
     alpha
         alpha_1 [rad], to rounding.
-    below, at, above
-        Signatures at alpha - SIDE, alpha, alpha + SIDE.
     changes
         What changes, ``"topology"`` (of X), ``"picture"`` (loops in the paper's chart), ``"corners"``.
     contacts
-        The sets of contacts that become dependent, of admissible events only.
+        The sets of contacts that become dependent.
+    below, at, above
+        Signatures at alpha - SIDE, alpha, alpha + SIDE.
     events
         States at which contacts become dependent.
     """
 
-    alpha: float
+    alpha: float = field(metadata=shown("alpha_1", spec=format_angle))
+    changes: tuple[str, ...] = field(metadata=shown("changes"))
+    contacts: tuple[str, ...] = field(metadata=shown("become dependent", between="\n", side="L"))
     below: Signature
     at: Signature
     above: Signature
-    changes: tuple[str, ...]
-    contacts: tuple[tuple[str, ...], ...]
     events: tuple[Event, ...]
-
-    def report_sections(self) -> Iterator[Section]:
-        """Return where the space changes, how, and what confirms it."""
-        yield Words(
-            f"alpha_1 = {self.alpha:.15f} = {format_angle(self.alpha)}: {', '.join(self.changes)}",
-            "bold",
-        )
-        yield record_table((self.below, self.at, self.above), "  below, at, above")
-        before, after = dict(self.below.corners), dict(self.above.corners)
-        for what, one, other in (("gone", before, after), ("new", after, before)):
-            for contacts in sorted(c for c in one if other.get(c) != one[c]):
-                yield f"  corner {what}: {'; '.join(contacts)}"
-        yield "  contacts that become dependent:"
-        for contacts in self.contacts:
-            yield f"    {'; '.join(contacts)}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,14 +110,16 @@ class Transitions(Report):
     unexplained: tuple[tuple[float, float], ...]
     silent: tuple[float, ...]
 
-    SCHEMA, READS = "origami-nlp/paper/1", False
+    SCHEMA, READS, ROWS = "origami-nlp/paper/1", False, "transitions"
 
     def report_sections(self) -> Iterator[Section]:
         """Return every transition, and what the events do not explain."""
-        yield f"{self.family}: {len(self.transitions)} transition(s)"
+        yield record_table(
+            self.transitions, f"{self.family}: {len(self.transitions)} transition(s)"
+        )
         for t in self.transitions:
-            yield ""
-            yield from t.report_sections()
+            title = f"{format_angle(t.alpha)}: below, at, above"
+            yield record_table((t.below, t.at, t.above), title)
         for a, b in self.unexplained:
             yield f"unexplained: the space changes between {a:.9f} and {b:.9f}"
         for a in self.silent:
@@ -194,37 +179,28 @@ def find_transitions(
 
     low, high = MARGIN, math.pi / 2 - MARGIN
     report("events", 0.0)
-    groups = _grouped(find_events(make, low, high, seed))
+    events = find_events(make, seed)
+    # events at one angle are one transition if X differs on the two sides or at it
+    jumps = np.flatnonzero(np.diff([e.alpha for e in events]) >= RESOLVED) + 1
     transitions, silent, unexplained = [], [], []
     last, before = low, look(low)
-    for done, group in enumerate(groups):
-        report("both sides", done / len(groups))
-        alpha = float(np.median([e.alpha for e in group]))
+    for group in np.split(np.arange(len(events)), jumps):
+        here = [events[k] for k in group.tolist()]
+        alpha = float(np.median([e.alpha for e in here]))
+        report("both sides", (alpha - low) / (high - low))
         below, at, above = (look(a) for a in (alpha - SIDE, alpha, alpha + SIDE))
         if _changes(before, below, below):
             unexplained.append((last, alpha))
         last, before = alpha, above
-        # events at one angle are one transition if X differs on the two sides or at it
         if changes := _changes(below, at, above):
-            walls = sorted({e.walls for e in group if e.admissible}, key=lambda w: (len(w), w))
-            told = (alpha, below, at, above, changes, tuple(walls), tuple(group))
-            transitions.append(Transition(*told))
+            walls = sorted({e.walls for e in here}, key=lambda w: (len(w), w))
+            names = tuple("; ".join(w) for w in walls)
+            transitions.append(Transition(alpha, changes, names, below, at, above, tuple(here)))
         else:
             silent.append(alpha)
     if _changes(before, end := look(high), end):
         unexplained.append((last, high))
     return Transitions(family, tuple(transitions), tuple(unexplained), tuple(silent))
-
-
-def _grouped(events: list[Event]) -> list[list[Event]]:
-    """Events by sector angle."""
-    groups: list[list[Event]] = []
-    for event in sorted(events, key=lambda e: e.alpha):
-        if groups and event.alpha - groups[-1][-1].alpha < RESOLVED:
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-    return groups
 
 
 def _changes(below: Signature, at: Signature, above: Signature) -> tuple[str, ...]:

@@ -29,19 +29,12 @@ def test_a_design_is_written_and_read_again(tmp_path):
     assert run("example", "waitukaitis-five", "-o", targets).code == 0
     code, out, err = run("design", "waitukaitis-five", "-o", scene, "-o", data)
     assert code == 0, err
-    assert "springs hold all 5 states" in out and "no other minimum" in out
+    assert "springs hold all 5 states" in out and "no other minima" in out
     assert targets.read_text() == EXAMPLES["waitukaitis-five"]
     found = json.loads(data.read_text())
     assert set(found) >= {"feasible", "margin", "scene", "states", "extra_minima", "reason"}
     assert len(found["states"]) == 5 and not found["extra_minima"]
     assert read_scene(scene).degree == 4 and found["scene"]
-
-
-def test_six_states_on_four_creases_have_springs():
-    code, out, err = run("design", "six-states")
-    assert code == 0, err
-    assert "springs hold all 6 states" in out and "no other minimum" in out
-    assert "list proved complete" in " ".join(out.split())
 
 
 def test_normalized_sector_angles_are_told(tmp_path):

@@ -60,7 +60,7 @@ def test_springs_for_two_given_states(folder):
     text = text.replace("[27.27, 101.001, -27.353, 104.22]", "[27, 101, -27, 104]")
     (folder / "two.toml").write_text(text)
     said = asked("design", "two.toml", "-o", "my.toml")
-    assert "springs hold both states" in said and "moved to close [deg]" in said
+    assert "springs hold all 2 states" in said and "moved to close [deg]" in said
     stable = asked("minima", "my.toml", "-o", "states.json")
     assert "stable states" in stable
     minima = json.loads((folder / "states.json").read_text())["minima"]

@@ -20,10 +20,3 @@ def test_forces_are_those_of_the_states(found):
         reported = sorted(c.force for c in state.minimum.contacts)
         assert sorted(c.multiplier for c in state.contacts) == pytest.approx(reported, abs=1e-12)
     assert report.states and len(report.to_dict()["result"]["origami"]["polygons"]) == 9
-
-
-def test_what_is_for_vertices_says_so(found):
-    with pytest.raises(o.OrigamiError):
-        o.find_contacts(found, segments=True)
-    with pytest.raises(o.OrigamiError):
-        o.find_contacts(found, state=1000)

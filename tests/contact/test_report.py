@@ -7,10 +7,8 @@ import json
 import numpy as np
 import pytest
 
-import origami_nlp as o
-from origami_nlp.contact.report import SOFT, ContactReport
-from origami_nlp.minima import images
-from tests.computed_once import panel_contacts, panel_result
+from origami_nlp.contact.report import ContactReport
+from tests.computed_once import panel_contacts
 
 
 @pytest.fixture(scope="module")
@@ -20,16 +18,10 @@ def report() -> ContactReport:
 
 def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
     data = json.loads(json.dumps(report.to_dict(), allow_nan=False))
-    (state,) = report.states
-    (plain,) = data["states"]
+    (state,), (plain,) = report.states, data["states"]
     assert plain["margin"]["norm"] == state.margin.norm
-    assert plain["margin"]["moments"] == list(state.margin.moments)
-    assert len(plain["margin"]["creases"]) == report.result.model.size
     assert plain["contacts"][0]["multiplier"] == state.minimum.contacts[0].multiplier
-    assert plain["softness"] == pytest.approx(
-        min(state.stiffness) / sum(report.result.scene.stiffness)
-    )
-    assert plain["soft"] == (plain["softness"] <= SOFT)
+    assert state.softness == min(state.stiffness) / sum(report.result.scene.stiffness)
     assert data["segments"]["segments"][0]["states"] == [state.number]
     never = [c for c in plain["margin"]["creases"] if "cap" in c["ends"]]
     assert never and all(None in (c["positive"], c["negative"]) for c in never)
@@ -46,15 +38,3 @@ def test_states_to_turn_carry_their_loads_and_boundaries(report: ContactReport) 
         angles = [folded.fold_angles for folded in track.states]
         assert np.array_equal(angles, curve.fold_angles)
         assert [folded.energy for folded in track.states] == list(curve.energy)
-
-
-def test_contacts_have_images_under_the_symmetry(report: ContactReport) -> None:
-    model, (state,) = report.result.model, report.states
-    contact = state.minimum.contacts[0]
-    assert images(model, contact)[0] == contact.creases
-    # facets in contact come with their mirror images
-    result = panel_result(o.examples.degree6("pi/3", 1.0))
-    pair = next(c for m in result.minima for c in m.contacts if c.facets)
-    assert set(images(result.model, pair)[1]) >= set(pair.facets)
-    assert len(images(result.model, pair)[1]) == 2 * len(pair.facets)
-    assert np.isfinite(pair.multiplier)

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.contact.segments import SegmentReport, find_segments
-from origami_nlp.contact.segments_figure import draw_segments
+from origami_nlp.contact.segments import SLOPE, STIFFNESS, SegmentReport, find_segments
 from origami_nlp.continuation import (
     BoundaryCurve,
-    HeldCurve,
-    Point,
-    advance,
-    evaluate,
-    follow_boundary,
 )
 from origami_nlp.display import METASTABLE
-from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import FOLLOWED
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.problem import Contact
 from tests.computed_once import panel_result, shared, thinned
 
 SCENES = {
@@ -58,38 +48,6 @@ def curve_of(name: str) -> tuple[PatternProblem, BoundaryCurve]:
     return search(name).model, curve
 
 
-def points(model: PatternProblem, curve: BoundaryCurve, count: int = 5) -> list[Point]:
-    """Some regular points of a curve, away from its ends, with the tangent towards growing s."""
-    out = []
-    inside = np.linspace(curve.s[0], curve.s[-1], count + 2)[1:-1]
-    for s in inside:
-        k = int(np.abs(curve.s - s).argmin())
-        at = model.reduce(curve.fold_angles)
-        ahead = np.sqrt(model.multiplicity) * (at[k + 1] - at[k - 1])
-        point = evaluate(State(model, at[k]).on(curve.rows), ahead / np.linalg.norm(ahead))
-        assert point is not None
-        out.append(point)
-    return out
-
-
-def errors(
-    model: PatternProblem, point: Point, rows: tuple[Contact, ...], h: float
-) -> tuple[float, float]:
-    """Errors of dU/ds and d2U/ds2 at a point against energies at arclength -h, 0 and h."""
-    sides = []
-    for sign in (1.0, -1.0):
-        start = evaluate(State(model, point.x).on(rows), sign * point.tangent)
-        assert start is not None
-        moved = advance(HeldCurve(model, rows, start.dimension), start, h)
-        assert moved is not None
-        sides.append((moved[1], model.energy_change(point.x, moved[0].x) / model.scale))
-    (a, up), (b, um) = sides
-    # quadratic through three points at unequal distances
-    slope = (up * b * b - um * a * a) / (a * b * (a + b))
-    second = 2 * (up * b + um * a) / (a * b * (a + b))
-    return abs(slope - point.slope), abs(second - point.stiffness)
-
-
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_slope_integrates_to_the_energy(name: str) -> None:
     _, curve = curve_of(name)
@@ -99,19 +57,6 @@ def test_slope_integrates_to_the_energy(name: str) -> None:
     size = np.abs(curve.energy).max()
     assert np.abs(np.diff(curve.energy) - step).max() < 1e-7 * size
     assert abs(curve.energy[-1] - curve.energy[0] - step.sum()) < 1e-6 * size
-
-
-@pytest.mark.parametrize("name", thinned(list(SCENES), 4))
-def test_states_of_a_curve_close_keep_their_contacts_and_are_admissible(name: str) -> None:
-    model, curve = curve_of(name)
-    for phi, energy in zip(curve.fold_angles, curve.energy, strict=True):
-        x = model.reduce(phi)
-        local = model.local(x)
-        values, _ = local.openings(curve.rows)
-        assert np.abs(local.closure).max() <= 10 * FOLLOWED
-        assert np.abs(values).max() <= 10 * FOLLOWED
-        assert not model.refuses(x)
-        assert energy == pytest.approx(search(name).scene.energy(phi), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
@@ -131,31 +76,6 @@ def test_moments_along_a_curve_start_from_those_of_the_state(name: str) -> None:
             assert 0 <= multiplier.min() < 1e-6
 
 
-def test_a_curve_with_more_dof_is_a_geodesic_in_the_softest_direction() -> None:
-    scene = o.Scene(
-        o.Vertex((1.2, 0.9, 1.0, 1.1, 0.8, 2 * math.pi - 5.0)),
-        (1.0, 2.0, 0.5, 1.5, 1.0, 0.7),
-        (2.8, -1.0, 1.3, -2.9, 1.0, 0.4),
-        "none",
-    )
-    result = o.find_minima(scene, max_starts=16, prove=False, escape=False)
-    model = result.model
-    pinned = [m for m in result.minima if m.kind == "contact-pinned"]
-    assert pinned, [m.kind for m in result.minima]
-    x = model.reduce(np.array(pinned[0].fold_angles))
-    choices = model.closed(x).combinations()
-    assert choices
-    first = evaluate(State(model, x).on(choices[0]))
-    assert first is not None and first.dimension == 2
-    assert first.stiffness == pytest.approx(min(pinned[0].hessian_eigenvalues) / model.scale)
-    curve = follow_boundary(State(model, x).on(choices[0]), longest=0.6)
-    assert curve is not None and curve.dimension == 2 and curve.length > 0.05
-    for point in points(model, curve, 3):
-        coarse, fine = (errors(model, point, curve.rows, h) for h in (4e-3, 2e-3))
-        assert fine[0] < 1e-4 and fine[1] < 1e-3
-        assert fine[1] < 0.35 * coarse[1] + 2e-8
-
-
 def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
     report = segments("fold limit")
     assert report.segments
@@ -164,37 +84,18 @@ def test_segments_satisfy_their_thresholds_and_end_where_they_fail() -> None:
         curve = report.curves[segment.curve]
         inside = (curve.s > segment.start) & (curve.s < segment.end)
         assert inside.sum() > 5
-        assert np.abs(curve.slope[inside]).max() <= report.slope * math.pi * total
-        assert np.abs(curve.stiffness[inside]).max() <= report.stiffness * total
+        assert np.abs(curve.slope[inside]).max() <= SLOPE * math.pi * total
+        assert np.abs(curve.stiffness[inside]).max() <= STIFFNESS * total
         assert curve.multipliers[inside].min() > 0
         beyond = curve.s > segment.end + 1e-3
         if beyond.any():
             k = int(np.flatnonzero(beyond)[0])
-            steep = abs(curve.slope[k]) > report.slope * math.pi * total
-            assert steep or abs(curve.stiffness[k]) > report.stiffness * total
+            steep = abs(curve.slope[k]) > SLOPE * math.pi * total
+            assert steep or abs(curve.stiffness[k]) > STIFFNESS * total
         assert segment.states == (2,)
 
 
-def test_no_boundary_without_contact() -> None:
-    scene = o.examples.degree6("pi/4", 1.0, contact="none")
-    report = find_segments(o.find_minima(scene, prove=False, escape=False), every_boundary=True)
-    assert report.curves == () and report.segments == () and report.length == 0
-    title = draw_segments(report)._suptitle.get_text()  # type: ignore[attr-defined]
-    assert "no metastable" in " ".join(title.lower().split())
-
-
-def test_json_is_plain_and_finite() -> None:
-    data = json.loads(json.dumps(segments("fold limit").to_dict(), allow_nan=False))
-    assert data["schema"] == "origami-nlp/contacts/4"
-    assert data["segments"][0]["curve"] == 1
-    assert len(data["curves"][0]["s"]) == len(data["curves"][0]["fold_angles"])
-
-
-def test_figure_marks_segments(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    path = tmp_path / "segments.png"
-    figure = segments("fold limit").draw(path)
-    assert path.stat().st_size > 10_000
+def test_figure_marks_segments() -> None:
+    figure = segments("fold limit").draw()
     colours = [line.get_color() for axis in figure.axes for line in axis.lines]
     assert colours.count(METASTABLE) == 4  # one segment in each of four rows
-    with pytest.raises(o.OrigamiError):
-        segments("fold limit").draw(tmp_path / "segments.txt")

@@ -1,28 +1,21 @@
 """Designs: found again by the search, the optimum by a second solver, refutations by exact arithmetic."""
 
 import json
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog
 
 import origami_nlp as o
-from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design import (
-    EnergyBounds,
-    Target,
-    Targets,
     design,
     parse_targets,
     read_targets,
     scene_of,
     solve,
 )
-from origami_nlp.inverse_design.examples import EXAMPLES
+from origami_nlp.inverse_design.targets_file import EXAMPLES
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import DEFINITE, EQUAL, POSITIVE, smatrix
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import thinned
 from tests.inverse_design.questions import built, question
@@ -61,41 +54,6 @@ def test_states_of_a_design_are_minima(n, seed, count, pinned, flat):
     assert held_by_hand(targets, scene)
     low, high = targets.stiffness
     assert low * (1 - 1e-9) <= min(scene.stiffness) and max(scene.stiffness) <= high * (1 + 1e-9)
-
-
-def cutting_planes(posed):
-    """Largest margin by linear programs alone: matrices are cut by vectors, no cone is known."""
-    p = posed.problem
-    equal = [(p.matrix(r), -r.b) for r in p.rows if r.cone == EQUAL]
-    above = [(p.matrix(r), r.b) for r in p.rows if r.cone == POSITIVE]
-    blocks = [(p.matrix(r), r.b) for r in p.rows if r.cone == DEFINITE]
-    a, b = (np.concatenate([e[i] for e in equal]) for i in (0, 1))
-    g, h = [np.concatenate([e[i] for e in above]) for i in (0, 1)]
-    for _ in range(300):
-        found = linprog(-posed.aim, -g, h, a, b, bounds=(-50, 50), method="highs")
-        if not found.success:
-            return -math.inf
-        worst = 0.0
-        for m, c in blocks:
-            values, vectors = np.linalg.eigh(smatrix(m @ found.x + c))
-            for v in vectors[:, values < 1e-9].T:
-                row = np.array([v @ smatrix(col) @ v for col in m.T])
-                g, h = np.vstack([g, row]), np.append(h, v @ smatrix(c) @ v)
-            worst = min(worst, values.min(initial=0.0))
-        if worst > -1e-9:
-            break
-    return -found.fun
-
-
-@pytest.mark.parametrize(("n", "seed", "count"), [(4, 0, 1), (4, 1, 2), (5, 2, 2), (5, 4, 1)])
-def test_the_margin_is_that_of_linear_programmes_with_cuts(n, seed, count):
-    targets = question(seed, n, count)
-    posed = solve(targets)
-    again = cutting_planes(posed)
-    if posed.answer.infeasible:
-        assert again == -math.inf
-    else:
-        assert again == pytest.approx(posed.margin, abs=1e-6)
 
 
 def test_a_reason_names_changes_that_help():
@@ -152,27 +110,6 @@ def _between(found, count):
         x, left = project(model, x, frozen=np.arange(model.size) == 1)
         assert left < 1e-10
         yield model.energy(x)
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_barriers_at_most():
-    targets = parse_targets(EXAMPLES["switch"])
-    low = replace(targets, barriers=(EnergyBounds("off", "on", 0.0, 0.015),))
-    found = design(low)
-    assert found.verified and found.barriers[0].rise <= 0.015 * (1 + 1e-9)
-
-
-def test_bad_questions_are_named():
-    vertex = o.Vertex(("pi/2",) * 4)
-    state = Target("a", (0.0,) * 4)
-    with pytest.raises(OptionError, match="barrier of 'b'"):
-        Targets(vertex, (state,), barriers=(EnergyBounds("a", "b"),))
-    with pytest.raises(OptionError, match="exactly alone"):
-        parse_targets(
-            "[vertex]\nsector_angles_deg=[90,90,90,90]\n[[states]]\nname='a'\nfold_angles=[0,0,0,0]\n"
-            "[[states]]\nname='b'\nfold_angles=[0,0,0,0]\n"
-            "[[barriers]]\nfrom='a'\nto='b'\nexactly=1\nat_most=2\n"
-        )
 
 
 def test_a_file_of_targets_is_a_question(tmp_path):

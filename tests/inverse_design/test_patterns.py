@@ -1,15 +1,12 @@
 """Springs for states of whole patterns: as for the vertex that they are, checked by the search and by differences."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design import EnergyBounds, Target, Targets, parse_targets
+from origami_nlp.inverse_design import EnergyBounds, Target, Targets, scene_of, solve
 from origami_nlp.pattern_problem import PatternProblem
-from tests.command_line import run
 from tests.patterns import scene_pattern
 
 QUAD = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
@@ -86,47 +83,21 @@ def test_a_sheet_without_springs_says_what_would_help():
     assert any("rest angles reach" in change for change in answer.reason.changes)
 
 
-@pytest.mark.slow  # seconds of curves or searches
-def test_creases_of_one_letter_may_have_equal_springs(tmp_path):
-    text = """
-[pattern]
-example = "miura:2x3"
-equal = "letters"
-[springs]
-stiffness = [0.05, 5.0]
-[[states]]
-name = "folded"
-fold_angles = %s
-"""
-    pattern = o.examples.pattern("miura:2x3")
-    lowest = o.find_minima(pattern, effort="quick", escape=False).minima[0]
-    text %= np.asarray(lowest.fold_angles).tolist()
-    answer = o.design(parse_targets(text), effort="quick")
-    letters = np.array(list(pattern.assignment))
+def test_creases_of_one_letter_may_have_equal_springs():
+    pattern = o.examples.pattern("miura:2x2")
+    lowest = o.find_minima(pattern, effort="quick", escape=False).minima[:1]
+    asked = Targets(pattern, wanted(lowest), equal="letters")
+    posed = solve(asked)
+    assert posed.feasible
+    made, letters = scene_of(posed), np.array(list(pattern.assignment))
     for letter in "MV":
-        assert np.ptp(answer.scene.stiffness[letters == letter]) < 1e-9
-        assert np.ptp(answer.scene.rest[letters == letter]) < 1e-9
-    assert answer.verified and o.draw(answer, tmp_path / "d.png").axes
-    file, fold = tmp_path / "t.toml", tmp_path / "d.fold"
-    file.write_text(text)
-    done = run("design", file, "--effort", "quick", "-o", fold, "-o", tmp_path / "d.json")
-    assert done.code == 0, done.err
-    again = o.read_pattern(fold)
-    assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)
+        assert (
+            np.ptp(made.stiffness[letters == letter]) == 0 == np.ptp(made.rest[letters == letter])
+        )
 
 
-def test_what_is_for_vertices_alone_is_named():
-    pattern, states = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4)), wanted([])
-    state = (Target("flat", (0.0,) * 4),)
-    assert states == ()
-    for wrong in ({"symmetry": "D1"}, {"preload": True}, {"mirror": 1}):
-        (name,) = wrong
-        with pytest.raises(OptionError, match=f"^{name} = .* is not for a pattern: "):
-            Targets(pattern, state, **wrong)
-    with pytest.raises(OptionError, match=r"equal = .* is not for a vertex: "):
-        Targets(QUAD, state, equal="letters")
-    with pytest.raises(OptionError, match="4 numbers, one a crease"):
-        Targets(pattern, state, equal=(1, 2))
-    with pytest.raises(OptionError, match=r"contact = .none. must be"):
-        Targets(pattern, state, contact="none")
-    assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]
+@pytest.mark.parametrize("wrong", [{"symmetry": "D1"}, {"preload": True}, {"equal": (1, 2)}])
+def test_what_is_not_for_a_pattern_is_named(wrong):
+    pattern = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4))
+    with pytest.raises(OptionError, match=f"^{next(iter(wrong))} = "):
+        Targets(pattern, (Target("flat", (0.0,) * 4),), **wrong)

@@ -48,7 +48,7 @@ class Rounded:
     def to_dict(self) -> dict[str, Any]:
         """Return whether it holds, how firmly, and what else is stable."""
         d = self.design
-        extra = [[kind, np.round(x, 4).tolist()] for _, kind, x in d.extra_minima]
+        extra = [[m.kind, np.round(m.fold_angles, 4).tolist()] for m in d.extra_minima]
         assert d.minima is not None and d.minima.completeness is not None
         proof = d.minima.completeness.status
         return {"verified": d.verified, "margin": d.margin, "extra": extra, "proof": proof}

@@ -23,8 +23,8 @@ BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
         continuation/line.SHARE paths/event_curve.AHEAD paths/event_curve.STEPS barriers/passes.OFF
         chart/boundary.CLOSE chart/cells.RADIUS chart/mesh.DIFFERENCE
-        cli/timed.SHORTEST contact/margin.ASIDE
-        paper/links.RADII paper/cone/phase_curves.DIFFERENCE paper/newton.DIFFERENCE paper/newton.NEAR
+        cli/timed.SHORTEST
+        paper/links.RADII paper/cone/phase.DIFFERENCE paper/critical.DIFFERENCE paper/critical.NEAR
         pattern_problem/faces.ASIDE kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS kkt/descent_witness.SHOWN
@@ -55,7 +55,7 @@ BESIDE_THE_TABLE = {
     """,
     "what is shown, or said in words": """
  chart/boundary.GRID chart/boundary.SLIVER
-        paper/morse.ROUNDING paper/cone/minima.SMALL pattern/fold_notes.LOOKS_LIKE_PI
+        paper/morse.ROUNDING pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP
         pattern_problem/poses.MOVES paper/space.EXTENDED pattern/hinge_data.TURNED
     """,
@@ -70,7 +70,7 @@ BESIDE_THE_TABLE = {
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
         pattern_problem/admissible.LARGEST_TOLERANCE validity/finding.LARGEST_TOLERANCE validity/faults.MILLI
         paper/cone/phase.RATIOS
-        paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
+        paper/cone/phase.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
@@ -80,7 +80,7 @@ BESIDE_THE_TABLE = {
         numerics/conic.ACCURACIES
     """,
     "where curves end before a limit that closed forms lose": """
-        paper/cone/phase_curves.NEAREST
+        paper/cone/phase.NEAREST
     """,
     "breaks of hinge laws": """
         problem/hinge_laws.AT_BREAK

@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import SceneFileError
 from origami_nlp.kkt import project
 from origami_nlp.paper import Audit, audit_candidates, read_candidates
-from origami_nlp.paper.audit import CAUSES, chart_ends, chart_point
+from origami_nlp.paper.audit import CAUSES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern_problem import pose
 from tests.command_line import run
@@ -46,25 +45,6 @@ def test_bad_records_are_named_in_one_line(text: str, tmp_path: Path) -> None:
         read_candidates(file)
     assert BAD[text] in str(caught.value) and "\n" not in str(caught.value)
     assert run("paper", "audit", file).code == 2
-
-
-def states_at(alpha: float, v: float, fold: float) -> list[np.ndarray]:
-    """All states of the degree-8 family at a chart point, from the closed form."""
-    found = (wedge3(2, alpha, v, fold, branch).value for branch in (1, -1))
-    return [np.array([y[0], fold, y[1]]) for y in found if np.isfinite(y).all()]
-
-
-def test_chart_point_inverts_the_closed_form_and_charts_end_where_states_do_not() -> None:
-    alpha, fold = math.pi / 6, 1.1
-    scene = examples.degree8(alpha, 1.0)
-    model = pose(scene)
-    for v in (-0.7, 0.6):
-        for x in states_at(alpha, v, 0.5):
-            assert chart_point(scene, model.expand(x)) == pytest.approx((0.5, v), abs=1e-9)
-    edge = math.asin(math.sin(2 * alpha) * math.sin(fold / 2) ** 2)
-    for beyond in (0.3, 9):
-        states = [x for s in (1, -1) for x in states_at(alpha, s * (edge + beyond * STEP), fold)]
-        assert states and all(chart_ends(scene, x, STEP) == (beyond < 1) for x in states)
 
 
 @pytest.fixture(scope="module")
@@ -109,9 +89,7 @@ def test_every_artefact_is_named(made: tuple[Audit, list[str]]) -> None:
     found, causes = made
     assert [
         a.cause
-        for a in sorted(
-            (a for p in found.panels for a in p.audited), key=lambda a: a.candidate.number
-        )
+        for a in sorted((a for p in found.panels for a in p.candidates), key=lambda a: a.number)
     ] == causes
     total = [int(cell) for cell in found.table().rows[-1][1:]]
     assert total[0] == len(causes) == sum(total[1 : 1 + len(CAUSES)])

@@ -1,21 +1,15 @@
 """Critical points: the Morse identity, whatever the energy, and every KKT point that other searches find."""
 
-import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from origami_nlp import examples
-from origami_nlp.chart import geometry
 from origami_nlp.closed_forms import degree6, wedge3
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State
-from origami_nlp.paper import CriticalPoints, find_critical_points
-from origami_nlp.paper.critical import stratum_vertices
-from origami_nlp.paper.links import count_arcs, link_of
-from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.paper import find_critical_points
+from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import pose
 from tests.computed_once import panel_points, thinned
 
@@ -108,43 +102,8 @@ def test_interior_points_are_those_of_the_chart(number):
         assert min(np.abs(np.subtract(state, p)).max() for p in inner) < 1e-6
 
 
-@pytest.mark.slow
-def test_links_of_known_states():
-    scene = geometry(PANELS[1])
-    model = pose(scene)
-    flat = link_of(scene, State(model, np.zeros(4)), 1e-3)
-    assert len(flat.circles) == 2 and all(c.inside.all() for c in flat.circles)
-    book = link_of(scene, State(model, math.pi * np.array([0.5, 0.0, 0.0, 0.5])), 1e-3)
-    assert (
-        len(book.circles) == 1 and book.circles[0].inside.all()
-    )  # the book fold is an inner state
-    corners = stratum_vertices(scene, 24)
-    for where, pieces in (([-1.0, 0.5, -1.0, 0.0], 2), ([-1.0, 1.0, -1.0, -1.0], 1)):
-        x = math.pi * np.array(where)  # where a handle leaves a corner, and where it ends
-        (links,) = (v.links for v in corners if np.abs(v.x - x).max() < 1e-9)
-        assert {(link.pieces, len(link.thin)) for link in links} == {(pieces, 1)}
-    assert count_arcs(np.ones(5, dtype=bool)) == 0
-    assert count_arcs(np.array([True, False, True, True])) == 1
-
-
-def test_json_round_trip():
-    found = panel_points(15)
-    data = json.loads(json.dumps(found.to_dict(), allow_nan=False))
-    again = CriticalPoints.from_dict(data)
-    assert again.points == found.points and again.morse_sum == data["morse_sum"] == 1
-    assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
-    assert found.closes
-    assert not replace(found, points=found.points[1:]).closes
-    with pytest.raises(OptionError, match="schema"):
-        CriticalPoints.from_dict({"schema": "something else"})
-    del data["points"][0]["energy"]
-    with pytest.raises(OptionError, match=r"points\[1\]\.energy is missing"):
-        CriticalPoints.from_dict(data)
-
-
 def test_scenes_without_two_dof_are_refused():
     full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
-    with pytest.raises(OptionError, match="3 degrees of freedom"):
-        find_critical_points(full)
-    with pytest.raises(OptionError, match="contact = 'none'"):
-        find_critical_points(examples.degree6(contact="none"))
+    for scene in (full, examples.degree6(contact="none")):
+        with pytest.raises(OptionError):
+            find_critical_points(scene)

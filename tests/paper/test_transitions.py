@@ -8,38 +8,23 @@ import pytest
 from origami_nlp.paper import find_transitions
 from origami_nlp.paper.events import find_events
 from origami_nlp.pattern import degree6, degree8
-from tests.computed_once import once
 from tests.independent.search_layers import symmetrically_admissible
 from tests.independent.search_manifold import Piece
 
-LOW, HIGH = 0.1, math.pi / 2 - 0.1
 
-
-@pytest.fixture(scope="module")
-def events6():
-    return once("events-6", lambda: find_events(degree6, LOW, HIGH, starts=6))
-
-
-@pytest.fixture(scope="module")
-def events8():
-    return once("events-8", lambda: find_events(degree8, LOW, HIGH, starts=4))
-
-
-@pytest.mark.slow
-def test_events_of_degree_6(events6):
-    """Only where 4 alpha = pi (creases 1 and 4 of the strip meet) and 3 alpha = pi (1 and 3, 2 and 4 meet)."""
-    alphas = np.array([e.alpha for e in events6])
-    known = np.array([math.pi / 4, math.pi / 3])
-    assert np.abs(alphas[:, None] - known).min(axis=1).max() < 1e-13
-    for alpha in known:
-        assert any(e.admissible for e in events6 if abs(e.alpha - alpha) < 1e-9)
-    assert max(e.residual for e in events6) < 1e-10
-
-
-def test_events_of_degree_8(events8):
-    """Only where 4 alpha = pi: the two sector angles are equal, and creases 1 and 3 meet on the axis."""
-    assert max(abs(e.alpha - math.pi / 4) for e in events8) < 1e-13
-    assert any(e.admissible for e in events8)
+@pytest.mark.parametrize(
+    ("family", "known", "starts"),
+    [
+        (degree8, [math.pi / 4], 4),
+        pytest.param(degree6, [math.pi / 4, math.pi / 3], 6, marks=pytest.mark.slow),
+    ],
+)
+def test_events_are_where_creases_meet(family, known, starts):
+    """Only where 4 alpha = pi, and of degree 6 where 3 alpha = pi: creases 1 and 4, or 1 and 3, meet there."""
+    events = find_events(family, starts=starts)
+    apart = np.abs(np.subtract.outer([e.alpha for e in events], known))
+    assert max(apart.min(axis=1).max(), apart.min(axis=0).max()) < 1e-13
+    assert max(e.residual for e in events) < 1e-10
 
 
 @pytest.mark.parametrize("phi_1", [-2.5, -1.5, -0.5])

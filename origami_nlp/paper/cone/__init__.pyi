@@ -1,7 +1,11 @@
-from .branches import ConeBranch as ConeBranch
+from .branches import (
+    ConeBranch as ConeBranch,
+    class_of as class_of,
+    parse_flaps as parse_flaps,
+    write_flaps as write_flaps,
+)
 from .classes import Branches as Branches
 from .energy import BranchEnergy as BranchEnergy
-from .flaps import class_of as class_of, parse_flaps as parse_flaps, write_flaps as write_flaps
 from .minima import (
     ConeCount as ConeCount,
     ConeMinima as ConeMinima,
@@ -15,8 +19,12 @@ from .necklaces import (
     foldings as foldings,
     number_of_foldings as number_of_foldings,
 )
-from .phase import PhaseDiagram as PhaseDiagram, phase_diagram as phase_diagram
-from .phase_curves import PhaseBoundary as PhaseBoundary, phase_boundaries as phase_boundaries
+from .phase import (
+    PhaseBoundary as PhaseBoundary,
+    PhaseDiagram as PhaseDiagram,
+    phase_boundaries as phase_boundaries,
+    phase_diagram as phase_diagram,
+)
 from .phase_figure import draw_phase as draw_phase
 from .rules import Cone as Cone, check_degree as check_degree
 from .stability import (

@@ -1,16 +1,17 @@
-"""Branches of the cone: fold angles on them, and what touches where they end.
+"""Branches of the cone: an assignment of valleys and mountains to its flaps, and a sign of the elevation.
 
-A branch is an assignment of the flaps and a sign of the elevation (+1 "up", v > 0; -1 "down"; the
-paper's Q(e2, v): v > 0 lowers the rim, so the tip of the vertex stands up).  Up, valley flaps take
-the smaller ("shallow") partial fold angle and mountain flaps the larger ("steep") one; down, the
-other way round.  So a branch is known by its flaps and by which of them are steep.  Where it ends: `cone.rules`.
+A cone's n = N/2 flaps (two facets that share an even crease) are valleys (+1, V: partial fold angle rho_v >= 0) or
+mountains (-1, M); a branch goes up (+1, v > 0) or down; the paper's Q(e2, v): v > 0 lowers the rim, so the tip of the
+vertex stands up.  Up, valley flaps take the smaller ("shallow") partial fold angle and mountain flaps the larger
+("steep") one; down, the other way round.  2^(n+1) branches leave the flat state; where they end: `cone.rules`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -19,19 +20,87 @@ from origami_nlp.arguments import shown
 from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.paper.cone.classes import direction_name
-from origami_nlp.paper.cone.flaps import Flaps, parse_flaps, write_flaps
-from origami_nlp.paper.cone.rules import SLACK, Cone
+from origami_nlp.paper.cone.rules import SLACK, Cone, check_degree
 from origami_nlp.pattern import format_angle
+
+Flaps = tuple[int, ...]
+"""One entry a flap, +1 valley or -1 mountain."""
+SIGNS = {"V": 1, "M": -1}
+DIRECTIONS: dict[Any, int] = {"up": 1, "down": -1, 1: 1, -1: -1}
+
+
+def parse_flaps(flaps: str | Sequence[int]) -> Flaps:
+    """Read an assignment of the flaps.
+
+    Parameters
+    ----------
+    flaps
+        Letters V and M such as "VVM" (runs may be written V2M), or +1 (valley) and -1 (mountain), one a flap.
+
+    Returns
+    -------
+    tuple of int
+        +1 or -1, one a flap.
+
+    Raises
+    ------
+    OptionError
+        If it is not an assignment.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.parse_flaps("V2M")
+    (1, 1, -1)
+    """
+    signs: list[Any] = [None]
+    if isinstance(flaps, str):
+        runs = r"([VM])([1-9][0-9]{0,3})"
+        letters = re.sub(runs, lambda m: m[1] * int(m[2]), flaps.strip().upper())
+        signs = [SIGNS.get(letter) for letter in letters]
+    elif isinstance(flaps, Sequence | np.ndarray):
+        signs = list(flaps)
+    if not all(isinstance(f, Real) and f in (1, -1) for f in signs):
+        raise OptionError(
+            f'flaps = {shown(flaps)}: write V and M, one a flap, such as "VVM", or "V2M"'
+        )
+    check_degree(2 * len(signs))
+    return tuple(int(f) for f in signs)
+
+
+def write_flaps(flaps: Flaps) -> str:
+    """Write an assignment as letters V and M.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.write_flaps((1, 1, -1))
+    'VVM'
+    """
+    return "".join("V" if f > 0 else "M" for f in flaps)
+
+
+def class_of(flaps: str | Sequence[int]) -> tuple[int, int]:
+    """Count (valley flaps, changes around the ring) of an assignment: its class.
+
+    Examples
+    --------
+    >>> from origami_nlp.paper import cone
+    >>> cone.class_of((1, -1, 1, -1))
+    (2, 4)
+    """
+    signs = parse_flaps(flaps)
+    return signs.count(1), sum(a != b for a, b in zip(signs, signs[1:] + signs[:1], strict=True))
 
 
 @dataclass(frozen=True)
 class ConeBranch:
-    """One branch of a cone: its fold angles, where it ends, and what touches there.
+    """One branch of a cone: its fold angles, and where it ends.
 
     Attributes
     ----------
     flaps
-        Valleys and mountains around the ring: "VVM", "V2M", or +1 and -1, one a flap; N/2 of them.
+        As `parse_flaps` reads them: +1 and -1, N/2 of them.
     direction
         Sign of the elevation: +1 or "up", -1 or "down".
     end_rule
@@ -46,24 +115,21 @@ class ConeBranch:
     --------
     >>> from origami_nlp.paper import cone
     >>> own = cone.ConeBranch("VVM", "up")
-    >>> round(own.end, 4), own.end_text
-    (0.5236, 'the even crease of the steep flap stands on the axis (no contact yet)')
+    >>> round(own.end, 4), own.cone.is_cut(own.steep).item()
+    (0.5236, True)
     >>> own.fold_angles(0.3).round(3).tolist()
     [-0.946, -0.6, 0.162, -0.6, -0.946, 0.6]
     """
 
-    flaps: Flaps
-    direction: int
+    flaps: Any
+    direction: Any = 1
     end_rule: str = "contract"
 
-    def __init__(
-        self, flaps: str | Sequence[int], direction: int | str = 1, end_rule: str = "contract"
-    ) -> None:
-        known = isinstance(direction, str | Integral) and not isinstance(direction, bool)
-        sign = {"up": 1, "down": -1, 1: 1, -1: -1}.get(direction) if known else None
-        if sign is None:
-            raise OptionError(f"direction = {shown(direction)}: write up or down, +1 or -1")
-        vars(self).update(flaps=parse_flaps(flaps), direction=sign, end_rule=end_rule)
+    def __post_init__(self) -> None:
+        known = isinstance(self.direction, str | Integral) and not isinstance(self.direction, bool)
+        if not known or self.direction not in DIRECTIONS:
+            raise OptionError(f"direction = {shown(self.direction)}: write up or down, +1 or -1")
+        vars(self).update(flaps=parse_flaps(self.flaps), direction=DIRECTIONS[self.direction])
         _ = self.cone  # raises an error for an unknown rule
 
     @property
@@ -88,20 +154,6 @@ class ConeBranch:
         """|v| at which the branch ends [rad]."""
         return float(self.cone.ends(self.steep))
 
-    @property
-    def end_text(self) -> str:
-        """What happens at the end of the branch, in words."""
-        if self.steep == 0:
-            return "all odd creases meet on the axis"
-        if self.steep > 1:
-            return "steep flaps meet on the axis"
-        if self.end_rule == "contract":
-            return "the even crease of the steep flap stands on the axis (no contact yet)"
-        # opposite an even crease lies an even crease where N / 2 is even, else an odd one
-        if self.degree % 4 == 0:
-            return "folded flat, the steep flap on the flap opposite"
-        return "the even crease of the steep flap meets the odd crease opposite"
-
     def fold_angles(self, elevation: Any) -> np.ndarray:
         """Fold angles of all creases, shape S + (N,) for elevations of shape S [rad].
 
@@ -114,18 +166,14 @@ class ConeBranch:
             intersect: no other root is followed.
         """
         v = np.asarray(elevation, dtype=float)
-        if not np.all(np.isfinite(v)):
+        if not np.isfinite(v).all():
             raise AngleError("elevation must be finite")
-        if np.any(v * self.direction < 0):
-            raise AngleError(
-                f"elevation = {float(v[v * self.direction < 0].flat[0]):.6g}: the branch {self!r} has "
-                f"elevations {'>' if self.direction > 0 else '<'}= 0"
-            )
-        if np.any(np.abs(v) > self.end + SLACK):
-            raise AngleError(
-                f"elevation = {float(v.flat[np.argmax(np.abs(v))]):.6g} is past the end of the branch "
-                f"{self!r} at |elevation| = {format_angle(self.end)}: {self.end_text}"
-            )
+        for wrong, why in (
+            (v * self.direction < 0, f"has elevations {'>' if self.direction > 0 else '<'}= 0"),
+            (np.abs(v) > self.end + SLACK, f"ends at |elevation| = {format_angle(self.end)}"),
+        ):
+            if wrong.any():
+                raise AngleError(f"elevation = {v[wrong].flat[0]:.6g}: the branch {self!r} {why}")
         return cone_fold_angles(self.degree, v, self.flaps).value
 
     def __repr__(self) -> str:

@@ -14,6 +14,9 @@ import numpy as np
 
 from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone
 
+SAFE = 2**53
+"""Largest integer that JSON readers do not round."""
+
 
 @dataclass(frozen=True)
 class Branches:
@@ -93,6 +96,11 @@ class Branches:
         counts = [self.cone.flaps - self.steep - j, self.steep - j, 2 * j]
         return np.stack(counts, axis=-1).astype(float)
 
+    def described(self, row: int) -> tuple[int, int, str, int | str]:
+        """Return valleys, changes, direction and multiplicity of a class, as JSON carries them."""
+        way = direction_name(self.direction[row])
+        return int(self.valleys[row]), int(self.changes[row]), way, exact(self.multiplicity[row])
+
     def name(self, row: int) -> str:
         """Name a class in the paper's way: "M2V up"."""
         pairs = (("M", int(self.mountains[row])), ("V", int(self.valleys[row])))
@@ -117,6 +125,11 @@ def _assignments(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             number = number * (a - j) * (n - a - j) // (j * (j + 1))
     valleys, changes, multiplicity = zip(*rows, (n, 0, 1), strict=True)
     return np.array(valleys), np.array(changes), np.array(multiplicity, dtype=object)
+
+
+def exact(number: int) -> int | str:
+    """Return an integer as JSON carries it without rounding: as text beyond `SAFE`."""
+    return number if number <= SAFE else str(number)
 
 
 def direction_name(direction: int) -> str:

@@ -16,29 +16,42 @@ as contact (the rest state of the all-valley branch at the end of its range is o
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
-from origami_nlp.paper.cone.classes import Branches, direction_name
+from origami_nlp.paper.cone.classes import SAFE, Branches, exact
 from origami_nlp.paper.cone.energy import BranchEnergy
-from origami_nlp.paper.cone.numbers import SAFE, exact, number_words, share_words
 from origami_nlp.paper.cone.roots import minima_of
 from origami_nlp.paper.cone.rules import Cone, Rest, check_depth, check_ratio
 from origami_nlp.pattern import format_angle
 
-MOST_ROWS, MOST_TIES = 60, 8
-"""Minima and ties that are printed one by one."""
-SMALL = 1e-3
-"""Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
-HEADS = ("branches", "changes", "number", "elevation [rad]", "energy/k_odd", "depth", "kind")
 KINDS = ("interior", "contact", "cut")
+
+
+MOST_ROWS = 60
+"""Minima that are printed one by one."""
+
+
+@dataclass(frozen=True)
+class ClassMinimum:
+    """A minimum of a class of branches, as it is listed; see `Branches` and `ConeMinima`."""
+
+    valleys: int = field(metadata=shown("valleys"))
+    changes: int = field(metadata=shown("changes"))
+    direction: str = field(metadata=shown("way"))
+    multiplicity: int | str = field(metadata=shown("branches"))
+    elevation: float = field(metadata=shown("elevation", "rad", ".5g"))
+    energy: float = field(metadata=shown("energy/k_odd", spec=".5g"))
+    depth: float = field(metadata=shown("depth", spec=".4g"))
+    kind: str = field(metadata=shown("kind"))
+    multiplier: float = field(metadata=shown("multiplier", spec=".4g"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,10 +107,11 @@ class ConeCount(Report):
         Rest angles.
     ratio
         r_k = k_even/k_odd.
-    depth
-        Only minima deeper than this were kept; 0: all minima.
     minima
         One entry a class and minimum: up first, then by valleys, changes, |elevation|.
+    stable_interior, stable_contact, falling_at_cut
+        Numbers of minima inside their branch, pinned by contact, and of branches whose energy falls where "contract"
+        cuts them and nothing touches; exact.
     undecided
         Classes with a tie: slope 0 to rounding at either end, or a double zero of it.  Their minima are counted as the
         module says.
@@ -106,21 +120,13 @@ class ConeCount(Report):
     cone: Cone
     rest: Rest
     ratio: float
-    depth: float
     minima: ConeMinima
     undecided: Branches
 
     SCHEMA, READS = "origami-nlp/paper/1", False
-    stable_interior = property(
-        lambda self: self.minima.count("interior"), doc="Minima inside their branch, exact."
-    )
-    stable_contact = property(
-        lambda self: self.minima.count("contact"), doc="Minima pinned by contact, exact."
-    )
-    falling_at_cut = property(
-        lambda self: self.minima.count("cut"),
-        doc='Branches whose energy falls where "contract" cuts them and nothing touches.',
-    )
+    stable_interior = property(lambda self: self.minima.count("interior"))
+    stable_contact = property(lambda self: self.minima.count("contact"))
+    falling_at_cut = property(lambda self: self.minima.count("cut"))
 
     @property
     def branches(self) -> int:
@@ -137,12 +143,19 @@ class ConeCount(Report):
         keys = zip(b.direction.tolist(), b.valleys.tolist(), b.changes.tolist(), strict=True)
         return sum(dict(zip(keys, b.multiplicity.tolist(), strict=True)).values())
 
+    @property
+    def classes(self) -> tuple[ClassMinimum, ...]:
+        """One record a class and minimum."""
+        m = self.minima
+        each = zip(*(c.tolist() for c in [*vars(m).values()][1:]), strict=True)
+        return tuple(ClassMinimum(*m.branches.described(k), *rest) for k, rest in enumerate(each))
+
     def report_sections(self) -> Iterator[Section]:
         """Return the numbers of branch minima, then a row for each class and minimum, deepest first."""
-        whole, end = self.branches, self.cone.end
+        cone, whole = self.cone, self.branches
         yield (
-            f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, rest elevation "
-            f"{format_angle(self.rest.elevation)} ({self.cone.rest}), branches end by the {end} rule"
+            f"cone of degree {cone.degree}, r_k = {self.ratio:g}, rest elevation "
+            f"{format_angle(self.rest.elevation)} ({cone.rest}), branches end by the {cone.end} rule"
         )
         for name, number in (
             ("interior minima", self.stable_interior),
@@ -150,53 +163,21 @@ class ConeCount(Report):
             ("falling at their cut, where nothing touches", self.falling_at_cut),
             ("branches with a minimum", self.branches_with_minimum),
         ):
-            if number or not name.startswith("falling"):
-                words = f"{number_words(number)} of {number_words(whole)} branches"
-                yield f"  {name}: {words} ({share_words(number, whole)})"
-        if self.depth > 0:
-            yield f"  counted: wells deeper than {self.depth:g} of the flat state's energy"
-        for k in range(min(len(self.undecided), MOST_TIES)):
-            name = self.undecided.name(k)
-            yield f"  tie to rounding on {name}: slope 0 at an end, or a double zero"
-        if len(self.undecided) > MOST_TIES:
-            yield f"  and ties on {len(self.undecided) - MOST_TIES} more classes"
-        if len(self.minima):
-            yield self.table()
-        if len(self.minima) > MOST_ROWS:
-            yield f"{len(self.minima) - MOST_ROWS} more rows: -o FILE.json has all"
-
-    def table(self) -> Table:
-        """Return one row a class and minimum, deepest first; those at an end with their multiplier."""
-        m, rows = self.minima, []
-        for k in np.argsort(-m.depth, kind="stable")[:MOST_ROWS].tolist():
-            row = (
-                m.branches.name(k),
-                str(m.branches.changes[k]),
-                number_words(m.branches.multiplicity[k]),
-                f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > SMALL else f"{m.elevation[k]:.3e}",
-                f"{m.energy[k]:.5g}",
-                f"{m.depth[k]:.4g}",
-                m.kind[k] if m.kind[k] == "interior" else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
-            )
-            rows.append(row)
-        return Table(HEADS, rows, "", "lrrrrrl", framed=False, narrow=True)
+            yield f"  {name}: {number} of {whole} branches ({number * 10**8 // whole / 10**8:.6g})"
+        if len(self.undecided):
+            yield f"  ties to rounding on {len(self.undecided)} classes of branches"
+        deepest = sorted(self.classes, key=lambda m: -m.depth)
+        if deepest:
+            yield record_table(deepest[:MOST_ROWS], "", narrow=True)
+        if len(deepest) > MOST_ROWS:
+            yield f"{len(deepest) - MOST_ROWS} more rows: -o FILE.json has all"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON data, an entry of ``classes`` for each class and minimum; numbers beyond 2^53 are text."""
-        columns = vars(self.minima.branches) | vars(self.minima)
-        lists = {k: v.tolist() for k, v in columns.items() if isinstance(v, np.ndarray)}
-        lists["direction"] = [*map(direction_name, lists["direction"])]
-        lists["multiplicity"] = [*map(exact, lists["multiplicity"])]
         kinds = ("stable_interior", "stable_contact", "falling_at_cut")
-        return {
-            "schema": self.SCHEMA,
-            "degree": self.cone.degree,
-            "branches": str(self.branches),
-            **{kind: exact(getattr(self, kind)) for kind in kinds},
-            "classes": [
-                dict(zip(lists, row, strict=True)) for row in zip(*lists.values(), strict=True)
-            ],
-        }
+        numbers = {kind: exact(getattr(self, kind)) for kind in kinds}
+        about = {"schema": self.SCHEMA, "degree": self.cone.degree, "branches": str(self.branches)}
+        return about | numbers | {"classes": [vars(m) for m in self.classes]}
 
 
 def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.0) -> ConeCount:
@@ -245,7 +226,7 @@ def count(cone: Cone | int, ratio: float, elevation: float, *, depth: float = 0.
     )
     if depth > 0:
         minima = minima[minima.depth > depth]
-    return ConeCount(branches.cone, rest, ratio, depth, minima, branches[ties])
+    return ConeCount(branches.cone, rest, ratio, minima, branches[ties])
 
 
 def _kinds(branches: Branches, at_end: np.ndarray) -> np.ndarray:

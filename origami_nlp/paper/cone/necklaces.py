@@ -13,13 +13,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import gcd
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.display import Report, Section, record_table, shown
-from origami_nlp.paper.cone.flaps import Flaps, symmetry_of, write_flaps
-from origami_nlp.paper.cone.numbers import exact, number_words
+from origami_nlp.paper.cone.classes import exact
 from origami_nlp.paper.cone.rules import check_degree
 
 LARGEST_LISTED = 32
@@ -33,16 +31,17 @@ class Folding:
     Attributes
     ----------
     flaps
-        The representative, alphabetically last (valleys first).
+        The representative, alphabetically last (valleys first), such as "VVM".
     symmetry
-        Of the folded cone, "D2" ...
+        Of the folded cone at any elevation but 0, "D2" ...: rotations that keep the assignment make C_m, with a
+        reflection D_m.  Nothing else keeps it: what turns it over reverses the elevation.
     copies
         Number of assignments it stands for.
     chiral
         Whether its mirror image is a different necklace.
     """
 
-    flaps: Flaps = field(metadata=shown("flaps", spec=lambda f: "V" if f > 0 else "M", between=""))
+    flaps: str = field(metadata=shown("flaps"))
     symmetry: str = field(metadata=shown("symmetry"))
     copies: int = field(metadata=shown("copies"))
     chiral: bool = field(metadata=shown("mirror image differs"))
@@ -72,7 +71,7 @@ def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
     Examples
     --------
     >>> from origami_nlp.paper import cone
-    >>> [(cone.write_flaps(f.flaps), f.symmetry, f.copies) for f in cone.foldings(6)]
+    >>> [(f.flaps, f.symmetry, f.copies) for f in cone.foldings(6)]
     [('VVV', 'D3', 1), ('VVM', 'D1', 3), ('VMM', 'D1', 3), ('MMM', 'D3', 1)]
     >>> len(cone.foldings(12)), len(cone.foldings(12, mirrors_differ=False))
     (14, 13)
@@ -81,15 +80,19 @@ def foldings(degree: int, *, mirrors_differ: bool = True) -> list[Folding]:
     # words as numbers, a bit a flap, valleys 1: the alphabetically last of its images is the largest
     words = np.arange(1 << n)
     back = np.sum([(words >> k & 1) << (n - 1 - k) for k in range(n)], axis=0)
-    images = [words] if mirrors_differ else [words, back]
-    turned = [(w << k | w >> (n - k)) & ((1 << n) - 1) for w in images for k in range(n)]
+    turned, mirrored = (
+        np.array([(w << k | w >> (n - k)) & ((1 << n) - 1) for k in range(n)])
+        for w in (words, back)
+    )
+    last = turned.max(axis=0)
+    if not mirrors_differ:
+        last = np.maximum(last, mirrored.max(axis=0))
     found = []
-    for word in np.flatnonzero(np.max(turned, axis=0) == words)[::-1].tolist():
-        flaps = tuple(1 if word >> k & 1 else -1 for k in reversed(range(n)))
-        symmetry = symmetry_of(flaps)
-        chiral = symmetry[0] == "C"
-        copies = n // int(symmetry[1:]) * (2 if chiral and not mirrors_differ else 1)
-        found.append(Folding(flaps, symmetry, copies, chiral))
+    for word in np.flatnonzero(last == words)[::-1].tolist():
+        fixed, chiral = int((turned[:, word] == word).sum()), word not in mirrored[:, word]
+        copies = n // fixed * (2 if chiral and not mirrors_differ else 1)
+        letters = f"{word:0{n}b}".translate({ord("1"): "V", ord("0"): "M"})
+        found.append(Folding(letters, f"{'DC'[chiral]}{fixed}", copies, chiral))
     return found
 
 
@@ -127,11 +130,10 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     turned = sum(1 << gcd(k, n) for k in range(n)) // n
     if mirrors_differ:
         return turned
-    if n % 2:
-        kept = n << ((n + 1) // 2)
-    else:
-        kept = (n // 2) * ((1 << (n // 2)) + (1 << (n // 2 + 1)))
     # Burnside over the 2 n elements of D_n: bracelets, eq. 4.6
+    kept = n * ((1 << n // 2) + (1 << (n + 2) // 2)) // 2
+    if n % 2:
+        kept = n << (n + 1) // 2
     return (n * turned + kept) // (2 * n)
 
 
@@ -143,43 +145,35 @@ class Foldings(Report):
     ----------
     degree
         N.
-    listed
-        Whether they are listed one by one.
+    assignments, necklaces, bracelets
+        Numbers at one elevation: of all, of those that differ by more than a rotation, by more than rotation and
+        reflection; as text beyond 2^53.
+    necklace_list, bracelet_list
+        One by one; empty where they are not listed.
     """
 
     degree: int
-    listed: bool
+    assignments: str
+    necklaces: int | str
+    bracelets: int | str
+    necklace_list: tuple[Folding, ...] = ()
+    bracelet_list: tuple[Folding, ...] = ()
 
-    SCHEMA, READS = "origami-nlp/paper/1", False
+    SCHEMA, READS, ROWS = "origami-nlp/paper/1", False, "necklace_list"
 
-    def __post_init__(self) -> None:
-        check_degree(self.degree, LARGEST_LISTED if self.listed else None)
+    @classmethod
+    def of(cls, degree: int, listed: bool) -> Foldings:
+        """Count the foldings of a degree, and list them (up to `LARGEST_LISTED`)."""
+        check_degree(degree, LARGEST_LISTED if listed else None)
+        one, two = (exact(number_of_foldings(degree, mirrors_differ=m)) for m in (True, False))
+        each = (tuple(foldings(degree, mirrors_differ=m)) for m in (True, False) if listed)
+        return cls(degree, str(1 << degree // 2), one, two, *each)
 
     def report_sections(self) -> Iterator[Section]:
         """Return the numbers, and a row for each folding."""
-        turned, mirrored = (
-            number_of_foldings(self.degree, mirrors_differ=m) for m in (True, False)
-        )
         yield (
-            f"cone of degree {self.degree}: {number_words(1 << (self.degree // 2))} assignments at an elevation, "
-            f"of which differ\n  by more than a rotation (necklaces): {number_words(turned)}\n"
-            f"  by more than rotation and reflection (bracelets): {number_words(mirrored)}\n"
-            "valleys and mountains are not swapped; with both signs of the elevation, turning the sheet over "
-            "leaves the same numbers"
+            f"cone of degree {self.degree}: {self.assignments} assignments at an elevation, "
+            f"{self.necklaces} up to rotation (necklaces), {self.bracelets} up to rotation and reflection (bracelets)"
         )
-        if self.listed:
-            yield record_table(foldings(self.degree), "")
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data; numbers beyond 2^53 are text."""
-        kinds = {"necklace": True, "bracelet": False}
-        data: dict[str, Any] = {"schema": self.SCHEMA, "degree": self.degree}
-        data["assignments"] = str(1 << (self.degree // 2))
-        for kind, differ in kinds.items():
-            data[f"{kind}s"] = exact(number_of_foldings(self.degree, mirrors_differ=differ))
-        for kind, differ in kinds.items() if self.listed else ():
-            data[f"{kind}_list"] = [
-                vars(f) | {"flaps": write_flaps(f.flaps)}
-                for f in foldings(self.degree, mirrors_differ=differ)
-            ]
-        return data
+        if self.necklace_list:
+            yield record_table(self.necklace_list, "")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,6 @@ from matplotlib.lines import Line2D
 from origami_nlp.arguments import check_type
 from origami_nlp.display import INKS, angle_ticks
 from origami_nlp.paper.cone.phase import PhaseDiagram
-from origami_nlp.paper.cone.phase_curves import PhaseBoundary
 
 STYLES: dict[str, tuple[Any, str]] = {
     "start": ("-", "slope at the flat state"),
@@ -45,28 +43,23 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
         If `diagram` is not of its type.
     """
     check_type("diagram", diagram, PhaseDiagram)
-    counts = diagram.map
-    held = "pinned by contact" if counts.cone.end == "contact" else "at an end (contact or cut)"
-    # numbers, and the kinds of boundaries at which they change
-    maps = [
-        ("branch minima", counts.total, ("start", "fold")),
-        (f"of these {held}", counts.at_end, ("end",)),
-    ]
+    counts, cone = diagram.map, diagram.map.cone
+    held = "pinned by contact" if cone.end == "contact" else "at an end (contact or cut)"
     figure = Figure(figsize=(12.3, 4.5), layout="constrained", dpi=110)
-    *grid, last = figure.subplots(1, 3)
-    for axes, (title, numbers, kinds) in zip(grid, maps, strict=True):
-        own = [b for b in diagram.boundaries if b.kind in kinds]
-        _draw_map(axes, diagram, numbers, own)
+    every, pinned, last = figure.subplots(1, 3, sharex=True, sharey=True)
+    # numbers, and the kinds of boundaries at which they change
+    _draw_map(every, diagram, counts.total, ("start", "fold"))
+    _draw_map(pinned, diagram, counts.at_end, ("end",))
+    _draw_boundaries(last, diagram)
+    titles = ("branch minima", f"of these {held}", "boundaries of every class of branches")
+    for axes, title in zip((every, pinned, last), titles, strict=True):
         axes.set_title(title, fontsize=9)
-    _draw_boundaries(last, diagram.boundaries)
-    for axes in (*grid, last):
-        axes.set(yscale="log", xlim=grid[0].get_xlim(), ylim=grid[0].get_ylim())
-        angle_ticks(axes.xaxis, *axes.get_xlim())
         axes.set_xlabel(r"rest elevation $\upsilon_0$", fontsize=9)
-        axes.set_ylabel(r"$r_k = k_\mathrm{even}/k_\mathrm{odd}$", fontsize=9)
-        axes.tick_params(labelsize=8)
-    of = counts.cone
-    who = f"cone of degree {of.degree}, {of.branches} branches, rest state {of.rest}"
+        axes.tick_params(labelsize=8, labelleft=True)
+    every.set_ylabel(r"$r_k = k_\mathrm{even}/k_\mathrm{odd}$", fontsize=9)
+    every.set_yscale("log")
+    angle_ticks(every.xaxis, *every.get_xlim())
+    who = f"cone of degree {cone.degree}, {cone.branches} branches, rest state {cone.rest}"
     figure.suptitle(who, fontsize=11, weight="bold")
     return figure
 
@@ -77,42 +70,37 @@ def _edges(values: np.ndarray) -> np.ndarray:
     return np.append(values - half, values[-1] + half)
 
 
-def _draw_map(
-    axes: Any, diagram: PhaseDiagram, counts: np.ndarray, boundaries: Sequence[PhaseBoundary]
-) -> None:
+def _draw_map(axes: Any, diagram: PhaseDiagram, counts: np.ndarray, kinds: tuple[str, ...]) -> None:
     """Draw numbers as a map with one colour for each that occurs, and exact borders."""
-    numbers = sorted({int(x) for x in np.unique(counts)})
-    shown = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
+    numbers, total = sorted(set(counts.ravel().tolist())), diagram.map.cone.branches
+    place = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
     colours = ListedColormap(colormaps["viridis"](np.linspace(0.12, 1.0, len(numbers))))
     norm = BoundaryNorm(np.arange(len(numbers) + 1) - 0.5, len(numbers))
     x, y = _edges(diagram.map.elevations), np.exp(_edges(np.log(diagram.map.ratios)))
-    image = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, rasterized=True)
-    for curve in boundaries:
-        axes.plot(curve.rest_elevation, curve.ratio, color="black", linewidth=1.2)
+    image = axes.pcolormesh(x, y, place, cmap=colours, norm=norm, rasterized=True)
+    for curve in diagram.boundaries:
+        if curve.kind in kinds:
+            axes.plot(curve.rest_elevation, curve.ratio, color="black", linewidth=1.2)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     ticks = range(len(numbers))[:: -(-len(numbers) // MOST_TICKS)]
     bar = axes.figure.colorbar(image, ax=axes, ticks=ticks, pad=0.02, fraction=0.06, aspect=30)
-    total = diagram.map.cone.branches
-    short = len(str(total)) <= 6
-    names = [f"{numbers[k]}/{total}" if short else f"{numbers[k] / total:.4g}" for k in ticks]
+    names = [
+        f"{numbers[k]}/{total}" if total < 10**6 else f"{numbers[k] / total:.4g}" for k in ticks
+    ]
     bar.ax.set_yticklabels(names, fontsize=8)
 
 
-def _draw_boundaries(axes: Any, boundaries: Sequence[PhaseBoundary]) -> None:
+def _draw_boundaries(axes: Any, diagram: PhaseDiagram) -> None:
     """Draw boundaries: the line says the kind, the colour how many flaps are mountains."""
-    used: dict[int, str] = {}
-    for curve in boundaries:
+    used = dict[str, Line2D]()
+    for curve in diagram.boundaries:
         mountains = int(curve.branches.mountains[0])
-        used[mountains] = INKS[mountains % len(INKS)]
-        look = {"color": used[mountains], "linestyle": STYLES[curve.kind][0]}
-        axes.plot(curve.rest_elevation, curve.ratio, **look, linewidth=1.4)
-    kinds = {curve.kind for curve in boundaries}
-    entries = [
-        Line2D([], [], color="#444444", linestyle=line, label=words)
-        for kind, (line, words) in STYLES.items()
-        if kind in kinds
-    ]
-    entries += [Line2D([], [], color=used[m], label=f"mountain flaps: {m}") for m in sorted(used)]
+        ink, (style, words) = INKS[mountains % len(INKS)], STYLES[curve.kind]
+        axes.plot(curve.rest_elevation, curve.ratio, color=ink, linestyle=style, linewidth=1.4)
+        used[words] = Line2D([], [], color="#444444", linestyle=style, label=words)
+        name = f"mountain flaps: {mountains}"
+        used[name] = Line2D([], [], color=ink, label=name)
     place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13), "ncols": 2}
-    axes.legend(handles=entries, fontsize=7, frameon=False, **place)
-    axes.set_title("boundaries of every class of branches", fontsize=9)
+    axes.legend(
+        handles=[used[k] for k in sorted(used, reverse=True)], fontsize=7, frameon=False, **place
+    )

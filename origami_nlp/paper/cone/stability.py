@@ -18,8 +18,8 @@ from origami_nlp.arguments import check_callback
 from origami_nlp.display import Report, Section, record_table, shown
 from origami_nlp.kkt import State
 from origami_nlp.minima import FullSpace, judge_in_full_space
-from origami_nlp.paper.cone.branches import ConeBranch
-from origami_nlp.paper.cone.flaps import class_of
+from origami_nlp.numerics import residual_words
+from origami_nlp.paper.cone.branches import ConeBranch, class_of
 from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
@@ -69,7 +69,7 @@ class JudgedMinimum:
     energy: float
     depth: float = field(metadata=shown("depth", spec=".4g"))
     fold_angles: tuple[float, ...] = field(repr=False)
-    residual: float = field(metadata=shown("slope", spec=".2e"))
+    residual: float = field(metadata=shown("slope", spec=residual_words))
     verdict: str = field(metadata=shown("verdict"))
     full_space: FullSpace = field(repr=False)
 
@@ -110,7 +110,6 @@ class ConeFullSpace(Report):
         """Return a row for each arrangement, direction and minimum, and the totals over all branches."""
         title = f"cone of degree {self.cone.degree}, r_k = {self.ratio:g}, nu_0 = {self.rest.elevation:g}"
         yield record_table(self.states, title)
-        yield from dict.fromkeys(f"{s.verdict}: {s.full_space.certificate}" for s in self.states)
         words = [f"{self.count(v)} {v}" for v in VERDICTS]
         yield f"of {self.count()} branch minima: " + ", ".join(words)
 
@@ -170,20 +169,10 @@ def full_space(
         x = own.fold_angles(direction * v)
         # k_odd = 1: energies per k_odd
         energy, judged = float(scene.energy(x)), judge_in_full_space(scene, x)
-        states.append(
-            JudgedMinimum(
-                own,
-                folding.copies,
-                kind,
-                v,
-                energy,
-                float((flat - energy) / flat) if flat > 0 else math.nan,
-                tuple(x.tolist()),
-                tangent_slope(State(problem, x)),
-                judged.verdict,
-                judged,
-            )
-        )
+        depth = float((flat - energy) / flat) if flat > 0 else math.nan
+        where = own, folding.copies, kind, v, energy, depth, tuple(x.tolist())
+        slope = tangent_slope(State(problem, x))
+        states.append(JudgedMinimum(*where, slope, judged.verdict, judged))
         if progress:
             progress(done, len(jobs))
     return ConeFullSpace(cone, ratio, rest, tuple(states))

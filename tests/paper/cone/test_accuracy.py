@@ -6,7 +6,6 @@ import pytest
 
 from origami_nlp.paper import cone
 from tests.computed_once import thinned
-from tests.independent import cone_branches as brute
 
 # ---------------------------------------------------------------- digits
 
@@ -62,38 +61,3 @@ def test_minima_agree_with_50_digits(degree, elevation):
                     tol=mp.mpf(10) ** -80,
                 )
                 assert float(abs(root - s) / root) < 1e-12
-
-
-def test_slopes_are_the_sum_over_creases():
-    """A', B' of classes against every assignment's own fold angles; A'', B'' and energies by differences."""
-    rng = np.random.default_rng(8)
-    for degree in (6, 8, 10):
-        s = rng.uniform(0.01, cone.Cone(degree).steep_end - 0.01, 5)
-        for rest in ("waterbomb", "paper"):
-            every = cone.Branches.of(cone.Cone(degree, rest))
-            at_rest = every.cone.at_rest(-0.3)
-            free = np.where(np.arange(degree) % 2 == 0, at_rest.odd, at_rest.even)
-            for row in range(len(every)):
-
-                def at(x, row=row, every=every, at_rest=at_rest):
-                    return cone.BranchEnergy(every[[row]], at_rest, s=x)
-
-                h = 1e-5
-                for value, derivative in (("energies", "slopes"), ("slopes", "curvatures")):
-                    for kind in (0, 1):
-                        above, below = (getattr(at(x), value)[kind] for x in (s + h, s - h))
-                        slope = getattr(at(s), derivative)[kind]
-                        step = (above - below) / (2 * h)
-                        np.testing.assert_allclose(slope, step, rtol=1e-6, atol=1e-6)
-                wells, energies, flat = at(s).wells, at(s).energies, at(s).flat
-                for kind in (0, 1):
-                    np.testing.assert_allclose(
-                        wells[kind], flat[kind] - energies[kind], rtol=1e-9, atol=1e-11
-                    )
-            for flaps, d in brute.branches(degree):
-                mask = every.of_class(*cone.class_of(flaps), d)
-                odd, even = cone.BranchEnergy(every[mask], at_rest, s=s).slopes
-                angles = brute.cone_fold_angles(degree, d * s, flaps)
-                terms = (angles.value - free) * d * angles.first
-                np.testing.assert_allclose(odd, terms[:, ::2].sum(axis=1), rtol=1e-11)
-                np.testing.assert_allclose(even, terms[:, 1::2].sum(axis=1), rtol=1e-11)

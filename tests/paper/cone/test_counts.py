@@ -51,32 +51,6 @@ def test_minima_of_random_branches_are_where_bisection_finds_them(degree):
 # ---------------------------------------------------------------- what is counted
 
 
-def test_multiplicities_are_exact_at_degree_1000():
-    assert sum(cone.Branches.of(1000).multiplicity) == 2**501
-    found = cone.count(1000, 3.0, 0.2)
-    m = found.minima
-    assert found.branches == 2**501
-    of_kind = {"interior": 0, "contact": 0, "cut": 0}
-    for number, kind in zip(m.branches.multiplicity, m.kind.tolist(), strict=True):
-        of_kind[kind] += number
-    numbers = (found.stable_interior, found.stable_contact, found.falling_at_cut)
-    assert tuple(of_kind.values()) == numbers
-    # (assignment, up) and (complement, down) leave the flat state with opposite slopes
-    assert found.branches_with_minimum >= 2**500
-
-
-def test_depth_counts_deeper_wells_only():
-    r, v = 1.3, -0.1
-    every = cone.count(12, r, v)
-    for depth in (1e-3, 0.05, 0.5):
-        deep = cone.count(12, r, v, depth=depth)
-        assert np.all(deep.minima.depth > depth)
-        kept = every.minima[every.minima.depth > depth].branches
-        total = deep.stable_interior + deep.stable_contact + deep.falling_at_cut
-        assert sum(kept.multiplicity) == total
-    assert cone.count(12, r, v, depth=0.5).stable_interior < every.stable_interior
-
-
 # ---------------------------------------------------------------- maps
 
 
@@ -104,20 +78,6 @@ def test_maps_equal_points(degree, depth):
 
 
 # ---------------------------------------------------------------- what the command writes
-
-
-def test_count_writes_the_contract():
-    out = run(*"paper cone count --degree 10 --ratio 0.01 --rest-elevation -0.8 -o -".split())
-    assert out.code == 0
-    data = json.loads(out.out)
-    assert data["schema"] == "origami-nlp/paper/1" and data["branches"] == "64"
-    totals = {"interior": 0, "contact": 0, "cut": 0}
-    for row in data["classes"]:
-        totals[row["kind"]] += row["multiplicity"]
-        assert (row["elevation"] > 0) == (row["direction"] == "up")
-    keys = ("stable_interior", "stable_contact", "falling_at_cut")
-    assert tuple(totals.values()) == tuple(data[k] for k in keys) == brute.count(10, 0.01, -0.8)
-    assert all(totals.values())
 
 
 def test_long_integers_are_strings(tmp_path):

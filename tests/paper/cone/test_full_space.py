@@ -1,15 +1,11 @@
 """Branch minima in the full space: every verdict against a formulation that shares no code with it."""
 
-import json
-
 import numpy as np
 import pytest
 
 from origami_nlp.chart import fold_vertex
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene
-from origami_nlp.pattern_problem import check_admissible
-from tests.command_line import run
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
 
@@ -56,28 +52,3 @@ def test_interior_verdicts_follow_from_slope_and_second_differences(judged):
             assert np.abs(fold_vertex(scene.vertex, y)[1][1:]).max() < 1e-13
             rises.append(scene.energy(y) - scene.energy(x))
         assert (min(rises) > 0) == (state.verdict == "stable")
-
-
-def test_descents_close_are_admissible_and_fall(judged):
-    scene = cone_scene(judged.cone.degree, judged.ratio, judged.rest)
-    for state in (s for s in judged.states if s.verdict == "unstable"):
-        path = np.array([a for a, _ in state.full_space.descent])
-        energies = scene.energy(path)
-        assert np.abs(path[0] - state.fold_angles).max() < 1e-8
-        assert (np.diff(energies) < 0).all()
-        for angles in path[:: max(1, len(path) // 8)]:
-            reported = check_admissible(scene.vertex, angles)
-            assert reported.admissible and reported.closure_residual < 1e-11, reported.reason
-
-
-def test_command_reports_verdicts(tmp_path):
-    out = tmp_path / "full.json"
-    options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "-o", str(out)]
-    result = run("paper", "cone", "count", "--full", *options)
-    assert result.code == 0, result.err
-    reported = json.loads(out.read_text())
-    assert (
-        reported["branch_minima"]
-        == reported["stable"] + reported["unstable"] + reported["undecided"]
-    )
-    assert all(s["full_space"]["certificate"] for s in reported["states"])

@@ -1,13 +1,9 @@
 """Phase boundaries of cones: different counts on either side, and nothing but boundaries where counts change."""
 
-import json
-
 import numpy as np
 import pytest
 
 from origami_nlp.paper import cone
-from origami_nlp.paper.cone.phase_curves import KINDS
-from tests.command_line import run
 
 SIDE = 1e-9
 SLOW = pytest.mark.slow
@@ -49,20 +45,3 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
     for degree in (6, 8):
         counts = cone.count_map(degree, [1e7], [0.3, -0.3], depth=1e-3)
         assert (counts.total == stiff_even_minima(degree // 2)).all()
-
-
-def test_command_writes_map_and_boundaries(tmp_path):
-    files = {k: tmp_path / f"phase.{k}" for k in ("png", "csv", "json")}
-    wanted = [f"--output={file}" for file in files.values()]
-    result = run(*"paper cone phase --degree 8 --size 6".split(), *wanted)
-    assert result.code == 0, result.err
-    reported = json.loads(files["json"].read_text())
-    assert reported["schema"] == "origami-nlp/paper/1" and reported["branches"] == "32"
-    assert {b["kind"] for b in reported["boundaries"]} <= set(KINDS)
-    rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
-    assert len(rows) == 36
-    for nu, ratio, *numbers in rows[::17]:
-        count = cone.count(8, ratio, nu)
-        assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
-    assert np.array(reported["interior"]).shape == (6, 6)
-    assert files["png"].stat().st_size > 10_000
