@@ -50,7 +50,7 @@ from .hinge_fit import (
     runs as runs,
 )
 from .hinge_law import HingeLaw as HingeLaw, moved_cubic as moved_cubic
-from .hinge_tables import CHANGED as CHANGED, read_law as read_law
+from .hinge_tables import read_law as read_law
 from .hinge_types import (
     detent as detent,
     double_well as double_well,

@@ -40,8 +40,6 @@ class HingeLaw(ShortRepr):
         What reports call it.
     made_from
         The law, the factor and the angle [rad] that `times` and `shifted` made it with.
-    stated
-        Its type and the numbers of that (`hinge_types`), or ``"sum"`` and the laws; None where pieces are all there is.
 
     Attributes
     ----------
@@ -62,7 +60,6 @@ class HingeLaw(ShortRepr):
     coefficients: tuple[tuple[float, ...], ...]
     name: str = "law"
     made_from: tuple[HingeLaw, float, float] | None = field(default=None, compare=False)
-    stated: tuple[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         if self.made_from:  # of one that was checked
@@ -242,14 +239,14 @@ class HingeLaw(ShortRepr):
 
     def plus(self, torque: float) -> HingeLaw:
         """Return the law with a constant torque [N m] added, of whatever else acts on the hinge."""
-        pieces = tuple((*c[:3], c[3] + torque) for c in self.coefficients)
-        return HingeLaw(self.breaks, pieces, self.name)
+        pieces = np.add(self.coefficients, (0.0, 0.0, 0.0, torque))
+        return law_of(np.array(self.breaks), pieces, self.name)
 
     def turned(self) -> HingeLaw:
         """Return the law seen from the other side of the paper: U(-phi)."""
         x, c = np.array(self.breaks), np.array(self.coefficients)
         turned = moved_cubic(c.T, np.diff(x)).T[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
-        return HingeLaw(tuple((-x[::-1]).tolist()), tuple(map(tuple, turned.tolist())), self.name)
+        return law_of(-x[::-1], turned, self.name)
 
     def __str__(self) -> str:
         low, high = np.degrees([self.breaks[0], self.breaks[-1]])
@@ -280,3 +277,8 @@ def moved_cubic(p: np.ndarray, by: np.ndarray) -> np.ndarray:
     """
     a, b, c, _ = p
     return np.array([a, 3 * a * by + b, (3 * a * by + 2 * b) * by + c, np.polyval(p, by)])
+
+
+def law_of(x: np.ndarray, c: np.ndarray, name: str) -> HingeLaw:
+    """Return the law with breaks [B + 1] and coefficients [B, 4]."""
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)

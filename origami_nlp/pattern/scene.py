@@ -18,25 +18,18 @@ from origami_nlp.pattern.fold_limits import (
     limit_words,
     read_limits,
     read_panels,
-    thick_limits,
 )
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
-    check_laws,
     check_plain_hinges,
     energy_with_laws,
     law_numbers,
-    read_laws,
-    torque_with_laws,
-    with_laws,
+    read_hinges,
 )
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
-    check_range,
     format_angle,
-    read_numbers,
     read_preload,
-    read_rest_angles,
 )
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import (
@@ -178,17 +171,10 @@ class Scene(PrettyRepr):
                 f"name = {shown(self.name)} must be text, without half surrogate pairs"
             )
         check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
-        self._set(laws=read_laws(self.laws, n), panels=read_panels(self.panels))
-        stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
-        check_range(stiffness)
-        rest = with_laws(read_rest_angles(self.rest_angles, n), self.laws, "rest")
-        limits = thick_limits(read_limits(self.limits, n), n, self.panels)
-        self._set(stiffness=stiffness, rest_angles=rest, limits=limits)
-        check_laws(self.laws, self.limit_angles, self.contact)
-        if self.limits and self.contact == "none":
-            raise SceneError(
-                "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
-            )
+        self._set(panels=read_panels(self.panels))
+        stated = self.stiffness, self.rest_angles, self.limits, self.laws
+        stiffness, rest, limits, laws = read_hinges(n, *stated, self.contact, self.panels)
+        self._set(stiffness=stiffness, rest_angles=rest, limits=limits, laws=laws)
         self._set(loads=read_loads(self.loads, self.vertex.sector_angles))
         self._set(preload=read_preload(self.preload, stiffness, rest))
         if self.fixed_facet is not None or self.loads:
@@ -413,20 +399,13 @@ class Scene(PrettyRepr):
         return float(energy) if energy.ndim == 0 else energy
 
     def torque(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Torques dU/dphi of the hinges, without forces.
-
-        Parameters
-        ----------
-        fold_angles
-            States [..., N] [rad].
-
-        Returns
-        -------
-        numpy.ndarray
-            [..., N] [N m].
-        """
-        k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws, self.preload)
+        """Return dU/dphi of each crease at fold angles [..., N], without dead loads [N m]."""
+        phi = np.asarray(fold_angles, float)
+        out = np.array(self.stiffness) * (phi - self.wound_angles)
+        for i, law in enumerate(self.laws):
+            if law is not None:
+                out[..., i] = law.torque(phi[..., i]) - (self.preload[i] if self.preload else 0.0)
+        return out
 
     def __repr__(self) -> str:
         who = self.label or f"{self.vertex!r}"

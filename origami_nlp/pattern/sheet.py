@@ -15,21 +15,20 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import NARROW, energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
+    Hinges,
     Laws,
-    check_laws,
     check_plain_hinges,
     energy_with_laws,
-    read_laws,
-    with_laws,
+    read_hinges,
 )
-from origami_nlp.pattern.numbers_read import check_range
+from origami_nlp.pattern.numbers_read import check_range, read_numbers
 from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, sides_of
 
 MOST_FACETS = 20_000
@@ -215,26 +214,22 @@ class Pattern:
         SceneError
             If a value does not fit.
         """
-        k = np.array(self.stiffness if stiffness is None else stiffness, float)
-        if k.shape not in ((), (self.creases,)) or not (np.isfinite(k) & (k > 0)).all():
-            raise SceneError(
-                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad], one or {self.creases} of them"
-            )
-        k = np.broadcast_to(k, self.creases) * (self.lengths if per_length else 1.0)
-        if len(k):
-            check_range(k.tolist())
-        if rest_angles is None:
-            phi = self.rest
-        elif np.ndim(rest_angles) == 0:
-            phi = check_number("rest_angles", rest_angles, 0.0, math.pi) * self.signs
-        else:
-            phi = np.array(rest_angles, float)
-            if phi.shape != (self.creases,) or not (np.abs(phi) <= math.pi).all():
-                raise SceneError(
-                    f"rest_angles has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
-                )
-        made = replace(self, stiffness=np.array(k), rest=np.array(phi))
-        return made.with_laws(self.laws) if self.laws else made
+        k = self.stiffness if stiffness is None else stiffness
+        if np.ndim(k) == 0:
+            k = np.full(self.creases, check_number("stiffness", k, 0.0, error=SceneError))
+        if per_length:
+            k = np.array(read_numbers(k, "stiffness", self.creases)) * self.lengths
+        phi = self.rest if rest_angles is None else rest_angles
+        if np.ndim(phi) == 0:
+            phi = check_number("rest_angles", phi, 0.0, math.pi) * self.signs
+        return self._with_hinges(stiffness=k, rest=phi)
+
+    def _with_hinges(self, **changed: Any) -> Pattern:
+        """Return the pattern with other stiffness, rest angles, limits or laws, all read together."""
+        own = {key: getattr(self, key) for key in Hinges._fields}
+        read = read_hinges(self.creases, **own | changed)
+        k, rest = np.array(read.stiffness), np.array(read.rest)
+        return replace(self, stiffness=k, rest=rest, limits=read.limits, laws=read.laws)
 
     @property
     def limit_angles(self) -> np.ndarray:
@@ -261,9 +256,7 @@ class Pattern:
         SceneError, AngleError
             If they do not fit.
         """
-        made = replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
-        check_laws(made.laws, made.limit_angles, "full")
-        return made
+        return self._with_hinges(limits=read_limits(limits, self.creases, degrees=degrees))
 
     def with_laws(self, laws: HingeLaw | Sequence[HingeLaw | None]) -> Pattern:
         """Return the same pattern with hinge laws in place of linear springs.
@@ -283,13 +276,8 @@ class Pattern:
         SceneError
             If one is not known between the fold limits.
         """
-        given = [laws] * self.creases if isinstance(laws, HingeLaw) else list(laws)
-        read = read_laws(tuple(given), self.creases)
-        check_laws(read, self.limit_angles, "full")
-        k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
-        check_range(k.tolist())
-        rest = np.array(with_laws(self.rest.tolist(), read, "rest"))
-        return replace(self, stiffness=k, rest=rest, laws=read)
+        each = [laws] * self.creases if isinstance(laws, HingeLaw) else laws
+        return self._with_hinges(laws=tuple(each))
 
     def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.

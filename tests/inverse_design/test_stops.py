@@ -106,7 +106,7 @@ def test_stops_are_stated_in_files():
     assert np.allclose(np.degrees(parse_targets(stops).limits), [-60, 116])
     for text, error, why in (
         (stops.replace("116", "100"), OptionError, "115 deg is beyond its stop by 15 deg"),
-        (TEXT.replace("taper_mm = 10", ""), SceneError, "thickness_mm = 6 stands alone"),
+        (TEXT.replace("taper_mm = 10", ""), SceneError, "thickness_mm with taper_mm"),
         (
             TEXT.replace("thickness", "limits = [-1, 1]\nlimits_deg = [-9, 9]\nthickness"),
             SceneError,
