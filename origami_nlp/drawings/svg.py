@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import NoReturn
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
@@ -108,7 +109,7 @@ _NOT_DRAWN = frozenset(
     "defs symbol clipPath mask marker pattern title desc metadata style namedview script".split()
 )
 _SHAPES = frozenset("line polyline polygon rect path".split())
-_OTHERS = frozenset("circle ellipse use text image foreignObject".split())
+_ROUND = frozenset("circle ellipse text".split())
 
 
 def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
@@ -142,64 +143,51 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     root = parse_xml(raw, name)
     if root.tag != "svg":
         raise DrawingError(f"{name} is no SVG: its root is <{root.tag}>")
-    sheet, found = Sheet(root), LineList(name, _canonical(options))
+    letters = {canonical_colour(key): letter for key, letter in options.letters.items()}
+    sheet, found = Sheet(root), LineList(name, replace(options, letters=letters))
     if sheet.left_out:
-        found.notes.append(
-            f"selectors of its style sheet left out: {', '.join(sheet.left_out[:4])}"
-        )
-    hidden = 0
+        found.notes.append(f"style sheet, selectors left out: {', '.join(sheet.left_out[:4])}")
     stack: list[tuple[Element, np.ndarray, Mapping[str, str]]] = [(root, np.eye(3), {})]
     while stack:
         element, above, inherited = stack.pop()
-        if element.tag in _NOT_DRAWN:
+        tag, look = element.tag, sheet.look(element, inherited)
+        if tag in _NOT_DRAWN:
             continue
-        look = sheet.look(element, inherited)
         if look.get("display") == "none":
-            hidden += _count(element)
+            found.left_out["hidden shapes"] += sum(one.tag in _SHAPES for one in element.iter())
             continue
         matrix = above @ _matrix(element, name)
-        if element.tag == "svg" and element is not root:
+        if tag == "svg" and element is not root:
             matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
-        if element.tag in _OTHERS:
-            if (
-                element.tag in ("use", "image", "foreignObject")
-                or look.get("stroke", "none") != "none"
-            ):
-                found.left_out[f"<{element.tag}>"] += 1
-        elif element.tag in _SHAPES:
-            if look.get("visibility") in ("hidden", "collapse"):
-                hidden += 1
-            elif (colour := canonical_colour(look.get("stroke", "none"))) != "none":
-                _shape(found, element, matrix, colour, look)
+        colour = canonical_colour(look.get("stroke", "none"))
+        if tag in ("use", "image", "foreignObject") or (tag in _ROUND and colour != "none"):
+            found.left_out[f"<{tag}>"] += 1
+        elif tag in _SHAPES and look.get("visibility") in ("hidden", "collapse"):
+            found.left_out["hidden shapes"] += 1
+        elif tag in _SHAPES and colour != "none":
+            _shape(found, element, matrix, colour, look)
         stack += [(child, matrix, look) for child in reversed(element)]
-    if hidden:
-        found.left_out["hidden shapes"] = hidden
     found.length_unit = _unit(root)
     title = root.findtext("title") or ""
     return found.lines("colours", y_down=True, title=title.strip())
 
 
-def _canonical(options: DrawingOptions) -> DrawingOptions:
-    letters = {canonical_colour(key): letter for key, letter in options.letters.items()}
-    return DrawingOptions(options.tolerance, letters, options.curves, options.part)
-
-
 def _shape(
     found: LineList, element: Element, matrix: np.ndarray, colour: str, look: Mapping[str, str]
 ) -> None:
+    """Add the lines of a shape with a stroke."""
     said = element.get("data-assignment", "").upper()
-    letter = found.letter(
-        colour, lambda c: said if said and said in "BMVFUC" else SIMULATOR_COLOURS.get(c)
-    )
+    known = said if said and said in "BMVFUC" else SIMULATOR_COLOURS.get(colour)
+    letter = found.letter(colour, known)
     if letter is None:
         return
-    where = f"in <{element.tag}{' ' + repr(element.get('id')) if element.get('id') else ''}>"
-    chains, curves = _chains(element, found)
+    chains, curves = _chains(element, found.name)
     found.left_out["curves"] += curves
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
     if found.is_asked(colour) and letter in "MV":
         angle = math.copysign(angle, -1.0 if letter == "M" else 1.0)
+    where = f"in <{element.tag}> {element.get('id', '')!r}"
     for chain in chains:
         with np.errstate(all="ignore"):  # what is not finite is left out below
             points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T
@@ -207,32 +195,29 @@ def _shape(
 
 
 def _fold_angle(letter: str, look: Mapping[str, str]) -> float:
-    """Return the fold angle [deg] that opacity states: NaN without opacity, and for a line that is not seen."""
-    if letter not in "MV" or not {"opacity", "stroke-opacity"} & {*look}:
+    """Return the fold angle [deg] that an opacity says of a mountain or valley, as Origami Simulator does."""
+    given = [look[key] for key in ("opacity", "stroke-opacity") if key in look]
+    shares = [1.0 if (s := _real(v.replace("%", "e-2"))) is None else s for v in given]
+    share = math.prod(min(max(s, 0.0), 1.0) for s in shares)
+    if letter not in "MV" or not given or share == 0.0:
         return math.nan
-    shares = [
-        _real(look.get(key, "1").replace("%", "e-2")) for key in ("opacity", "stroke-opacity")
-    ]
-    share = math.prod(1.0 if s is None else min(max(s, 0.0), 1.0) for s in shares)
-    return (
-        math.nan if share == 0.0 else math.copysign(180.0 * share, 1.0 if letter == "V" else -1.0)
-    )
+    return math.copysign(180.0 * share, 1.0 if letter == "V" else -1.0)
 
 
-def _chains(element: Element, found: LineList) -> tuple[list[list[tuple[float, float]]], int]:
+def _chains(element: Element, name: str) -> tuple[list[list[Point]], int]:
     """Return the chains of points of a shape, and how many curves it has."""
-    name = found.name
-    if element.tag == "path":
+    tag = element.tag
+    if tag == "path":
         return path_chains(element.get("d", ""))
-    if element.tag == "line":
-        x1, y1, x2, y2 = (_length(element, key, name) for key in ("x1", "y1", "x2", "y2"))
-        return [[(x1, y1), (x2, y2)]], 0
-    if element.tag == "rect":
-        x, y, w, h = (_length(element, key, name) for key in ("x", "y", "width", "height"))
-        return [[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)]], 0
+    if tag in ("line", "rect"):
+        keys = ("x1", "y1", "x2", "y2") if tag == "line" else ("x", "y", "width", "height")
+        x, y, u, v = (_length(element, key, name) for key in keys)
+        if tag == "line":
+            return [[(x, y), (u, v)]], 0
+        return [[(x, y), (x + u, y), (x + u, y + v), (x, y + v), (x, y)]], 0
     numbers = [float(n) for n in re.findall(NUMBER, element.get("points", ""))]
     chain = list(zip(numbers[::2], numbers[1::2], strict=False))
-    return ([[*chain, *chain[: element.tag == "polygon"]]] if len(chain) > 1 else []), 0
+    return ([[*chain, *chain[: tag == "polygon"]]] if len(chain) > 1 else []), 0
 
 
 def _length(element: Element, key: str, name: str) -> float:
@@ -294,10 +279,6 @@ def _unit(root: Element) -> str:
     if width is None or len(box) != 4 or float(width[1]) != box[2]:
         return ""
     return UNITS.get(width[2], "")
-
-
-def _count(element: Element) -> int:
-    return sum(one.tag in _SHAPES for one in element.iter())
 
 
 DEEPEST = 500

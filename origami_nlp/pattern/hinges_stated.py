@@ -206,7 +206,7 @@ def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
     """
     if LAW_KEY not in frame:
         return ()
-    numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY)
+    numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY, [])
     tables = isinstance(stated, list) and all(isinstance(table, Mapping) for table in stated)
     if not isinstance(numbers, list) or len(numbers) != edges or not tables:
         raise FoldFileError(

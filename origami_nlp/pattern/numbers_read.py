@@ -55,8 +55,9 @@ def parse_angle(value: object, field: str = "angle") -> float:
     divisor = float(match["divisor"] or 1) if match else 0.0
     if match is None or divisor == 0:
         raise AngleError(f"{field} = {shown(value)} is not an angle: {_HOW}")
-    angle = float(match["times"] or match["factor"] or 1) / divisor
-    angle = math.radians(angle) if match["degrees"] else angle * math.pi if match["pi"] else angle
+    unit = math.pi if match["pi"] else 1
+    angle = float(match["times"] or match["factor"] or 1) * unit / divisor
+    angle = math.radians(angle) if match["degrees"] else angle
     return check_number(field, -angle if match["sign"] == "-" else angle, error=AngleError)
 
 

@@ -110,7 +110,7 @@ def test_stops_are_stated_in_files():
         (
             TEXT.replace("thickness", "limits = [-1, 1]\nlimits_deg = [-9, 9]\nthickness"),
             SceneError,
-            "give one",
+            "give limits or limits_deg",
         ),
     ):
         with pytest.raises(error, match=why):
