@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 
 from origami_nlp.display import WARNING, draw_pattern, draw_state, pattern_view
 from origami_nlp.errors import OptionError, OrigamiError
@@ -61,23 +61,20 @@ def draw_validity(result: Validity) -> Figure:
     faulty = {one.frame for one in result.faults}
     order = sorted(result.frames, key=lambda one: (one.number not in faulty, one.number))
     shown = sorted(order[:MOST_PANELS], key=lambda one: one.number)
-    lines = [f"{k}  {one.text}" for k, one in enumerate(result.faults[:MOST_LINES], start=1)]
-    if len(result.faults) > MOST_LINES:
-        lines.append(f"... and {len(result.faults) - MOST_LINES} more")
     columns = min(len(shown), 2)
-    most = LETTERS * columns
-    lines = [line if len(line) <= most else line[: most - 3] + "..." for line in lines]
+    numbered = enumerate(result.faults[:MOST_LINES], start=1)
+    lines = [shorten(f"{k}  {one.text}", LETTERS * columns) for k, one in numbered]
+    if (more := len(result.faults) - MOST_LINES) > 0:
+        lines.append(f"... and {more} more")
     rows = -(-len(shown) // columns)
-    size = (WIDTH * columns, WIDTH * rows + 0.19 * len(lines))
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure((WIDTH * columns, WIDTH * rows + 0.19 * len(lines)), layout="constrained")
     text: dict[str, Any] = {"parse_math": False, "x": 0.02, "ha": "left"}
     figure.suptitle(result.sentence, fontsize=11, **text)
     figure.supxlabel("\n".join(lines), fontsize=8, **text)
-    for axes in (grid := figure.subplots(rows, columns, squeeze=False)).flat[len(shown) :]:
-        axes.axis("off")
-    for axes, frame in zip(grid.flat, shown, strict=False):
-        kind = "folded form" if frame.folded else "crease pattern"
+    for k, frame in enumerate(shown, start=1):
+        axes = figure.add_subplot(rows, columns, k)
         if len(result.frames) > 1:
+            kind = "folded form" if frame.folded else "crease pattern"
             axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
         _draw(axes, frame, [*_faults_of(result, frame)])
     return figure
@@ -95,34 +92,32 @@ def _faults_of(result: Validity, frame: Frame) -> Iterator[tuple[int, Fault]]:
 
 
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:
-    """Draw a frame into axes, with the numbers of faults."""
-    view = np.eye(3)
-    if frame.folded:
+    """Draw a frame and what is wrong with it: edges thick, places as circles with the numbers of faults."""
+    view, x = np.eye(3), frame.coords
+    if not frame.folded:
+        draw_pattern(frame, axes=axes)
+    else:
         try:
             pattern = frame_pattern(frame)
             view = pattern_view([pattern.corners[list(p)] for p in pattern.polygons])
             draw_state(axes, pattern, pattern.reference)
         except OrigamiError:  # no sheet: its edges alone
-            view = pattern_view([frame.coords[list(face)] for face in frame.faces])
-            lines = (frame.coords @ view.T)[frame.edges][:, :, :2]
-            axes.add_collection(LineCollection(list(lines), colors="#555555", linewidths=0.8))
-            axes.autoscale_view()
-    else:
-        draw_pattern(frame, axes=axes)
+            view = pattern_view([x[list(face)] for face in frame.faces])
+            lines = [*(x @ view.T)[frame.edges][:, :, :2]]
+            axes.add_collection(LineCollection(lines, colors="#555555", linewidths=0.8))
+    x = x @ view.T
     axes.set_aspect("equal")
     axes.axis("off")
-    edges = np.isin(frame.numbers, [e for _, one in faults for e in one.edges])
-    wrong = (frame.coords @ view.T)[frame.edges[edges]][:, :, :2]
+    wrong = frame.edges[np.isin(frame.numbers, [e for _, one in faults for e in one.edges])]
     look: dict[str, Any] = {"colors": WARNING, "linewidths": 4.0, "alpha": 0.45, "zorder": 5}
-    axes.add_collection(LineCollection(list(wrong), **look))
+    axes.add_collection(LineCollection([*x[wrong][:, :, :2]], **look))
     places: dict[tuple[float, ...], list[str]] = {}
     for k, one in faults:
         if one.place:
-            x = view @ np.array([*one.place, 0.0][:3])
-            places.setdefault(tuple(np.round(x[:2], 9)), []).append(str(k))
-    look = {"fontsize": 9, "fontweight": "bold", "color": WARNING, "zorder": 7}
-    look["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]
-    for (x, y), which in places.items():
+            at = view @ np.array([*one.place, 0.0][:3])
+            places.setdefault(tuple(np.round(at[:2], 9)), []).append(str(k))
+    for (px, py), which in places.items():
         text = ", ".join(which[:3]) + ", ..." * (len(which) > 3)
-        axes.plot(x, y, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
-        axes.annotate(text, (x, y), (7, 7), textcoords="offset points", **look)
+        axes.plot(px, py, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
+        axes.annotate(text, (px, py), (7, 7), textcoords="offset points", color=WARNING, zorder=7)
+    axes.autoscale_view()

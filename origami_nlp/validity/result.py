@@ -66,18 +66,15 @@ class Validity(Report):
 
     @property
     def sentence(self) -> str:
-        """The answer in words."""
-        name = printable(self.source)
-        if self.faults:
-            many = len(self.faults)
+        """The verdict, in a sentence."""
+        name, many = printable(self.source), len(self.faults)
+        if many:
             return f"{name}: {many} fault{'s' if many > 1 else ''}"
-        doubts = [t for t in self.tests if t.status == "not decided"]
-        if doubts:
-            return f"{name}: not decided: {doubts[0].name}: {doubts[0].text}"
+        for doubt in (t for t in self.tests if t.status == "not decided"):
+            return f"{name}: not decided: {doubt.name}: {doubt.text}"
         folded = sum(kind == "folded form" for _, kind in self.kinds)
-        asked = sum(t.status == "ok" for t in self.tests)
         what = f"{folded} folded state{'s' if folded > 1 else ''}" if folded else "crease pattern"
-        return f"{name}: valid: {what}, {asked} tests"
+        return f"{name}: valid: {what}, {sum(t.status == 'ok' for t in self.tests)} tests"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the verdict over the tests, then the faults."""
