@@ -58,9 +58,8 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     try:
         document, _ = recover.read(io.BytesIO(raw))
     except (ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError) as error:
-        raise DrawingError(
-            f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
-        ) from None
+        why = str(error).splitlines()[0] if str(error) else repr(error)
+        raise DrawingError(f"{name} is no DXF file: {why}") from None
     found = LineList(name, options)
     for entity in document.modelspace():
         kind = entity.dxftype()

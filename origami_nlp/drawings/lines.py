@@ -63,9 +63,7 @@ class DrawingOptions:
             check_whole("part", self.part, 1)
         for key, letter in self.letters.items():
             if letter not in (*LETTERS, "-"):
-                raise OptionError(
-                    f"colour {key!r} = {letter!r} must be one of {', '.join(LETTERS)} or -"
-                )
+                raise OptionError(f"colour {key!r} = {letter!r} must be one of {LETTERS} or -")
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,9 +159,8 @@ class LineList:
         for asked in sorted({*self._asked} - self._used):
             raise DrawingError(f"{self.name} has no line of {asked!r}")
         if self.left_out["curves"] and self.options.curves == "refuse":
-            raise DrawingError(
-                f"{self.name} has {self.left_out['curves']} curves: creases are straight; --curves leave drops them"
-            )
+            many = f"{self.left_out['curves']} curves"
+            raise DrawingError(f"{self.name} has {many}: --curves leave takes straight lines alone")
         unknown = self.unknown.most_common()
         shown = ", ".join(f"{n} of {key}" for key, n in unknown[:6]) + ", ..." * (len(unknown) > 6)
         others = [f"{many} {what} left out" for what, many in sorted((+self.left_out).items())]

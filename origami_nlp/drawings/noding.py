@@ -111,9 +111,7 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
         points, at = _join(np.concatenate([points, more]), drawn, tolerance)
         pieces = _with_length(np.column_stack([at[pieces[:, :2]], pieces[:, 2]]))
     else:
-        raise DrawingError(
-            "the drawing: its lines go on splitting each other: take a larger tolerance"
-        )
+        raise DrawingError("the drawing: its lines split each other on and on: --tolerance, larger")
     on: dict[tuple[int, int], list[int]] = {}
     for a, b, k in np.column_stack([np.sort(pieces[:, :2], axis=1), pieces[:, 2]]).tolist():
         on.setdefault((a, b), []).append(k)

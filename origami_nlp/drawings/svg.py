@@ -250,9 +250,7 @@ def _matrix(element: Element, name: str) -> np.ndarray:
         try:
             matrix = matrix @ FUNCTIONS[kind](*n)
         except (KeyError, TypeError):
-            raise DrawingError(
-                f"{name}: transform {kind}({words[:40]}) is none that SVG has"
-            ) from None
+            raise DrawingError(f"{name}: transform {kind}({words[:40]}) is none of SVG") from None
     return matrix
 
 

@@ -96,9 +96,7 @@ def write_drawing(
     """
     options = options or WriteOptions()
     if kind not in WRITTEN:
-        raise DrawingError(
-            f"{kind!r} is not written: end the name in {', '.join(WRITTEN)} or .fold"
-        )
+        raise DrawingError(f"{kind!r} is not written: end the name in {', '.join(WRITTEN)}, .fold")
     notes: list[str] = []
     text = WRITTEN[kind](scaled(drawing, options), notes)
     return text, tuple(notes)

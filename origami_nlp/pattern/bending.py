@@ -58,13 +58,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     if diagonal not in ("short", "long", "both"):
         raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
-        raise SceneError(
-            "facets of several pieces do not bend: draw their inner edges as creases, or merge the pieces"
-        )
+        raise SceneError("facets of several pieces do not bend: draw their inner edges as creases")
     if pattern.orders:
-        raise SceneError(
-            "faceOrders of a folded state are of whole facets: leave them out where facets bend"
-        )
+        raise SceneError("facets that bend have no faceOrders: leave these out")
     for number, polygon in enumerate(pattern.polygons, start=1):
         _check_convex(pattern.corners, polygon, number)
     cutting = _Cutting(pattern, diagonal)
@@ -125,9 +121,7 @@ def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) ->
     x = corners[list(polygon)]
     turns = cross(np.roll(x, -1, axis=0) - x, np.roll(x, -2, axis=0) - np.roll(x, -1, axis=0))
     if len(x) > 3 and (turns @ turns[0]).min() < -INPUT_TOL * float(turns[0] @ turns[0]):
-        raise SceneError(
-            f"facet {number} is not convex: where it bends is not decided; draw the creases"
-        )
+        raise SceneError(f"facet {number} is not convex: draw the creases about which it bends")
 
 
 class _Cutting:

@@ -240,9 +240,7 @@ def make_cell(
     """
     alone = make_pattern(corners, polygons, joins=joins, numbers=numbers, **of_sides)
     if not alone.is_flat or np.ptp(alone.corners[:, 2]):
-        raise FoldFileError(
-            f"{LATTICE_KEY}: a cell that repeats is stated as a flat crease pattern, not as a folded form"
-        )
+        raise FoldFileError(f"{LATTICE_KEY}: state a cell as a flat crease pattern")
     if alone.holes:
         raise FoldFileError(f"{LATTICE_KEY}: a cell with holes is not modelled")
     if orders:
@@ -262,8 +260,7 @@ def make_cell(
     for ends in (s for some in drawn.values() if len(some) > 1 for s in some):
         if ends in together:
             raise FoldFileError(
-                f"the side between vertices {ends[0]} and {ends[1]} joins a facet to one of the next cell: draw the "
-                "cell along creases"
+                f"side {ends} joins facets of two cells: cut the cell along creases"
             )
     first = {
         key: min(some, key=lambda s: (given.get(s, math.inf), s))
@@ -336,15 +333,11 @@ def _lattice(lattice: Sequence[Sequence[float]] | np.ndarray, alone: Pattern) ->
         raise FoldFileError(f"{LATTICE_KEY}: vectors of a flat sheet have no third component")
     span = abs(float(np.linalg.det(rules[:, :2])))
     if not span > INPUT_TOL * float((rules**2).sum()):
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the two vectors are on one line: give two that span a cell"
-        )
+        raise FoldFileError(f"{LATTICE_KEY}: give two vectors that are not on one line")
     covered = sum(area(alone.corners[list(polygon), :2]) for polygon in alone.polygons)
     if abs(covered - span) > PLACES * span:
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the vectors span an area of {span:.6g}, the facets have {covered:.6g}: give the facets of "
-            "one cell, each once"
-        )
+        areas = f"the vectors span an area of {span:.6g}, the facets {covered:.6g}"
+        raise FoldFileError(f"{LATTICE_KEY}: {areas}: give the facets of one cell, each once")
     return rules
 
 
@@ -369,18 +362,13 @@ def _facing(cell: Cell) -> dict[Key, int]:
     for p, polygon in enumerate(cell.polygons):
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             if cell.key(a, b) in facing:
-                raise FoldFileError(
-                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has facets of two copies on the same side: "
-                    "facets overlap"
-                )
+                raise FoldFileError(f"{LATTICE_KEY}: facets of two copies overlap at side {a}-{b}")
             facing[cell.key(a, b)] = p
     for polygon in cell.polygons:
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             if _back(cell.key(a, b)) not in facing:
-                raise FoldFileError(
-                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has no counterpart a lattice vector away: "
-                    "give opposite sides of the outline the same vertices"
-                )
+                why = f"side {a}-{b} of the outline has no counterpart a lattice vector away"
+                raise FoldFileError(f"{LATTICE_KEY}: {why}: give both the same vertices")
     return facing
 
 
@@ -400,10 +388,8 @@ def _agreed(
                 also == value if isinstance(value, str) else np.allclose(also, value, atol=PLACES)
             )
             if not same:
-                raise FoldFileError(
-                    f"the sides between vertices {one[0]} and {one[1]} and between {other[0]} and {other[1]} are one "
-                    f"crease, a lattice vector apart: {what.replace('_', ' ')} {value} and {also} differ, state one"
-                )
+                said = f"{what.replace('_', ' ')} {value} and {also}"
+                raise FoldFileError(f"sides {one} and {other} are one crease: {said}, state one")
         found[ends] = value
     return found
 
@@ -423,10 +409,8 @@ def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ..
     _, first = np.unique(cell.class_of, return_index=True)
     around = {loop.vertex: loop for loop in sheet.vertices}
     if not set(first.tolist()) <= around.keys():
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the cell reaches round copies of itself: cut it into a more compact one"
-            + f", or give {ROLLED_KEY} more copies" * bool(cell.tube)
-        )
+        more = f", or give {ROLLED_KEY} more copies" * bool(cell.tube)
+        raise FoldFileError(f"{LATTICE_KEY}: the cell meets itself: cut it more compact{more}")
     vertices = [walk(around[v].creases, around[v].signs, v) for v in first.tolist()]
     many = len(cell.polygons)
     generators = []

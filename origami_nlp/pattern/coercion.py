@@ -92,9 +92,8 @@ def as_scene(stated: Stated, asked: str = "this", instead: str = "") -> Scene:
     scene = origami if isinstance(origami, Scene) else _equal_scene(origami)
     if scene is None:
         more = f"; {instead}" if instead else ""
-        raise OptionError(
-            f"scene = {origami!r}: {asked} is for one vertex: read_fold_scene(file, vertex=K) takes one of a file{more}"
-        )
+        take = f"{asked} is for one vertex: read_fold_scene(file, vertex=K) takes one{more}"
+        raise OptionError(f"scene = {origami!r}: {take}")
     return scene
 
 
@@ -226,17 +225,13 @@ def from_mesh(
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             raise ValueError(f"vertices has shape {points.shape}")
     except (TypeError, ValueError, AttributeError) as error:
-        raise OptionError(
-            f"a mesh is vertices [V, 2] or [V, 3], the vertices of each face, letters by pairs of vertices, and "
-            f"numbers: {error}"
-        ) from None
+        what = "vertices [V, 2] or [V, 3], faces, letters by pairs of vertices, and numbers"
+        raise OptionError(f"a mesh is {what}: {error}") from None
     rest_of_all = assignment if isinstance(assignment, str) else "U"
     letter = {s: rest_of_all if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
     for (a, b), x in stated.items():
         if (min(a, b), max(a, b)) not in letter:
-            raise OptionError(
-                f"assignment[{shown((a, b))}]: vertices {a} and {b} are no side of a face"
-            )
+            raise OptionError(f"assignment[{shown((a, b))}]: these are no side of a face")
         letter[min(a, b), max(a, b)] = x
     flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
     edges = sorted(letter)

@@ -119,10 +119,7 @@ def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:
         alike = len(one.coords) == len(chosen.coords) and np.array_equal(one.edges, chosen.edges)
         if alike and not one.folded:
             return one
-    raise FoldFileError(
-        f"frame {chosen.number} is a folded form, and the file has no crease pattern with its edges: nothing to draw "
-        "flat"
-    )
+    raise FoldFileError(f"frame {chosen.number} is folded, and no crease pattern has its edges")
 
 
 def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:

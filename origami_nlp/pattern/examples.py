@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from origami_nlp.arguments import check_whole, did_you_mean, shown
+from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
@@ -249,9 +249,7 @@ def maker(name: str) -> Callable[..., Any]:
     True
     """
     if name not in BY_NAME:
-        raise OptionError(
-            f"name = {shown(name)} is no example: use one of {', '.join(names())}{did_you_mean(name, names())}"
-        )
+        raise OptionError(f"name = {shown(name)} is no example: use one of {', '.join(names())}")
     return BY_NAME[name]
 
 
@@ -284,16 +282,12 @@ def by_name(name: str, **options: Any) -> Scene:
     True
     """
     if name in WITH_SPRINGS:
-        raise OptionError(
-            f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
-        )
+        raise OptionError(f"name = {shown(name)} is a sheet, no vertex: -o FILE.fold writes it")
     make = maker(name)
     known = inspect.signature(make).parameters
     for option in options:
         if option not in known:
-            raise OptionError(
-                f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
-            )
+            raise OptionError(f"{name} has no option {option}: it has {', '.join(known)}")
     made: Scene = make(**options)
     return made
 
@@ -418,9 +412,7 @@ def crease_pattern(
             raise OptionError(f"name = {shown(name)} has a size: leave out rows and columns")
         name, (rows, columns) = split_size(name)
     if cell and name not in example_patterns.UNITS:
-        raise OptionError(
-            f"{name} does not repeat: cells of {', '.join(example_patterns.UNITS)} do"
-        )
+        raise OptionError(f"{name} does not repeat: {', '.join(example_patterns.UNITS)} do")
     round_ = check_rolled(rolled, "rolled")
     if round_ is not None and not cell:
         raise OptionError("rolled is for cells that repeat: give cell as well")

@@ -142,7 +142,5 @@ def check_sides(faces: Sequence[Face]) -> None:
     directed = Counter((f[i - 1], v) for f in faces for i, v in enumerate(f))
     for (a, b), count in directed.items():
         if count == 2 and (b, a) not in directed:
-            raise FoldFileError(
-                f"faces_vertices cannot be oriented alike: across the edge between vertices {a} and {b} they come back "
-                "turned over; on a one-sided surface, a Moebius band, there are no mountains and valleys"
-            )
+            why = f"across the edge between vertices {a} and {b} they come back turned over"
+            raise FoldFileError(f"faces_vertices cannot be oriented alike (Moebius band): {why}")

@@ -259,10 +259,8 @@ def parse_fold(
     there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
     if not there:
         held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
-        raise FoldFileError(
-            f"{name} has no frame with vertices_coords, only {printable(held)}: no geometry to analyse; give the "
-            "FOLD file of a crease pattern or of a folded form"
-        )
+        only = f"only {printable(held)}: give a crease pattern or a folded form"
+        raise FoldFileError(f"{name} has no frame with vertices_coords, {only}")
     if frame is not None:
         wanted = there[:1] if frame == "first" else [frame] if frame in there else []
         if not wanted:
@@ -288,10 +286,8 @@ def _check_total(frames: list[dict[str, Any]]) -> None:
     keys = ("vertices_coords", "edges_vertices")
     total = sum(len(one[k]) for one in frames for k in keys if isinstance(one.get(k), list))
     if len(frames) > 1 and total > MOST_ELEMENTS:
-        raise FoldFileError(
-            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
-            f"{MOST_ELEMENTS}: choose one with --frame"
-        )
+        many = f"{total} vertices and edges in {len(frames)} frames, more than {MOST_ELEMENTS}"
+        raise FoldFileError(f"file_frames: {many}: choose one with --frame")
 
 
 def frame_of(data: Mapping[str, Any]) -> Frame:
@@ -320,10 +316,8 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
             if here and raw[here].get("frame_inherit") is True:
                 parent = raw[here].get("frame_parent", 0)
                 if not _is_index(parent, len(raw)) or parent in chain or parent == here:
-                    raise FoldFileError(
-                        f"file_frames[{here - 1}].frame_parent = {shown(parent)} must be another frame, "
-                        f"0 to {len(raw) - 1}"
-                    )
+                    where = f"file_frames[{here - 1}].frame_parent = {shown(parent)}"
+                    raise FoldFileError(f"{where} must be another frame, 0 to {len(raw) - 1}")
             chain[here] = parent
             here = parent
         for one, parent in reversed(chain.items()):
@@ -426,9 +420,7 @@ def _lattice(value: object) -> np.ndarray | None:
     if value is None:
         return None
     if not isinstance(value, list) or len(value) != 2:
-        raise FoldFileError(
-            f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
-        )
+        raise FoldFileError(f"{LATTICE_KEY} = {shown(value)} must be two vectors")
     return _coords(value, LATTICE_KEY)[0]
 
 
@@ -489,9 +481,7 @@ def _of_edges(value: object, name: str, count: int) -> list[Any]:
     """Return an entry for each edge, null where the key is missing."""
     values = [None] * count if value is None else _list(value, name)
     if len(values) != count:
-        raise FoldFileError(
-            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
-        )
+        raise FoldFileError(f"{name} has {len(values)} entries: give one for each of {count} edges")
     return values
 
 
@@ -499,9 +489,7 @@ def _assignment(value: object, count: int) -> list[str]:
     out = []
     for e, letter in enumerate(_of_edges(value, "edges_assignment", count)):
         if letter is not None and not (isinstance(letter, str) and letter.upper() in [*"MVBFUCJ"]):
-            raise FoldFileError(
-                f"edges_assignment[{e}] = {shown(letter)} must be one of M, V, B, F, U, C, J"
-            )
+            raise FoldFileError(f"edges_assignment[{e}] = {shown(letter)} must be one of MVBFUCJ")
         out.append((letter or "?").upper())
     return out
 

@@ -47,9 +47,8 @@ def stated_limits(table: Mapping[str, Any], degree: int) -> dict[str, Any]:
     """Read the keys of a table that state stops: ``limits`` and ``panels`` of a `Scene`."""
     given = [key for key in LIMIT_KEYS if key in table]
     if {*LIMIT_KEYS[:2]} <= {*given} or len({*given} & {*LIMIT_KEYS[2:]}) == 1:
-        raise SceneError(
-            f"[creases] has {', '.join(given)}: give limits or limits_deg, and thickness_mm with taper_mm"
-        )
+        which = "limits or limits_deg, and thickness_mm with taper_mm"
+        raise SceneError(f"[creases] has {', '.join(given)}: give {which}")
     out: dict[str, Any] = {}
     for key in given:
         if key in LIMIT_KEYS[:2]:

@@ -48,15 +48,10 @@ class FoldSprings:
         check_number("stiffness", self.stiffness)
         check_number("rest_angle", self.rest_angle, 0.0, math.pi)
         if self.rest_from not in (None, "file", "measured"):
-            raise FoldFileError(
-                f"--rest-from = {shown(self.rest_from)} must be file or measured, the angles at which a folded form "
-                "rests; the size for creases without an angle is --rest-angle, in degrees"
-            )
+            raise FoldFileError(f"--rest-from = {shown(self.rest_from)} must be file or measured")
         if self.rest_from == "measured" and not frame.folded:
-            raise FoldFileError(
-                f"--rest-from measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
-                "--rest-angle gives the size for creases without an angle"
-            )
+            where = f"frame {frame.number} is a crease pattern, with no angle to measure"
+            raise FoldFileError(f"--rest-from measured: {where}; --rest-angle gives the size")
 
     def of(self, frame: Frame, edges: Any, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each.

@@ -86,14 +86,10 @@ class HingeData(ShortRepr):
             "weight": (w > 0) & np.isfinite(w),
         }.items():
             if not good.all():
-                raise self._wrong(
-                    f"the {what} of measurement {int(np.argmin(good)) + 1} does not fit: angles are within "
-                    "+-180 degrees, torques finite, weights positive"
-                )
+                where = f"the {what} of measurement {int(np.argmin(good)) + 1}"
+                raise self._wrong(f"{where} must be finite, angles to +-180 degrees, weights > 0")
         if len(np.unique(x)) < FEWEST_ROWS:
-            raise self._wrong(
-                f"{len(np.unique(x))} different angles: a law needs {FEWEST_ROWS} at least"
-            )
+            raise self._wrong(f"a law needs {FEWEST_ROWS} different angles at least")
         if not np.ptp(y) > 0:
             raise self._wrong("the torque is the same everywhere: that is a preload")
         for key, values in (("angle", x), ("torque", y), ("weight", w)):

@@ -66,24 +66,19 @@ class HingeLaw(ShortRepr):
             return
         x, c = np.array(self.breaks, float), np.array(self.coefficients, float)
         if x.ndim != 1 or len(x) < 2 or c.shape != (len(x) - 1, 4) or len(x) > MOST_PIECES:
-            raise SceneError(
-                f"hinge law {self.name!r}: give breaks [B + 1] and coefficients [B, 4], at most {MOST_PIECES} pieces"
-            )
+            what = f"breaks [B + 1] and coefficients [B, 4], at most {MOST_PIECES} pieces"
+            raise SceneError(f"hinge law {self.name!r}: give {what}")
         if not (np.isfinite(x).all() and np.isfinite(c).all() and (np.diff(x) > 0).all()):
-            raise SceneError(
-                f"hinge law {self.name!r}: breaks must increase, and all numbers be finite"
-            )
+            raise SceneError(f"hinge law {self.name!r}: breaks must increase, all be finite")
         steps = np.diff(x)[:-1]
         ends = np.polyval(c[:-1].T, steps)
         jump = np.abs(ends - c[1:, 3]).max(initial=0.0)
         largest = np.abs(c[:, 2:] * np.stack([np.diff(x), np.ones(len(c))], axis=1)).max()
         if jump > INPUT_TOL * max(largest, np.finfo(float).tiny):
-            raise SceneError(
-                f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m between two pieces"
-            )
+            raise SceneError(f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m")
         if not self.stiffness > 0:
             raise SceneError(
-                f"hinge law {self.name!r}: the torque is the same everywhere: that is a preload"
+                f"hinge law {self.name!r}: its torque never changes: that is a preload"
             )
 
     @cached_property

@@ -308,10 +308,8 @@ def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") 
     good = np.isfinite(x) & np.isfinite(y) & (np.abs(x) <= math.pi * (1 + INPUT_TOL))
     good[1:] &= np.diff(x) > 0
     if not good.all():
-        raise SceneError(
-            f"hinge law {name!r}, row {int(good.argmin()) + 1}: angles must increase within +-180 degrees, torques be "
-            "finite"
-        )
+        where = f"hinge law {name!r}, row {int(good.argmin()) + 1}"
+        raise SceneError(f"{where}: angles must increase within +-180 degrees, torques be finite")
     return law_of(x, PchipInterpolator(x, y).c.T, name)
 
 

@@ -60,9 +60,7 @@ def read_hinges(
     """Read what is stated of n creases; a law has its own stiffness and rest angle."""
     own = read_laws(laws, n)
     if contact == "none" and (own or limits):
-        raise SceneError(
-            "limits and laws are for creases that stop: contact = 'none' has no stops; use 'fold-limits' or 'full'"
-        )
+        raise SceneError("contact = 'none' has no limits, and no laws: use 'fold-limits' or 'full'")
     k, phi = read_numbers(stiffness, "stiffness", n), read_rest_angles(rest, n)
     if own:
         each = [*zip(k, phi, own, strict=True)]
@@ -93,9 +91,7 @@ def check_plain_hinges(laws: Laws, limits: Limits, what: str) -> None:
     """Raise an error where there are hinge laws, or fold limits, which `what` does not know."""
     if laws:
         i, law = next((i, law) for i, law in enumerate(laws, start=1) if law)
-        raise OptionError(
-            f"{what} is for linear springs: crease {i} has the hinge law {law.name!r}"
-        )
+        raise OptionError(f"{what} is for linear springs: crease {i} has the law {law.name!r}")
     if limits:
         raise OptionError(f"{what} knows no fold limits of their own ({limit_words(limits)})")
 
@@ -147,9 +143,8 @@ def check_law_place(laws: Laws, what: str, entry: int | None = None) -> None:
     if what in LAW_PLACES and len(has) < len(which):
         raise OptionError(f"{what}: crease {min({*which} - {*has}) + 1} has no hinge law")
     if what in ("ratio", "stiffness", "rest_angles") and has:
-        raise OptionError(
-            f"{what}: crease {has[0] + 1} has a hinge law in place of a spring: write law_scale[1], law_shift[1]"
-        )
+        why = "has a hinge law in place of a spring: write law_scale[1], law_shift[1]"
+        raise OptionError(f"{what}: crease {has[0] + 1} {why}")
 
 
 LAW_KEY = "edges_origaminlp:law"
@@ -209,9 +204,8 @@ def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
     numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY, [])
     tables = isinstance(stated, list) and all(isinstance(table, Mapping) for table in stated)
     if not isinstance(numbers, list) or len(numbers) != edges or not tables:
-        raise FoldFileError(
-            f"{LAW_KEY} must be a list of {edges} numbers of laws, or null, and {LAWS_KEY} a list of tables"
-        )
+        many = f"{edges} numbers of laws, or null, and {LAWS_KEY} a list of tables"
+        raise FoldFileError(f"{LAW_KEY} must be a list of {many}")
     laws = []
     for k, table in enumerate(stated):
         try:
@@ -288,9 +282,8 @@ def read_torque_bounds(given: Any, creases: int, what: str) -> np.ndarray:
     """
     if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
         if len(given) != creases:
-            raise OptionError(
-                f"{what} = {shown(given)} must be one number [N m], or one or None for each of {creases} creases"
-            )
+            each = f"one number [N m], or one or None for each of {creases} creases"
+            raise OptionError(f"{what} = {shown(given)} must be {each}")
         given = {i: t for i, t in enumerate(given, start=1) if t is not None}
     elif not isinstance(given, Mapping):
         given = dict.fromkeys(range(1, creases + 1), given)

@@ -230,7 +230,5 @@ def with_symmetry_of(scene: Scene, other: Scene) -> Scene:
             made = replace(scene, symmetry=name, mirror=mirror, winding=None)
             if set(made.group.elements) == wanted:
                 return made
-    raise SymmetryError(
-        f"symmetry = {name!r} is kept by the other scenes, with other mirrors or not at all by this one, of group "
-        f'{scene.group.name}: state symmetry = "none"'
-    )
+    why = f"is kept by the other scenes, and not so by this one, of group {scene.group.name}"
+    raise SymmetryError(f'symmetry = {name!r} {why}: state symmetry = "none"')

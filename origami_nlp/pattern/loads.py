@@ -55,10 +55,8 @@ class Load:
     def __post_init__(self) -> None:
         given = {f.name for f in fields(self) if getattr(self, f.name) is not None}
         if given not in ({"crease", "distance", "force"}, {"facet", "point", "force"}):
-            raise SceneError(
-                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease, distance and force; "
-                "facet, point = [distance, angle] and force; a torque on a crease is preload"
-            )
+            ways = "crease, distance and force; or facet, point = [distance, angle] and force"
+            raise SceneError(f"a load has {', '.join(sorted(given)) or 'nothing'}: give {ways}")
         force = _entries("force", self.force, 3)
         object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
         if self.point is not None:
@@ -111,20 +109,17 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
         if isinstance(value, Mapping):
             known = [f.name for f in fields(Load)]
             if unknown := value.keys() - set(known):
-                raise SceneError(
-                    f"loads[{i}]: unknown key {min(unknown)!r}; a load takes {', '.join(known)}; a torque on a crease "
-                    "is preload, and a moment that keeps its direction while the facet turns has no energy"
-                )
+                take = f"a load takes {', '.join(known)}; a torque on a crease is preload"
+                raise SceneError(f"loads[{i}]: unknown key {min(unknown)!r}; {take}")
             value = Load(**value)
         if not isinstance(value, Load):
             raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
         what = "facet" if value.facet is not None else "crease"
         check_whole(f"loads[{i}]: {what}", value.number, 1, len(sector_angles), SceneError)
         if value.facet is not None and not 0 <= value.place[1] <= sector_angles[value.facet - 1]:
-            raise SceneError(
-                f"loads[{i}]: the angle {format_angle(value.place[1])} of its point is not within facet {value.facet}, "
-                f"0 to {format_angle(sector_angles[value.facet - 1])}"
-            )
+            span = f"0 to {format_angle(sector_angles[value.facet - 1])}"
+            at = f"loads[{i}]: point angle {format_angle(value.place[1])}"
+            raise SceneError(f"{at} is not within facet {value.facet}, {span}")
         out.append(value)
     return tuple(out)
 

@@ -138,10 +138,9 @@ def check_range(stiffness: Sequence[float]) -> None:
     soft, stiff = min(stiffness, default=1.0), max(stiffness, default=1.0)
     if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
         i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
-        raise SceneError(
-            f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}, which is "
-            "lost in rounding: bring them closer, or merge the facets at the stiff crease"
-        )
+        of = f"more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}"
+        cure = "soft springs are lost in rounding: merge the facets at the stiff crease"
+        raise SceneError(f"stiffness[{j}] = {stiff:.6g} is {of}: {cure}")
 
 
 def read_rest_angles(values: object, degree: int) -> tuple[float, ...]:
@@ -149,10 +148,8 @@ def read_rest_angles(values: object, degree: int) -> tuple[float, ...]:
     rest = check_length(parse_angles(values, "rest_angles"), "rest_angles", degree)
     for i, a in enumerate(rest, start=1):
         if abs(a) > math.pi * (1 + 4 * EPS):
-            raise SceneError(
-                f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi], valley positive (degrees: rest_angles_deg; a "
-                "torque beyond: preload)"
-            )
+            span = "outside [-pi, pi] radians (degrees: rest_angles_deg; beyond: preload)"
+            raise SceneError(f"rest_angles[{i}] = {a:.6g} is {span}")
     return rest
 
 

@@ -114,10 +114,8 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
     asked.check(frame)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
-        raise FoldFileError(
-            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and "
-            "give the angle to which the spring is wound as rest angle"
-        )
+        where = f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]"
+        raise FoldFileError(f"{where}: give many vertices no preload but other rest angles")
     if snap is not None:
         check_number("snap", snap, 0.0, LARGEST_SNAP)
     sheet = _Sheet(frame, snap)
@@ -189,10 +187,8 @@ class _Sheet:
         if frame.conflicts:
             k = min(frame.conflicts)
             a, b = map(frame.place, frame.edges[k].tolist())
-            raise FoldFileError(
-                f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
-                "fold angles: keep one"
-            )
+            twice = "is stated twice, with other assignments or fold angles: keep one"
+            raise FoldFileError(f"edges_vertices[{frame.numbers[k]}] from {a} to {b} {twice}")
         self.number = frame.edge_of
         self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
@@ -234,10 +230,8 @@ class _Sheet:
                 against = len(faces) - against
             wrong = [f for f, face in enumerate(faces) if area(x[list(face), :2]) < 0]
             if wrong:
-                raise FoldFileError(
-                    f"faces_vertices[{wrong[0]}] lies upside down in a flat sheet: it overlaps its neighbour, or its "
-                    "vertices are in the wrong order"
-                )
+                why = "it overlaps its neighbour, or its vertices are in the wrong order"
+                raise FoldFileError(f"faces_vertices[{wrong[0]}] lies upside down: {why}")
         elif 2 * against > len(faces):
             faces, against = [face[::-1] for face in faces], len(faces) - against
         if 0 < against < len(faces):
@@ -251,9 +245,7 @@ class _Sheet:
         """Return the faces of a planar drawing but those outside, and holes."""
         frame = self.frame
         if frame.folded:
-            raise FoldFileError(
-                "faces_vertices is missing: a folded form needs it, to say what is paper"
-            )
+            raise FoldFileError("faces_vertices is missing: say what of a folded form is paper")
         check_drawing(frame)
         faces, holes = [], 0
         for walk in face_walks(frame):
@@ -261,16 +253,13 @@ class _Sheet:
             if ends:
                 v = walk[ends[0] - 1]
                 e = self.number[side(v, walk[ends[0]])]
-                raise FoldFileError(
-                    f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v} {frame.place(v)}: it "
-                    "cannot fold. Carry it on to another crease or to the border, or leave it out"
-                )
+                where = f"edges_vertices[{frame.numbers[e]}] ends within a facet"
+                cure = "carry it on to a crease or the border, or leave it out"
+                raise FoldFileError(f"{where}, at vertex {v} {frame.place(v)}: {cure}")
             if len(set(walk)) < len(walk):
                 v = Counter(walk).most_common(1)[0][0]
-                raise FoldFileError(
-                    f"a facet comes to vertex {v} {frame.place(v)} twice: join what is inside it to its "
-                    "outline by a crease, or give faces_vertices"
-                )
+                cure = "join what is inside it to its outline by a crease, or give faces_vertices"
+                raise FoldFileError(f"a facet comes to vertex {v} {frame.place(v)} twice: {cure}")
             letters = {
                 frame.assignment[self.number[side(walk[i - 1], v)]] for i, v in enumerate(walk)
             }
@@ -281,12 +270,9 @@ class _Sheet:
         if holes:
             self.notes.append(f"{holes} faces with a border all around are holes")
         if not faces:
-            raise FoldFileError(
-                "edges_vertices: a face with a border (B, C) all around is a hole, and there is no other: say in "
-                "faces_vertices what is paper"
-                if holes
-                else 'edges_vertices encloses no facet: add the outline of the paper, edges with assignment "B"'
-            )
+            cure = 'add the outline of the paper, edges with assignment "B"'
+            cure = "all round are holes: say in faces_vertices what is paper" if holes else cure
+            raise FoldFileError(f"edges_vertices encloses no facet: {cure}")
         return faces
 
     def _cut(self) -> None:
@@ -370,10 +356,9 @@ class _Sheet:
                 if bare
                 else "give its faces in faces_vertices, or leave it out"
             )
-            raise FoldFileError(
-                f"edges_vertices[{self.frame.numbers[e]}] from {' to '.join(map(self.frame.place, ends))} is a fold "
-                f"but the side of no face: {coincident(self.frame, ends) or way_on}"
-            )
+            where = " to ".join(map(self.frame.place, ends))
+            why = f"is a fold but the side of no face: {coincident(self.frame, ends) or way_on}"
+            raise FoldFileError(f"edges_vertices[{self.frame.numbers[e]}] from {where} {why}")
 
     def measured(self) -> tuple[dict[Side, float], float]:
         """Measure the fold angles of a folded form; and whether they agree with the file (> 0) or not (< 0)."""

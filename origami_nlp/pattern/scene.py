@@ -151,25 +151,18 @@ class Scene(PrettyRepr):
             raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
-            raise SceneError(
-                f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
-            )
+            known = ", ".join(get_args(Contact))
+            raise SceneError(f"contact = {shown(self.contact)} is unknown: use one of {known}")
         if n > (MOST_PAIRED if self.contact == "full" else MOST_CREASES):
-            raise SceneError(
-                f"vertex has {n} creases: at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full', which keeps "
-                "every two facets apart; use contact = 'fold-limits'"
-            )
+            most = f"at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full'"
+            raise SceneError(f"vertex has {n} creases: {most}; use contact = 'fold-limits'")
         narrow = min(self.vertex.sector_angles)
         if self.contact == "full" and narrow < NARROW:
-            raise SceneError(
-                f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g} is narrower than "
-                f"{NARROW:g} rad: contact at so narrow a facet is below the accuracy of contacts; use contact = "
-                "'fold-limits', or merge its creases"
-            )
+            where = f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g}"
+            cure = "use contact = 'fold-limits', or merge its creases"
+            raise SceneError(f"{where} is narrower than {NARROW:g} rad, as contact needs: {cure}")
         if self.name is not None and not (isinstance(self.name, str) and is_unicode(self.name)):
-            raise SceneError(
-                f"name = {shown(self.name)} must be text, without half surrogate pairs"
-            )
+            raise SceneError(f"name = {shown(self.name)} must be text, without half surrogates")
         check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
         self._set(panels=read_panels(self.panels))
         stated = self.stiffness, self.rest_angles, self.limits, self.laws
@@ -215,8 +208,7 @@ class Scene(PrettyRepr):
         wanted = self.symmetry
         if self.loads and wanted not in ("auto", "none"):
             raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by loads with facet {self.fixed_facet} fixed: use "
-                "none or auto"
+                f"symmetry = {shown(wanted)} is not shared by loads: use none or auto"
             )
         angles = [self.rest_angles, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
         return find_symmetry(
@@ -339,10 +331,8 @@ class Scene(PrettyRepr):
             If the scene has such loads.
         """
         if self.loads:
-            raise OptionError(
-                f"{what}: not decided for scenes with dead loads ({self.loads[0].words}); torques on creases, "
-                "as preload, are known there"
-            )
+            why = f"not decided with dead loads ({self.loads[0].words}), but with preload"
+            raise OptionError(f"{what}: {why}")
 
     @property
     def load_lines(self) -> list[str]:
@@ -399,7 +389,18 @@ class Scene(PrettyRepr):
         return float(energy) if energy.ndim == 0 else energy
 
     def torque(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Return dU/dphi of each crease at fold angles [..., N], without dead loads [N m]."""
+        """Torques dU/dphi of the hinges, without forces.
+
+        Parameters
+        ----------
+        fold_angles
+            States [..., N] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            [..., N] [N m].
+        """
         phi = np.asarray(fold_angles, float)
         out = np.array(self.stiffness) * (phi - self.wound_angles)
         for i, law in enumerate(self.laws):

@@ -93,9 +93,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
     if len(raw) > _LARGEST:
         raise SceneFileError(f"scene {name!r} is larger than 1 MB: not a scene file")
     if is_json(raw):
-        raise SceneFileError(
-            f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
-        )
+        raise SceneFileError(f"scene {name!r} is JSON: `read_fold_scene` reads FOLD files")
     where = f"scene {name!r}"
     tables = parse_toml(as_text(raw, where, SceneFileError), where, SceneFileError)
     return scene_from_dict(tables, "standard input" if name == "-" else name)
@@ -180,10 +178,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     data = dict(data)
     of_laws = data.pop("laws", {})
     if "yield_torque" in (data.get("creases") or ()):
-        raise SceneFileError(
-            "[creases] yield_torque: what has yielded hangs on the path of loads, not on a state; give it to "
-            "a load path: load --yield"
-        )
+        raise SceneFileError("[creases] yield_torque is of a path: give it to load --yield")
     check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
     vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
     rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
@@ -198,9 +193,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     if "law" in creases:
         more["laws"] = _laws(creases["law"], of_laws, vertex.degree, source)
     elif of_laws:
-        raise SceneFileError(
-            '[laws] is not used: name one for each crease in [creases], law = [...], "" for a spring'
-        )
+        raise SceneFileError("[laws] is not used: name one for each crease, [creases] law = [...]")
     more |= {"loads": data["loads"]} if "loads" in data else {}
     more |= dict(data.get("model", {}))
     return Scene(vertex, creases["stiffness"], rest, source=source, **more)
@@ -210,10 +203,10 @@ def _laws(named: object, stated: object, degree: int, source: str) -> tuple[Hing
     """Read the laws of the creases by their names."""
     names = [named] * degree if isinstance(named, str) else named
     if not isinstance(names, list) or len(names) != degree or not isinstance(stated, Mapping):
-        raise SceneFileError(
-            f"[creases] law = {shown(named)} must be the name of a table [laws.NAME], or one for each of {degree} "
-            'creases, "" for a linear spring'
+        each = (
+            f'the name of a table [laws.NAME], or one for each of {degree} creases, "" for a spring'
         )
+        raise SceneFileError(f"[creases] law = {shown(named)} must be {each}")
     laws = {name: read_law(table, str(name), Path(source).parent) for name, table in stated.items()}
     if unknown := [name for name in names if name and name not in laws]:
         raise SceneFileError(f"[creases] law: there is no table [laws.{unknown[0]}]")

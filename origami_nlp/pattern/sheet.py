@@ -311,10 +311,7 @@ class Pattern:
             If it is.
         """
         if self.cell:
-            raise OptionError(
-                f"pattern = {self.title} is a cell that repeats: {what} is for sheets by themselves, such as some "
-                "cells beside each other"
-            )
+            raise OptionError(f"{self.title} is a cell that repeats: {what} is for sheets alone")
 
     def check_wide(self) -> None:
         """Raise an error where a corner of a facet is too narrow for contact.
@@ -332,10 +329,10 @@ class Pattern:
             )
             narrow = int(wide.argmin())
             if wide[narrow] < NARROW:
+                where = f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}"
+                cure = "use contact = 'fold-limits', or join it to its neighbour (assignment J)"
                 raise OptionError(
-                    f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}: contact at a corner "
-                    f"narrower than {NARROW:g} rad is below the accuracy of contacts; use contact = 'fold-limits', or "
-                    "join the facet to its neighbour (assignment J)"
+                    f"{where}, narrower than the {NARROW:g} that contact needs: {cure}"
                 )
 
     @cached_property
@@ -425,9 +422,9 @@ def make_pattern(
         for i, b in enumerate(polygon):
             a = polygon[i - 1]
             if (a, b) in left_of:
+                both = f"facets {left_of[a, b] + 1} and {p + 1}"
                 raise FoldFileError(
-                    f"facets {left_of[a, b] + 1} and {p + 1} lie on the same side of the edge between vertices {a} "
-                    f"and {b}: a sheet has one facet on each side"
+                    f"{both} lie on one side of the edge between vertices {a} and {b}"
                 )
             left_of[a, b] = p
     whole = [(left_of[s], left_of[s[::-1]]) for s in joins if {s, s[::-1]} <= left_of.keys()]
@@ -438,10 +435,8 @@ def make_pattern(
     sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
     for a, b in sides:
         if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
-            raise FoldFileError(
-                f"the crease between vertices {a} and {b} ends within a facet: it cannot fold. Carry it on to another "
-                "crease or to the border, or give it assignment F"
-            )
+            where = f"the crease between vertices {a} and {b} ends within a facet"
+            raise FoldFileError(f"{where}: carry it on to a crease or the border, or make it F")
     index = {s: c for c, s in enumerate(sides)}
 
     loops = Loops(polygons, left_of, index)

@@ -101,16 +101,13 @@ def find_symmetry(
     if kind == "auto":
         kind, order = ("D", len(shifts)) if mirrors else ("C", len(shifts))
     if len(shifts) % order or (kind == "D" and not mirrors):
-        raise SymmetryError(
-            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
-            f"fold limits: the largest common group is {'D' if mirrors else 'C'}{len(shifts)}"
-        )
+        largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
+        by = f"by springs, preload and fold limits: the largest common group is {largest}"
+        raise SymmetryError(f"symmetry = {shown(wanted)} is not shared {by}")
     if kind == "D":
         return _wedge(vertex, order, mirrors, mirror, tolerance)
     if mirror is not None:
-        raise SymmetryError(
-            f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
-        )
+        raise SymmetryError(f"mirror = {shown(mirror)} is for symmetry = 'D<n>' alone")
     return _period(vertex, order)
 
 
@@ -298,7 +295,5 @@ def check_winding(winding: object, group: Symmetry, contact: str) -> None:
     """
     known = windings_of(group, contact)
     if winding is not None and (isinstance(winding, bool) or winding not in known):
-        raise SceneError(
-            f"winding = {shown(winding)} must be one of {', '.join(map(str, known))}: symmetry {group.name}, "
-            f"contact = {contact!r}"
-        )
+        which = f"{', '.join(map(str, known))} (symmetry {group.name}, contact = {contact!r})"
+        raise SceneError(f"winding = {shown(winding)} must be one of {which}")

@@ -78,16 +78,12 @@ class Vertex(PrettyRepr):
         unit = DEGREES if degrees else RADIANS  # errors are in what was stated
         angles = parse_angles(self.sector_angles, unit.field, degrees=degrees)
         if len(angles) < 3:
-            raise VertexError(
-                f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
-            )
+            raise VertexError(f"sector_angles has {len(angles)} entries: a vertex needs 3 at least")
         for name in ("flat", "normalize"):
             if not isinstance(getattr(self, name), bool):
                 raise VertexError(f"{name} = {shown(getattr(self, name))} must be true or false")
         if self.normalize and not self.flat:
-            raise VertexError(
-                "normalize = true is for a sheet that lies flat: leave out flat = false"
-            )
+            raise VertexError("normalize = true is for a flat sheet: leave out flat = false")
         total = math.fsum(angles)
         unit.check_each(angles)
         if self.flat:
@@ -104,7 +100,7 @@ class Vertex(PrettyRepr):
                 angles = tuple(a * (2 * math.pi / total) for a in angles)
         elif abs(total - 2 * math.pi) <= RESOLVED:
             raise VertexError(
-                f"sector_angles sum to 2 pi within {RESOLVED:g} rad: this sheet lies flat, leave out flat = false"
+                "sector_angles sum to 2 pi: the sheet lies flat, leave out flat = false"
             )
         else:
             _check_closes(angles, unit)
@@ -250,7 +246,5 @@ def _check_closes(angles: Sequence[float], unit: _Unit) -> None:
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
         if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
-            raise VertexError(
-                f"{unit.field} cannot close around a vertex: the {size} largest sum to {unit.show(chosen)}, too much "
-                "for the others to bring back"
-            )
+            size = f"the {size} largest sum to {unit.show(chosen)}, too much for the others"
+            raise VertexError(f"{unit.field} cannot close around a vertex: {size}")

@@ -99,9 +99,7 @@ def check(
         check_whole("frame", frame, 0)
     name, frames = _read(source)
     if any(one.lattice is not None for one in frames):
-        raise OptionError(
-            f"{LATTICE_KEY}: a cell that repeats is not checked; leave the key out to check the cell as a sheet"
-        )
+        raise OptionError(f"{LATTICE_KEY}: a cell that repeats is not checked, a sheet is")
     chosen = [one for one in frames if frame in (None, one.number)]
     if not chosen:
         known = ", ".join(str(one.number) for one in frames[:12])
