@@ -92,34 +92,23 @@ def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
     lines = linestrings(xy[frame.edges])
     tree = STRtree(lines)
     near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
-    used: list[int] = np.unique(frame.edges).tolist()
+    used = np.unique(frame.edges)
     which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
-    same, touching = set(), set()
-    for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
-        if v not in frame.edges[e]:
-            twins = coincident(frame, [v])
-            if twins in same:
-                continue
-            same |= {twins} - {""}
-            touching |= {
-                (e, other) for other in np.flatnonzero((frame.edges == v).any(axis=1)).tolist()
-            }
-            number = int(frame.numbers[e])
-            yield Oddity(
-                twins or f"edges_vertices[{number}] passes through vertex {v}: split it there",
-                (v,),
-                () if twins else (number,),
-            )
+    same, touching = set(), set[tuple[int, int]]()
+    for v, e in zip(used[which].tolist(), through.tolist(), strict=True):
+        if v in frame.edges[e] or (twins := coincident(frame, [v])) in same:
+            continue
+        same |= {twins} - {""}
+        beside = np.flatnonzero((frame.edges == v).any(axis=1)).tolist()
+        touching |= {(e, other) for other in beside} | {(other, e) for other in beside}
+        number = int(frame.numbers[e])
+        text = twins or f"edges_vertices[{number}] passes through vertex {v}: split it there"
+        yield Oddity(text, (v,), () if twins else (number,))
     pairs = {(min(i, j), max(i, j)) for i, j in tree.query(lines, predicate="crosses").T.tolist()}
-    for i, j in sorted(pairs):
-        if {(i, j), (j, i)} & touching:
-            continue  # in the vertex through which one of them passes
+    for i, j in sorted(pairs - touching):  # else in the vertex through which one of them passes
         a, b = sorted((int(frame.numbers[i]), int(frame.numbers[j])))
-        yield Oddity(
-            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both",
-            (),
-            (a, b),
-        )
+        text = f"edges_vertices[{a}] and [{b}] cross without a vertex: split both where they meet"
+        yield Oddity(text, (), (a, b))
 
 
 def coincident(frame: Frame, vertices: Iterable[int]) -> str:

@@ -162,16 +162,12 @@ def _locked(p: Pattern) -> Iterator[str]:
     along: dict[Side, list[int]] = {}
     for c, pair in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
         along.setdefault(side(*pair), []).append(c)
-    for creases in along.values() if p.is_flat and p.cell is None else ():
-        first, *others = creases
+    for first, *others in along.values() if p.is_flat and p.cell is None else ():
         x = p.corners[p.ends[others]].reshape(-1, 3) - p.corners[p.ends[first, 0]]
         off = float(np.linalg.norm(np.cross(x, p.directions[first]), axis=1).max(initial=0.0))
         if off > NOISE * float(np.ptp(p.corners, axis=0).max()):
-            numbers = ", ".join(map(str, p.numbers[creases]))
-            yield (
-                f"edges {numbers} join the same two facets along lines {off:.2g} apart: none of them folds; draw them "
-                "in one line"
-            )
+            edges = listed(p.numbers[[first, *others]].tolist())
+            yield f"edges {edges} join the same two facets, {off:.2g} off one line: none folds"
 
 
 class _Sheet:
@@ -312,53 +308,49 @@ class _Sheet:
             )
 
     def _make_exact(self) -> None:
+        """Move corners by what their digits leave open, or by the snap that was asked for."""
         snap = (self.snap or 0.0) * float(np.ptp(self.corners, axis=0).max())
         made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit, snap)
-        before, self.corners = self.corners, made.corners
+        moves = np.linalg.norm(made.corners - self.corners, axis=1)
+        self.corners = made.corners
         if made.misses and self.snap is None and not self.frame.folded:
+            miss = f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees"
             self.notes.append(
-                f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees, as those of a drawing "
-                "do: --snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets "
-                "facets bend"
+                f"{miss}: --snap 1e-3 moves corners so that they fold; --bend K bends"
             )
         if not made.moved:
             if self.snap is not None:
                 self.notes.append(
-                    f"--snap {self.snap:g}: nothing is to be moved, or more than that: corners stay where they are"
+                    f"--snap {self.snap:g}: nothing is to be moved, or more than that"
                 )
             return
         what = "faces are plane"
         if made.relations:
             what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
-            what += " and faces are plane" if self.frame.folded else ""
-        moves = np.linalg.norm(made.corners - before, axis=1)
-        most = ", ".join(f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
-        self.notes.append(
-            f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
-            + f"; most: vertices {most}" * (self.snap is not None)
-        )
+            what += " and faces are plane" * self.frame.folded
+        said = f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+        if self.snap is not None:
+            most = (f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
+            said += f"; most: vertices {', '.join(most)}"
+        self.notes.append(said)
 
     def _note_borders(self, sides: dict[Side, list[int]]) -> None:
+        """Note folds along borders, and refuse those that are sides of no face."""
+        frame = self.frame
         alone = [e for s, n in sides.items() if len(n) == 1 and (e := self._edge(s)) is not None]
-        drawn = sorted(
-            int(self.frame.numbers[e]) for e in alone if self.frame.assignment[e] in "MV"
-        )
+        drawn = sorted(int(frame.numbers[e]) for e in alone if frame.assignment[e] in "MV")
         if drawn:
             self.notes.append(
-                f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
+                f"edges {listed(drawn)} are drawn as folds on the border: read as borders"
             )
         used = {*self.edge.values(), *alone}
-        for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
-            ends = self.frame.edges[e].tolist()
-            bare = "B" not in self.frame.assignment and not self.frame.faces
-            way_on = (
-                "no border is drawn, add the outline of the paper"
-                if bare
-                else "give its faces in faces_vertices, or leave it out"
-            )
-            where = " to ".join(map(self.frame.place, ends))
-            why = f"is a fold but the side of no face: {coincident(self.frame, ends) or way_on}"
-            raise FoldFileError(f"edges_vertices[{self.frame.numbers[e]}] from {where} {why}")
+        for e in (e for e, a in enumerate(frame.assignment) if a in "MV" and e not in used):
+            ends = frame.edges[e].tolist()
+            cure = coincident(frame, ends) or "give its faces in faces_vertices, or leave it out"
+            if "B" not in frame.assignment and not frame.faces:
+                cure = "no border is drawn, add the outline of the paper"
+            where = f"edges_vertices[{frame.numbers[e]}] from {' to '.join(map(frame.place, ends))}"
+            raise FoldFileError(f"{where} is a fold but the side of no face: {cure}")
 
     def measured(self) -> tuple[dict[Side, float], float]:
         """Measure the fold angles of a folded form; and whether they agree with the file (> 0) or not (< 0)."""
@@ -411,9 +403,8 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
     """
     from shapely import LinearRing
 
-    x = frame.coords
     for f, face in enumerate(polygons):
-        p = x[list(face)] - x[face[0]]
+        p = frame.coords[list(face)] - frame.coords[face[0]]
         _, extent, axes = np.linalg.svd(p, full_matrices=False)
         name = f"faces_vertices[{f}]" if frame.faces else f"the facet at vertices {face}"
         at = tuple(face), (), (f,) if frame.faces else ()
@@ -421,11 +412,9 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
             yield Oddity(f"{name} has no area: leave it out, or move a vertex", *at)
         elif len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
             yield Oddity(
-                f"{name} comes back to or crosses its own outline: put its vertices in the order of the outline",
-                *at,
+                f"{name} crosses or meets its own outline: order its vertices along it", *at
             )
         elif len(extent) > 2 and extent[2] > NOISE * extent[0]:
             off = float(extent[2] / extent[0])
-            yield Oddity(
-                f"{name} is not flat (by {off:.2g} of its size): split it along a crease", *at, off
-            )
+            text = f"{name} is not flat (by {off:.2g} of its size): split it along a crease"
+            yield Oddity(text, *at, off)

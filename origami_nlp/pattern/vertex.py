@@ -210,18 +210,15 @@ class _Unit:
                 )
 
     def of_sum(self, angles: Sequence[float], total: float) -> str:
-        """Say by how much the sum misses a full turn, and what cures it."""
+        """Describe the sum of sectors that do not add to a full turn: what is missing, and what to write."""
         missing = 2 * math.pi - total
         cure = self.other(angles) or "a sector is missing or wrong"
         if abs(missing) <= MOST_SPREAD:
-            each = self.show(missing / len(angles), 3)
-            cure = f"correct them, or add normalize = true (each changes by {each})"
-            cure += '; exact multiples are written "pi/3"' * (self.scale == 1.0)
-        which = "missing" if missing > 0 else "too much"
-        return (
-            f"{self.field} sum to {self.show(total, 9)}, not {self.show(2 * math.pi, 9)}: "
-            f"{self.show(abs(missing), 4)} {which}; {cure}"
-        )
+            each = f"add normalize = true (each changes by {self.show(missing / len(angles), 3)})"
+            cure = f"correct them, or {each}" + '; multiples are "pi/3"' * (self.scale == 1.0)
+        much = f"{self.show(abs(missing), 4)} {'missing' if missing > 0 else 'too much'}"
+        whole = f"{self.show(total, 9)}, not {self.show(2 * math.pi, 9)}"
+        return f"{self.field} sum to {whole}: {much}; {cure}"
 
     def other(self, angles: Sequence[float]) -> str:
         """Say that angles are those of the other unit, if they are."""
@@ -246,5 +243,5 @@ def _check_closes(angles: Sequence[float], unit: _Unit) -> None:
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
         if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
-            size = f"the {size} largest sum to {unit.show(chosen)}, too much for the others"
-            raise VertexError(f"{unit.field} cannot close around a vertex: {size}")
+            many = f"the {size} largest sum to {unit.show(chosen)}, too much for the others"
+            raise VertexError(f"{unit.field} cannot close around a vertex: {many}")

@@ -121,9 +121,9 @@ def test_duplicates_and_conflicts():
     data = disc([60, 100, 120, 80], "MVVV")
     data["edges_vertices"].append([1, 0])
     data["edges_assignment"].append("M")
-    assert "same line" in frame(data).notes[0] and not only(data).reason
+    assert "same lines" in frame(data).notes[0] and not only(data).reason
     data["edges_assignment"][-1] = "V"
-    assert "conflicting" in frame(data).notes[0]
+    assert "stated twice" in frame(data).notes[0]
     assert "edge 0" in only(data).reason
     with pytest.raises(OrigamiError, match="conflicting"):
         scene_at(frame(data), 0)

@@ -36,11 +36,11 @@ def test_frames_that_inherit_too_much_are_refused_and_one_can_be_chosen(tmp_path
     file.write_text(chain(100))
     done = RUN.invoke(app, ["inspect", str(file)])
     assert isinstance(done.exception, OrigamiError)
-    assert "101 frames" in str(done.exception) and "--frame" in str(done.exception)
+    assert "500 vertices" in str(done.exception) and "--frame" in str(done.exception)
     done = RUN.invoke(app, ["inspect", str(file), "--frame", "57"])
     assert done.exit_code == 0 and "frame 57" in done.output and "frame 56" not in done.output
     assert [f.number for f in parse_fold(chain(100), "first")] == [0]
-    with pytest.raises(OrigamiError, match="--frame -1 is no frame"):
+    with pytest.raises(OrigamiError, match="--frame -1 has no geometry"):
         parse_fold(chain(100), -1)
 
 
