@@ -257,9 +257,7 @@ def parse_fold(
         raise FoldFileError(f"{name} has no frame with vertices_coords, only {only}")
     wanted = there if frame is None else there[:1] if frame == "first" else [frame]
     if not {*wanted} <= {*there}:
-        raise FoldFileError(
-            f"--frame {frame} has no geometry: those with it are {listed(there, 12)}"
-        )
+        raise FoldFileError(f"--frame {frame} has no geometry: there is {listed(there, 12)}")
     keys = ("vertices_coords", "edges_vertices")
     lists = (full[number].get(key) for number in wanted for key in keys)
     if len(wanted) > 1 and sum(len(one) for one in lists if isinstance(one, list)) > MOST_ELEMENTS:

@@ -159,8 +159,3 @@ def test_ends_that_all_but_meet_are_one_point():
     )  # fmt: skip
     assert Counter(found.letters) == {"B": 8, "M": 3, "V": 1}
     assert len(found.points) == 9 and found.tolerance == 1e-6
-
-
-def test_a_line_drawn_in_two_colours_makes_no_tolerance_coarser():
-    found = made(*square(), ("M", 0, 0, 4, 4), ("V", 0, 0, 4, 4))
-    assert found.tolerance == RUNGS[0] and Counter(found.letters) == {"B": 4, "M": 1, "V": 1}
