@@ -99,18 +99,13 @@ def _frames(source: str, drawing: DrawingOptions | None) -> tuple[Frame, ...]:
 
 
 def _lost(frame: Frame) -> tuple[str, ...]:
-    stated = {
-        "stiffness": frame.stiffness,
-        "rest angles": frame.rest_angles,
-        "preload": frame.preload,
-        "fold limits": frame.limits,
-        "lattice vectors": frame.lattice,
-    }
-    given = [k for k, v in stated.items() if v is not None and not np.isnan(v).all()]
+    """Note what a file states that a drawing does not."""
+    stated = "stiffness rest_angles preload limits lattice".split()
+    arrays = {key.replace("_", " "): getattr(frame, key) for key in stated}
+    given = [key for key, v in arrays.items() if v is not None and not np.isnan(v).all()]
     given += ["hinge laws"] * bool(frame.laws)
-    if not given:
-        return ()
-    return (f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them",)
+    kept = f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them"
+    return (kept,) if given else ()
 
 
 def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:
@@ -138,16 +133,6 @@ def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:
         Edges that are joined (J) as flat ones.
     """
     said = state or flat
-    names = {"J": "F", "?": "U"}
-    return Drawing(
-        flat.coords[:, :2],
-        flat.edges,
-        tuple(names.get(letter, letter) for letter in said.assignment),
-        np.degrees(said.fold_angles),
-        0.0,
-        0.0,
-        said.title,
-        flat.length_unit,
-        flat.y_down,
-        said.notes,
-    )
+    letters = tuple({"J": "F", "?": "U"}.get(letter, letter) for letter in said.assignment)
+    drawn = flat.coords[:, :2], flat.edges, letters, np.degrees(said.fold_angles)
+    return Drawing(*drawn, 0.0, 0.0, said.title, flat.length_unit, flat.y_down, said.notes)

@@ -10,6 +10,7 @@ import contextlib
 import itertools
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -77,25 +78,22 @@ class Relabelling:
 
     def relabelled(self, scene: Scene) -> Scene:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
+        creases, mean = self.creases, _mean(scene)
         sectors = np.array(scene.vertex.sector_angles)[self.facets]
-        creases = self.creases
         vertex = Vertex(tuple(sectors.tolist()), scene.vertex.flat)
-        # what the scene has decided stays decided: the same vertex, to the last bit
-        decided = replace(
-            scene.relations, sector_angles=vertex.sector_angles, made_exact=0, moved=0.0
-        )
+        known: Any = {"sector_angles": vertex.sector_angles, "made_exact": 0, "moved": 0.0}
+        preload = (self._turned(scene.preload) / mean).tolist() if scene.preload else ()
+        limits = map(tuple, self.limit_angles(scene).T.tolist()) if scene.limits else ()
         return Scene(
             vertex,
-            tuple((np.array(scene.stiffness)[creases] / _mean(scene)).tolist()),
+            tuple((np.array(scene.stiffness)[creases] / mean).tolist()),
             tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
-            preload=tuple((self._turned(scene.preload) / _mean(scene)).tolist())
-            if scene.preload
-            else (),
-            limits=tuple(map(tuple, self.limit_angles(scene).T.tolist())) if scene.limits else (),
-            laws=self.laws(scene, 1 / _mean(scene)),
-            relations=decided,
+            preload=tuple(preload),
+            limits=tuple(limits),
+            laws=self.laws(scene, 1 / mean),
+            relations=replace(scene.relations, **known),
         )
 
 

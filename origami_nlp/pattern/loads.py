@@ -57,10 +57,12 @@ class Load:
         if given not in ({"crease", "distance", "force"}, {"facet", "point", "force"}):
             ways = "crease, distance and force; or facet, point = [distance, angle] and force"
             raise SceneError(f"a load has {', '.join(sorted(given)) or 'nothing'}: give {ways}")
-        force = _entries("force", self.force, 3)
+        wrong = f"force = {shown(self.force)} of a load must be a list of 3 numbers"
+        force = read_list(self.force, wrong, 3)
         object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
         if self.point is not None:
-            far, angle = _entries("point", self.point, 2)
+            wrong = f"point = {shown(self.point)} of a load must be a list of 2 numbers"
+            far, angle = read_list(self.point, wrong, 2)
             at = _number("point", far), parse_angle(angle, "the angle of point")
             object.__setattr__(self, "point", at)
         else:
@@ -124,11 +126,6 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
     return tuple(out)
 
 
-def _entries(name: str, value: object, count: int) -> list[Any]:
-    wrong = f"{name} = {shown(value)} of a load must be a list of {count} numbers"
-    return read_list(value, wrong, count)
-
-
 def _number(name: str, value: object) -> float:
     return check_number(f"{name} of a load", value, -LARGEST_FORCE, LARGEST_FORCE, SceneError)
 
@@ -173,22 +170,14 @@ class DeadLoads:
         return replace(self, forces=factor * self.forces)
 
     def _each(self, sectors: np.ndarray) -> Iterator[tuple[list[int], np.ndarray, np.ndarray, Any]]:
-        """Go through loads: the creases (0-based) from the fixed facet on, their axes, the point, all flat; the force.
-
-        In the frame of the fixed facet, x along its first crease: axes [k, 3], point [3].
-        """
+        """Go through the forces: creases from the held facet on, axes and point unfolded, and the force."""
         n = len(sectors)
-        for facet, point, force in zip(self.facets, self.points, self.forces, strict=True):
+        for facet, (x, y), force in zip(self.facets, self.points, self.forces, strict=True):
             turns = [(self.held + 1 + i) % n for i in range((facet - self.held) % n)]
             azimuth = np.cumsum([0.0, *(sectors[c - 1] for c in turns)])
             c, s = np.cos(azimuth), np.sin(azimuth)
-            axes = np.column_stack([c, s, 0 * c])
-            yield (
-                turns,
-                axes[1:],
-                axes[-1] * point[0] + np.array([-s[-1], c[-1], 0]) * point[1],
-                force,
-            )
+            point = np.array([c[-1] * x - s[-1] * y, s[-1] * x + c[-1] * y, 0.0])
+            yield turns, np.column_stack([c, s, 0 * c])[1:], point, force
 
     def _folded(self, sectors: np.ndarray, x: np.ndarray) -> Iterator[tuple[Any, ...]]:
         """Go through loads at states [..., N]: the creases between, their axes [..., k, 3], the point, the force."""
@@ -271,13 +260,7 @@ def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | No
     """
     if not loads or fixed_facet is None:
         return None
-    points = [
-        (far * math.cos(angle), far * math.sin(angle))
-        for far, angle in (load.place for load in loads)
-    ]
-    return DeadLoads(
-        fixed_facet - 1,
-        tuple(load.number - 1 for load in loads),
-        np.array(points),
-        np.array([load.force for load in loads]),
-    )
+    places = [load.place for load in loads]
+    points = np.array([(far * math.cos(turn), far * math.sin(turn)) for far, turn in places])
+    facets = tuple(load.number - 1 for load in loads)
+    return DeadLoads(fixed_facet - 1, facets, points, np.array([load.force for load in loads]))

@@ -206,19 +206,14 @@ class Scene(PrettyRepr):
     def _find_symmetry(self) -> Symmetry:
         """Find the symmetry that geometry and mechanics share; forces keep none."""
         wanted = self.symmetry
-        if self.loads and wanted not in ("auto", "none"):
-            raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by loads: use none or auto"
-            )
+        if self.loads:
+            if wanted not in ("auto", "none"):
+                what = f"symmetry = {shown(wanted)} is not shared by loads: use none or auto"
+                raise SymmetryError(what)
+            wanted = "none"
         angles = [self.rest_angles, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
-        return find_symmetry(
-            self.vertex,
-            self.stiffness,
-            angles,
-            "none" if self.loads else wanted,
-            self.mirror,
-            self.symmetry_tolerance,
-        )
+        how = wanted, self.mirror, self.symmetry_tolerance
+        return find_symmetry(self.vertex, self.stiffness, angles, *how)
 
     def _make_symmetric(self) -> None:
         """Average what is equal only up to `symmetry_tolerance`, until the group finds nothing left to average."""
@@ -226,20 +221,17 @@ class Scene(PrettyRepr):
         while True:
             elements = self.group.elements
             sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+            own = self.rest_angles, self.stiffness, self.preload, *self.limit_angles
             rest, k, preload, *stops = (
-                averaged(values, elements, facets=False) if len(values) else ()
-                for values in (self.rest_angles, self.stiffness, self.preload, *self.limit_angles)
+                averaged(values, elements, facets=False) if len(values) else () for values in own
             )
             wound = np.divide(preload, k) if preload else ()
             made = [sectors, rest, wound, *(stops if self.limits else ()), k]
             if _change(made, self._numbers) <= SUMMED:
                 return
             vertex = self.vertex.with_angles(sectors)
-            found = replace(
-                self.relations,
-                sector_angles=vertex.sector_angles,
-                exact=find_relations(vertex.sector_angles).exact,
-            )
+            exact = find_relations(vertex.sector_angles).exact
+            found = replace(self.relations, sector_angles=vertex.sector_angles, exact=exact)
             limits = read_limits(tuple(zip(*stops, strict=True)), len(k)) if self.limits else ()
             self._set(adjusted=_change(made, stated), vertex=vertex, relations=found, limits=limits)
             self._set(stiffness=k, rest_angles=rest, preload=preload)
@@ -336,26 +328,18 @@ class Scene(PrettyRepr):
 
     @property
     def load_lines(self) -> list[str]:
-        """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
+        """What reports say of preload and forces."""
         lines = []
         if self.preload:
-            laws = self.laws or (None,) * self.degree
-            wound = enumerate(zip(self.preload, self.wound_angles, laws, strict=True), start=1)
-            at = [
-                f"crease {i} {m:g} N m ({f'beside {law.name}' if law else f'{w:.6g} rad'})"
-                for i, (m, w, law) in wound
-                if m
-            ]
-            lines = [
-                "preload (and the angle to which it winds the spring): " + ", ".join(at),
-                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2"
-                + ", of a law U - preload phi" * any(self.laws),
-            ]
+            each = enumerate(zip(self.preload, self.wound_angles, strict=True), start=1)
+            at = [f"crease {i} {m:g} N m (spring wound to {w:.6g} rad)" for i, (m, w) in each if m]
+            law = ", of a law U - preload phi" * any(self.laws)
+            lines = [f"preload: {', '.join(at)}", f"U = sum k/2 (phi - phi0 - preload/k)^2{law}"]
         if self.loads:
             lines += [load.words for load in self.loads]
+            axes = f"x along crease {self.fixed_facet}, z its normal"
             lines.append(
-                f"facet {self.fixed_facet} is fixed: x along crease {self.fixed_facet}, z its normal (creases run "
-                "counter-clockwise seen from there); energies are U - sum force . position"
+                f"facet {self.fixed_facet} is fixed: {axes}; energies less force . position"
             )
         return lines
 
@@ -413,22 +397,15 @@ class Scene(PrettyRepr):
         return f"Scene({who}: degree {self.degree}, symmetry {self.group.name}, contact {self.contact})"
 
     def __str__(self) -> str:
-        k = ", ".join(f"{v:.6g}" for v in self.stiffness)
+        k, preload = (", ".join(f"{v:.6g}" for v in own) for own in (self.stiffness, self.preload))
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
-        title = f"{self.label}: " if self.label else ""
-        preload = ", ".join(f"{v:.6g}" for v in self.preload)
-        return (
-            f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
-            + (f"\n  preload=[{preload}] N m," if preload else "")
-            + "".join(
-                f"\n  law of crease {i}: {law}," for i, law in enumerate(self.laws, start=1) if law
-            )
-            + (f"\n  limits: {limit_words(self.limits)}," if self.limits else "")
-            + "".join(
-                f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads
-            )
-            + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
-        )
+        parts = [f"{self.vertex}", f"stiffness=[{k}] N m/rad", f"rest_angles=[{rest}] rad"]
+        parts += [f"preload=[{preload}] N m"] * bool(preload)
+        parts += [f"law of crease {i}: {law}" for i, law in enumerate(self.laws, start=1) if law]
+        parts += [f"limits: {limit_words(self.limits)}"] * bool(self.limits)
+        parts += [f"load: {load.words}, facet {self.fixed_facet} fixed" for load in self.loads]
+        parts += [f"symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r}"]
+        return f"Scene({self.label and self.label + ': '}" + ",\n  ".join(parts) + ")"
 
 
 def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
