@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, did_you_mean, shown
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OrigamiError
 
 MOST_PARTS = 100
@@ -247,18 +247,12 @@ def check_tables(
         many = isinstance(content, list)
         entries = content if many else [content]
         if many != (table in lists) or not all(isinstance(one, Mapping) for one in entries):
-            should = f"a list of tables: write [[{table}]]"
-            should = should if table in lists else f"a table: write [{table}]"
+            should = f"a list of tables: write [[{table}]]" if table in lists else "a table"
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                home = next((other for other in known if key in known[other]), None)
-                meant = did_you_mean(key, known[table]) or (
-                    f"; {key} is a key of [{home}]" if home else ""
-                )
-                raise error(
-                    f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
-                )
+                takes = ", ".join(known[table])
+                raise error(f"unknown key {key!r} in [{table}]: it takes {takes}")
 
 
 def one_of(

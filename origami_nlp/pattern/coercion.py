@@ -16,7 +16,7 @@ from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.fold_file import frame_of
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
-from origami_nlp.pattern.polygons import Side, sides_of
+from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern
@@ -218,21 +218,20 @@ def from_mesh(
     try:
         points = np.asarray(vertices, float)
         rings = [tuple(int(v) for v in face) for face in faces]
-        stated = (
-            {} if isinstance(assignment, str) else {(a, b): x for (a, b), x in assignment.items()}
-        )
+        all_alike = isinstance(assignment, str)
+        stated = {} if all_alike else {(a, b): x for (a, b), x in assignment.items()}  # type: ignore[union-attr]
         k, rest = np.asarray(stiffness, float), np.asarray(rest_angles, float)
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             raise ValueError(f"vertices has shape {points.shape}")
     except (TypeError, ValueError, AttributeError) as error:
         what = "vertices [V, 2] or [V, 3], faces, letters by pairs of vertices, and numbers"
         raise OptionError(f"a mesh is {what}: {error}") from None
-    rest_of_all = assignment if isinstance(assignment, str) else "U"
-    letter = {s: rest_of_all if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
+    inner = assignment if all_alike else "U"
+    letter = {s: inner if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
     for (a, b), x in stated.items():
-        if (min(a, b), max(a, b)) not in letter:
+        if side(a, b) not in letter:
             raise OptionError(f"assignment[{shown((a, b))}]: these are no side of a face")
-        letter[min(a, b), max(a, b)] = x
+        letter[side(a, b)] = x
     flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
     edges = sorted(letter)
     known: dict[str, Any] = {

@@ -10,9 +10,9 @@ import numpy as np
 
 from origami_nlp.drawings import half_edges
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.numerics import INPUT_TOL, groups
 from origami_nlp.pattern.fold_file import Frame
-from origami_nlp.pattern.polygons import area, side, sides_of
+from origami_nlp.pattern.polygons import area, sides_of
 
 
 def face_walks(frame: Frame) -> list[tuple[int, ...]]:
@@ -34,27 +34,16 @@ def face_walks(frame: Frame) -> list[tuple[int, ...]]:
 
 def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:
     """Turn faces so that neighbours run along a common side in opposite directions; how many were turned."""
-    faces = list(faces)
-    at = sides_of(faces)
-    done: set[int] = set()
-    against = 0
-    for seed in range(len(faces)):
-        queue = [seed] if seed not in done else []
-        done.add(seed)
-        while queue:
-            f = queue.pop()
-            along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
-            for a, b in along:
-                # once crossed, all that share a side are done
-                for g in at.pop(side(a, b), ()):
-                    if g in done:
-                        continue
-                    done.add(g)
-                    queue.append(g)
-                    if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
-                        faces[g] = faces[g][::-1]
-                        against += 1
-    return faces, against
+    along = {(k, f[i - 1], v) for k, f in enumerate(faces) for i, v in enumerate(f)}
+    joined = []  # faces as they are, 2 k, and turned over, 2 k + 1
+    for (a, b), (k, *others) in sides_of(faces).items():
+        for other in others:
+            over = ((k, a, b) in along) == ((other, a, b) in along)
+            joined += [(2 * k, 2 * other + over), (2 * k + 1, 2 * other + 1 - over)]
+    alike = groups(2 * len(faces), joined).reshape(-1, 2)
+    turned = alike[:, 0] > alike[:, 1]  # the first of those that hang together stays
+    out = [f[::-1] if over else f for f, over in zip(faces, turned, strict=True)]
+    return out, int(turned.sum())
 
 
 class Oddity(NamedTuple):

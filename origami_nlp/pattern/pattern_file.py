@@ -154,20 +154,10 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
-    return replace(made, source=frame.source, notes=(*made.notes, *_locked(made)))
-
-
-def _locked(p: Pattern) -> Iterator[str]:
-    """Name creases that join the same two facets and run in no one line: they cannot fold."""
-    along: dict[Side, list[int]] = {}
-    for c, pair in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
-        along.setdefault(side(*pair), []).append(c)
-    for first, *others in along.values() if p.is_flat and p.cell is None else ():
-        x = p.corners[p.ends[others]].reshape(-1, 3) - p.corners[p.ends[first, 0]]
-        off = float(np.linalg.norm(np.cross(x, p.directions[first]), axis=1).max(initial=0.0))
-        if off > NOISE * float(np.ptp(p.corners, axis=0).max()):
-            edges = listed(p.numbers[[first, *others]].tolist())
-            yield f"edges {edges} join the same two facets, {off:.2g} off one line: none folds"
+    return replace(
+        made,
+        source=frame.source,
+    )
 
 
 class _Sheet:
@@ -214,27 +204,23 @@ class _Sheet:
 
     def _faces(self) -> list[tuple[int, ...]]:
         """Return the faces that the file states, all of one sense."""
-        faces, against = oriented(self.frame.faces)
-        x = self.frame.coords
+        frame, x = self.frame, self.frame.coords
+        faces, against = oriented(frame.faces)
         for f, face in enumerate(faces):
             if len(set(face)) < len(face):
                 raise FoldFileError(f"faces_vertices[{f}] comes to a vertex twice: split the face")
         check_sides(faces)
-        if not self.frame.folded:
-            if sum(area(x[list(face), :2]) for face in faces) < 0:
-                faces = [face[::-1] for face in faces]
-                against = len(faces) - against
-            wrong = [f for f, face in enumerate(faces) if area(x[list(face), :2]) < 0]
-            if wrong:
-                why = "it overlaps its neighbour, or its vertices are in the wrong order"
-                raise FoldFileError(f"faces_vertices[{wrong[0]}] lies upside down: {why}")
-        elif 2 * against > len(faces):
+        areas = [0.0 if frame.folded else area(x[list(face), :2]) for face in faces]
+        if sum(areas) < 0 or (frame.folded and 2 * against > len(faces)):
             faces, against = [face[::-1] for face in faces], len(faces) - against
+            areas = [-a for a in areas]
+        for f in (f for f, a in enumerate(areas) if a < 0):
+            why = "it overlaps its neighbour, or its vertices are in the wrong order"
+            raise FoldFileError(f"faces_vertices[{f}] lies upside down: {why}")
         if 0 < against < len(faces):
             self.notes.append(f"{against} faces were turned over to orient all alike")
-        for f, g, s in self.frame.face_orders:
-            turned = faces[g] != self.frame.faces[g]
-            self.orders.append((f, g, -s if turned else s))
+        for f, g, s in frame.face_orders:
+            self.orders.append((f, g, s if faces[g] == frame.faces[g] else -s))
         return faces
 
     def _walked(self) -> list[tuple[int, ...]]:
@@ -245,10 +231,9 @@ class _Sheet:
         check_drawing(frame)
         faces, holes = [], 0
         for walk in face_walks(frame):
-            ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
-            if ends:
-                v = walk[ends[0] - 1]
-                e = self.number[side(v, walk[ends[0]])]
+            for i in (i for i, v in enumerate(walk) if walk[i - 2] == v):
+                v = walk[i - 1]
+                e = self.number[side(v, walk[i])]
                 where = f"edges_vertices[{frame.numbers[e]}] ends within a facet"
                 cure = "carry it on to a crease or the border, or leave it out"
                 raise FoldFileError(f"{where}, at vertex {v} {frame.place(v)}: {cure}")
@@ -256,10 +241,8 @@ class _Sheet:
                 v = Counter(walk).most_common(1)[0][0]
                 cure = "join what is inside it to its outline by a crease, or give faces_vertices"
                 raise FoldFileError(f"a facet comes to vertex {v} {frame.place(v)} twice: {cure}")
-            letters = {
-                frame.assignment[self.number[side(walk[i - 1], v)]] for i, v in enumerate(walk)
-            }
-            if letters <= set("BC"):
+            sides = (self.number[side(walk[i - 1], v)] for i, v in enumerate(walk))
+            if {frame.assignment[e] for e in sides} <= set("BC"):
                 holes += 1
             else:
                 faces.append(walk)
@@ -276,36 +259,29 @@ class _Sheet:
         letters = self.frame.assignment
         places = [(p, v) for p, polygon in enumerate(self.polygons) for v in polygon]
         place = {key: k for k, key in enumerate(places)}
-        cuts, slit, joined = 0, set(), []
-        for ends, polygons in sides_of(self.polygons).items():
+        cuts, slit, joined = 0, set[int](), []
+        for ends, (first, *others) in sides_of(self.polygons).items():
             known = self.number.get(ends)
-            if known is not None and letters[known] in "BC" and len(polygons) > 1:
+            if known is not None and letters[known] in "BC" and others:
                 cuts += 1
                 slit |= {*ends}
-                continue
-            joined += [
-                (place[polygons[0], v], place[other, v]) for other in polygons[1:] for v in ends
-            ]
+            else:
+                joined += [(place[first, v], place[other, v]) for other in others for v in ends]
         piece = groups(len(places), joined).tolist()
         self.origin = list(range(len(self.frame.coords)))
-        number: dict[int, int] = {}
-        taken: set[int] = set()
+        number, taken = dict[int, int](), set[int]()
         for (_, v), one in zip(places, piece, strict=True):
             if one not in number:
                 number[one] = v if v not in taken else len(self.origin)
                 self.origin += [v] * (v in taken)
                 taken.add(v)
-        self.polygons = [
-            tuple(number[piece[place[p, v]]] for v in q) for p, q in enumerate(self.polygons)
-        ]
+        corner = {key: number[one] for key, one in zip(places, piece, strict=True)}
+        self.polygons = [tuple(corner[p, v] for v in q) for p, q in enumerate(self.polygons)]
         self.corners = self.frame.coords[self.origin]
         if cuts:
             self.notes.append(f"{cuts} edges B or C with facets on both sides are cuts")
-        points = sorted({*self.origin[len(self.frame.coords) :]} - slit)
-        if points:
-            self.notes.append(
-                f"paper meets in points at vertices {listed(points)}: it is not joined there"
-            )
+        if points := sorted({*self.origin[len(self.frame.coords) :]} - slit):
+            self.notes.append(f"paper meets in points, and is not joined, at {listed(points)}")
 
     def _make_exact(self) -> None:
         """Move corners by what their digits leave open, or by the snap that was asked for."""
@@ -353,34 +329,32 @@ class _Sheet:
             raise FoldFileError(f"{where} is a fold but the side of no face: {cure}")
 
     def measured(self) -> tuple[dict[Side, float], float]:
-        """Measure the fold angles of a folded form; and whether they agree with the file (> 0) or not (< 0)."""
-        frame = self.frame
+        """Measure fold angles in the coordinates, and whether the file's letters speak for the side that is up."""
+        frame, x = self.frame, self.corners
         if not frame.folded:
             return {}, 0.0
-        x = self.corners
         left = {(p[i - 1], v): k for k, p in enumerate(self.polygons) for i, v in enumerate(p)}
         normals = np.array([unit_normals(x[list(p)]) for p in self.polygons])
         phi, votes, unsure = {}, 0.0, []
         joined = set(self.joins)
         lies = {side(f, g): float(s) for f, g, s in self.orders}
         for ends, e in self.edge.items():
-            if ends in joined or ends not in left or ends[::-1] not in left:
+            if ends in joined or not {ends, ends[::-1]} <= left.keys():
                 continue
-            a, b = normals[left[ends[::-1]]], normals[left[ends]]
-            angle = fold_between(x[ends[1]] - x[ends[0]], a, b)
+            over, under = left[ends], left[ends[::-1]]
+            angle = fold_between(x[ends[1]] - x[ends[0]], normals[under], normals[over])
             sign = stated_sign(frame, e)
             if math.pi - abs(angle) < PLACES:
-                # facets of a valley lie on the sides of each other's normals
-                lie = lies.get(side(left[ends], left[ends[::-1]]), 0.0)
+                # the normal of g says which side is up: s > 0 says that f lies above, a valley where g is on the other
+                lie = lies.get(side(over, under), 0.0)
                 votes += sign * lie
                 sign = sign or lie
-                if not sign:
-                    unsure.append(int(frame.numbers[e]))
+                unsure += [] if sign else [int(frame.numbers[e])]
                 angle = math.copysign(math.pi, sign or 1.0)
             elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[ends] = angle
-        note = f"fully folded creases {listed(unsure)} without assignment or fold angle: taken for valleys"
+        note = f"fully folded creases {listed(unsure)}, not assigned, are taken for valleys"
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes

@@ -29,7 +29,7 @@ from origami_nlp.pattern.hinges_stated import (
     read_hinges,
 )
 from origami_nlp.pattern.numbers_read import check_range, read_numbers
-from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, sides_of
+from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, side, sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""
@@ -324,9 +324,8 @@ class Pattern:
         for facet, ring in zip(self.facet_of.tolist(), self.polygons, strict=True):
             x = self.corners[list(ring)]
             ahead, back = np.roll(x, -1, axis=0) - x, np.roll(x, 1, axis=0) - x
-            wide = np.arctan2(
-                np.linalg.norm(np.cross(ahead, back), axis=1), np.einsum("ki,ki->k", ahead, back)
-            )
+            across = np.linalg.norm(np.cross(ahead, back), axis=1)
+            wide = np.arctan2(across, np.einsum("ki,ki->k", ahead, back))
             narrow = int(wide.argmin())
             if wide[narrow] < NARROW:
                 where = f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}"
@@ -359,14 +358,15 @@ class Pattern:
         return energy_or_zero(energy, self.stiffness)
 
     def __repr__(self) -> str:
-        many, cell = len(self.holes), self.cell is not None
+        """Return counts; the arrays would fill pages."""
+        cell, many = self.cell is not None, len(self.holes)
         holes = f", {many} hole{'s' * (many > 1)}" if many else ""
         if cell and self.cell.rolled:
             p, q = self.cell.rolled
-            holes = f", round a tube by {p} and {q} copies" if any((p, q)) else ", free to curl"
-        facets = f"{'cell of ' * cell}{self.facets} facets, {self.creases} creases"
-        inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices"
-        return f"Pattern({self.name!r}: {facets}, {inside}{holes})"
+            holes = f", round a tube by {p} and {q} copies" if p or q else ", free to curl"
+        inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices{holes}"
+        facets = f"{'cell of ' * cell}{self.facets} facets"
+        return f"Pattern({self.name!r}: {facets}, {self.creases} creases, {inside})"
 
 
 def make_pattern(
@@ -419,34 +419,26 @@ def make_pattern(
         raise FoldFileError(f"the pattern has {len(polygons):,} facets: at most {MOST_FACETS:,}")
     left_of: dict[tuple[int, int], int] = {}
     for p, polygon in enumerate(polygons):
-        for i, b in enumerate(polygon):
-            a = polygon[i - 1]
-            if (a, b) in left_of:
-                both = f"facets {left_of[a, b] + 1} and {p + 1}"
-                raise FoldFileError(
-                    f"{both} lie on one side of the edge between vertices {a} and {b}"
-                )
-            left_of[a, b] = p
-    whole = [(left_of[s], left_of[s[::-1]]) for s in joins if {s, s[::-1]} <= left_of.keys()]
-    facet_of = groups(len(polygons), whole)
+        for a, b in zip([*polygon[-1:], *polygon], polygon, strict=False):
+            if left_of.setdefault((a, b), p) != p:
+                two = f"facets {left_of[a, b] + 1} and {p + 1}"
+                raise FoldFileError(f"{two} lie on one side of the edge of vertices {a} and {b}")
+    together = {side(*s) for s in joins}
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
-    together = {tuple(sorted(s)) for s in joins}
+    both = {s: (left_of[s], left_of[s[::-1]]) for s in inner}
+    facet_of = groups(len(polygons), [both[s] for s in inner if s in together])
+    # in the order of their numbers, if they have some, else of their corners
     order = of_sides.get("numbers") or {}
     sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
-    for a, b in sides:
-        if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
-            where = f"the crease between vertices {a} and {b} ends within a facet"
-            raise FoldFileError(f"{where}: carry it on to a crease or the border, or make it F")
-    index = {s: c for c, s in enumerate(sides)}
-
-    loops = Loops(polygons, left_of, index)
+    left, right = facet_of[np.array([both[s] for s in sides], int).reshape(-1, 2)].T
+    for a, b in (s for s, f, g in zip(sides, left, right, strict=True) if f == g):
+        where = f"the crease between vertices {a} and {b} ends within a facet"
+        raise FoldFileError(f"{where}: carry it on to a crease or the border, or make it F")
+    loops = Loops(polygons, left_of, {s: c for c, s in enumerate(sides)})
     vertices, holes = loops.vertices(), loops.holes(corners)
-    left = np.array([facet_of[left_of[s]] for s in sides], int)
-    right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
     check_topology(facet_of, left, right, len(vertices) + len(holes))
     arrays = of_creases(sides, of_sides)
-    if sides:
-        check_range(arrays["stiffness"].tolist())
+    check_range(arrays["stiffness"].tolist())
     return Pattern(
         corners,
         tuple(tuple(map(int, p)) for p in polygons),
@@ -466,19 +458,17 @@ def make_pattern(
 def of_creases(sides: Sequence[Side], stated: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a pattern has of each crease, of values by the sides that have one, or one value for all."""
     usual = {"fold_angles": 0.0, "stiffness": 1.0, "rest": 0.0, "file_angles": math.nan}
-    names = dict(zip(usual, ("reference", "stiffness", "rest", "file_angles"), strict=True))
     if unknown := stated.keys() - {*usual, "assignment", "numbers"}:
         raise TypeError(f"{min(unknown)}: sides have {', '.join(usual)}, assignment, numbers")
     letters, numbers = (stated.get(key) or {} for key in ("assignment", "numbers"))
-    found = {"ends": np.array(sides, int).reshape(-1, 2)}
+    found: dict[str, Any] = {"ends": np.array(sides, int).reshape(-1, 2)}
     for what, default in usual.items():
         of = stated.get(what, default)
         each = [of.get(s, default) for s in sides] if isinstance(of, dict) else [of] * len(sides)
-        found[names[what]] = np.array(each, float)
-    return found | {
-        "assignment": "".join(letters.get(s, "U") for s in sides),
-        "numbers": np.array([numbers.get(s, c) for c, s in enumerate(sides)], int),
-    }
+        found["reference" if what == "fold_angles" else what] = np.array(each, float)
+    found["assignment"] = "".join(letters.get(s, "U") for s in sides)
+    found["numbers"] = np.array([numbers.get(s, c) for c, s in enumerate(sides)], int)
+    return found
 
 
 def in_plane(pattern: Pattern) -> np.ndarray:

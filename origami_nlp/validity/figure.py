@@ -62,20 +62,18 @@ def draw_validity(result: Validity) -> Figure:
     order = sorted(result.frames, key=lambda one: (one.number not in faulty, one.number))
     shown = sorted(order[:MOST_PANELS], key=lambda one: one.number)
     columns = min(len(shown), 2)
+    rows = -(-len(shown) // columns)
     numbered = enumerate(result.faults[:MOST_LINES], start=1)
     lines = [shorten(f"{k}  {one.text}", LETTERS * columns) for k, one in numbered]
-    if (more := len(result.faults) - MOST_LINES) > 0:
-        lines.append(f"... and {more} more")
-    rows = -(-len(shown) // columns)
+    lines += [f"... and {len(result.faults) - MOST_LINES} more"] * (len(result.faults) > MOST_LINES)
     figure = Figure((WIDTH * columns, WIDTH * rows + 0.19 * len(lines)), layout="constrained")
     text: dict[str, Any] = {"parse_math": False, "x": 0.02, "ha": "left"}
     figure.suptitle(result.sentence, fontsize=11, **text)
     figure.supxlabel("\n".join(lines), fontsize=8, **text)
     for k, frame in enumerate(shown, start=1):
         axes = figure.add_subplot(rows, columns, k)
-        if len(result.frames) > 1:
-            kind = "folded form" if frame.folded else "crease pattern"
-            axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
+        kind = "folded form" if frame.folded else "crease pattern"
+        axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
         _draw(axes, frame, [*_faults_of(result, frame)])
     return figure
 
