@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from typing import NoReturn
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
-import numpy as np
+from fontTools.misc.transform import Identity, Transform
 
 from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
 from origami_nlp.drawings.style import SIMULATOR_COLOURS, Sheet, canonical_colour
@@ -147,7 +147,7 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     sheet, found = Sheet(root), LineList(name, replace(options, letters=letters))
     if sheet.left_out:
         found.notes.append(f"style sheet, selectors left out: {', '.join(sheet.left_out[:4])}")
-    stack: list[tuple[Element, np.ndarray, Mapping[str, str]]] = [(root, np.eye(3), {})]
+    stack: list[tuple[Element, Transform, Mapping[str, str]]] = [(root, Identity, {})]
     while stack:
         element, above, inherited = stack.pop()
         tag, look = element.tag, sheet.look(element, inherited)
@@ -156,9 +156,9 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
         if look.get("display") == "none":
             found.left_out["hidden shapes"] += sum(one.tag in _SHAPES for one in element.iter())
             continue
-        matrix = above @ _matrix(element, name)
+        matrix = above.transform(_matrix(element, name))
         if tag == "svg" and element is not root:
-            matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
+            matrix = matrix.translate(*(_length(element, k, name) for k in "xy"))
         colour = canonical_colour(look.get("stroke", "none"))
         if tag in ("use", "image", "foreignObject") or (tag in _ROUND and colour != "none"):
             found.left_out[f"<{tag}>"] += 1
@@ -173,7 +173,7 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
 
 
 def _shape(
-    found: LineList, element: Element, matrix: np.ndarray, colour: str, look: Mapping[str, str]
+    found: LineList, element: Element, matrix: Transform, colour: str, look: Mapping[str, str]
 ) -> None:
     """Add the lines of a shape with a stroke."""
     said = element.get("data-assignment", "").upper()
@@ -189,9 +189,7 @@ def _shape(
         angle = math.copysign(angle, -1.0 if letter == "M" else 1.0)
     where = f"in <{element.tag}> {element.get('id', '')!r}"
     for chain in chains:
-        with np.errstate(all="ignore"):  # what is not finite is left out below
-            points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T
-        found.add(points.tolist(), letter, angle, where)
+        found.add(matrix.transformPoints(chain), letter, angle, where)
 
 
 def _fold_angle(letter: str, look: Mapping[str, str]) -> float:
@@ -236,38 +234,27 @@ def _real(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _affine(a: float, b: float, c: float, d: float, e: float, f: float) -> np.ndarray:
-    return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
-
-
-def _matrix(element: Element, name: str) -> np.ndarray:
-    """Return the transform of an element: its functions apply from the right to the left."""
-    matrix, text = np.eye(3), element.get("transform", "")
-    for part in text.split(")")[:-1]:
-        kind, _, words = part.strip(" ,\t\r\n").partition("(")
-        kind = kind.strip()
+def _matrix(element: Element, name: str) -> Transform:
+    """Return what the transform of an element does to its points."""
+    made = Identity
+    for part in element.get("transform", "").split(")")[:-1]:
+        kind, _, words = (word.strip() for word in part.strip(" ,\t\r\n").partition("("))
         n = [float(w) for w in re.findall(NUMBER, words)]
         try:
-            matrix = matrix @ FUNCTIONS[kind](*n)
-        except (KeyError, TypeError):
+            if kind == "matrix":
+                a, b, c, d, e, f = n
+                made = made.transform((a, b, c, d, e, f))
+            elif kind == "rotate":
+                turn, x, y = (*n, 0.0, 0.0) if len(n) == 1 else n
+                made = made.translate(x, y).rotate(math.radians(turn)).translate(-x, -y)
+            elif kind in ("skewX", "skewY"):
+                (lean,) = map(math.radians, n)
+                made = made.skew(*((lean, 0.0) if kind == "skewX" else (0.0, lean)))
+            else:
+                made = {"translate": made.translate, "scale": made.scale}[kind](*n)
+        except (KeyError, TypeError, ValueError):
             raise DrawingError(f"{name}: transform {kind}({words[:40]}) is none of SVG") from None
-    return matrix
-
-
-def _rotation(degrees: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return _affine(c, s, -s, c, x - c * x + s * y, y - s * x - c * y)
-
-
-FUNCTIONS: dict[str, Callable[..., np.ndarray]] = {
-    "matrix": _affine,
-    "translate": lambda x, y=0.0: _affine(1, 0, 0, 1, x, y),
-    "scale": lambda x, y=None: _affine(x, 0, 0, x if y is None else y, 0, 0),
-    "rotate": _rotation,
-    "skewX": lambda degrees: _affine(1, 0, math.tan(math.radians(degrees)), 1, 0, 0),
-    "skewY": lambda degrees: _affine(1, math.tan(math.radians(degrees)), 0, 1, 0, 0),
-}
-"""Of transforms, by their names."""
+    return made
 
 
 def _unit(root: Element) -> str:

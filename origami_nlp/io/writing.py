@@ -176,20 +176,14 @@ def check_outputs(*named: tuple[str, Target | None], read: Iterable[Target] = ()
     OptionError
         If one cannot be written, or would overwrite another.
     """
-    seen, inputs = dict[str, str](), set(map(os.path.realpath, read))
+    seen = {os.path.realpath(path): "the file that is read" for path in read}
     for option, target in named:
         check_writable(target, option)
         if target is None or is_stdout(target) or not _is_replaceable(_status(target)):
             continue
-        place = os.path.realpath(target)
-        if seen.get(place) == option:
-            raise OptionError(f"{option} = {_shown(target)} is given twice")
-        if place in seen:
-            raise OptionError(f"{option} = {_shown(target)} is the file of {seen[place]} too")
-        if place in inputs:
-            what = "is the file that is read: give it another name"
-            raise OptionError(f"{option} = {_shown(target)} {what}")
-        seen[place] = option
+        if (place := os.path.realpath(target)) in seen:
+            raise OptionError(f"{option} = {_shown(target)} is {seen[place]} too")
+        seen[place] = f"the file of {option}"
 
 
 def make_folder(folder: Target, option: str) -> Path:

@@ -13,6 +13,7 @@ from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,
     make_vertex as make_vertex,
+    merged_sectors as merged_sectors,
     misses_of_noise as misses_of_noise,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels

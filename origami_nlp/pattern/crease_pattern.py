@@ -61,7 +61,7 @@ class FoldVertex:
         drawing, 1e-4 of the sheet.
     """
 
-    ALSO = ("degree",)
+    ALSO = ("degree", "kawasaki", "maekawa")
 
     number: int
     edges: tuple[int, ...]
@@ -69,8 +69,6 @@ class FoldVertex:
     assignment: str
     fold_angles: tuple[float, ...]
     file_angles: tuple[float, ...]
-    kawasaki: float | None
-    maekawa: int | None
     reason: str
     notes: tuple[str, ...] = ()
     kawasaki_error: float = 0.0
@@ -79,6 +77,19 @@ class FoldVertex:
     def degree(self) -> int:
         """Number of creases."""
         return len(self.edges)
+
+    @property
+    def kawasaki(self) -> float | None:
+        """|alternating sum of the sector angles| [rad], None for an odd degree."""
+        a = np.array(self.sector_angles)
+        off = abs(float(a[::2].sum() - a[1::2].sum()))
+        return None if self.degree % 2 or math.isnan(off) else off
+
+    @property
+    def maekawa(self) -> int | None:
+        """|mountains - valleys| - 2, None unless every crease is one or the other."""
+        m, v = self.assignment.count("M"), self.assignment.count("V")
+        return abs(m - v) - 2 if m + v == self.degree else None
 
 
 def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
@@ -207,12 +218,12 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         sectors = np.array([2 * math.pi])
     notes = ["facets joined by J edges are one facet"] if "J" in letters.values() else []
     keep = [k for k in folds if letters[ring[k]] != "F" or frame.is_sprung(edge[ring[k]])]
-    merged = _merge(sectors, keep)
+    merged = merged_sectors(sectors, keep)
     if len(keep) < len(folds):
         few = len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL
         notes.insert(0, "facets joined by F edges are one facet")
         if few:
-            keep, merged = folds, _merge(sectors, folds)
+            keep, merged = folds, merged_sectors(sectors, folds)
             notes[0] = "F edges are kept as creases, without them a facet would span 180 degrees"
     at = [edge[ring[k]] for k in keep]
     phi = stated = frame.fold_angles[at]
@@ -230,8 +241,6 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         excess = f"{math.degrees(vertex.excess):+.4g} degrees"
         notes.append(f"sector angles sum to 360 {excess}: not flat")
     signs = "".join(frame.assignment[e] for e in at)
-    n, m = len(at), signs.count("M")
-    kawasaki = abs(float(merged[::2].sum() - merged[1::2].sum()))
     return FoldVertex(
         v,
         tuple(int(frame.numbers[e]) for e in at),
@@ -239,8 +248,6 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        None if n % 2 or math.isnan(kawasaki) else kawasaki,
-        abs(2 * m - n) - 2 if m + signs.count("V") == n else None,
         reason,
         tuple(notes),
         _kawasaki_error(frame, length[keep]),
@@ -265,7 +272,7 @@ def misses_of_noise(frame: Frame, lengths: np.ndarray, noise: float) -> float:
     return AMPLIFIED * noise * float(np.ptp(frame.coords, axis=0).max()) / float(lengths.min())
 
 
-def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
+def merged_sectors(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
     """Sum sectors between the rays that are kept."""
     if not keep:
         return np.array([2 * math.pi])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.numerics import INPUT_TOL
-from origami_nlp.pattern import FoldVertex, fold_vertices, listed, misses_of_noise
+from origami_nlp.pattern import FoldVertex, fold_vertices, listed, merged_sectors, misses_of_noise
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.counting import count_orders, flat_folded
 from origami_nlp.validity.faults import KAWASAKI, MAEKAWA, Findings
@@ -76,17 +76,6 @@ def _folded(v: FoldVertex) -> FoldVertex | None:
     keep = [k for k, letter in enumerate(v.assignment) if letter != "F"]
     if not keep or math.isnan(sum(v.sector_angles)):
         return None
-    if len(keep) == v.degree:
-        return v
-    ahead = np.roll(np.array(v.sector_angles), -keep[0])
-    a = np.add.reduceat(ahead, [k - keep[0] for k in keep])
-    letters = "".join(v.assignment[k] for k in keep)
-    whole = set(letters) <= {"M", "V"}
-    return replace(
-        v,
-        edges=tuple(v.edges[k] for k in keep),
-        sector_angles=tuple(a.tolist()),
-        assignment=letters,
-        kawasaki=None if len(keep) % 2 else abs(float(a[::2].sum() - a[1::2].sum())),
-        maekawa=abs(letters.count("M") - letters.count("V")) - 2 if whole else None,
-    )
+    sectors = merged_sectors(np.array(v.sector_angles), keep)
+    edges, letters = tuple(v.edges[k] for k in keep), "".join(v.assignment[k] for k in keep)
+    return replace(v, edges=edges, sector_angles=tuple(sectors.tolist()), assignment=letters)
