@@ -8,7 +8,11 @@ from .coercion import (
     as_scene as as_scene,
     from_mesh as from_mesh,
 )
-from .converting import convert as convert, frame_drawing as frame_drawing
+from .converting import (
+    convert as convert,
+    frame_drawing as frame_drawing,
+    frames_of as frames_of,
+)
 from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,

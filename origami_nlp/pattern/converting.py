@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +76,7 @@ def convert(
     if kind != FOLD and kind not in WRITTEN:
         known = ", ".join((FOLD, *WRITTEN))
         raise DrawingError(f"OUT = {str(out)!r} must end in one of {known}")
-    frames = _frames(str(source), drawing)
+    frames = frames_of(source, drawing)
     found = [one for one in frames if frame in (None, one.number)]
     if not found:
         some = listed([one.number for one in frames], 12)
@@ -92,10 +94,16 @@ def convert(
     return replace(made, notes=(*made.notes, *notes))
 
 
-def _frames(source: str, drawing: DrawingOptions | None) -> tuple[Frame, ...]:
-    if not Path(source).exists() and examples.is_example(source):
-        return parse_fold(json.dumps(examples.crease_pattern(source)), source=f"{source}.fold")
-    return read_fold(source, drawing=drawing)
+def frames_of(
+    source: str | PathLike[str] | Mapping[str, Any], drawing: DrawingOptions | None = None
+) -> tuple[Frame, ...]:
+    """Return the frames of a file, of FOLD data, or of an example by its name."""
+    if isinstance(source, Mapping):
+        return parse_fold(json.dumps(source))
+    if not Path(source).exists() and examples.is_example(str(source)):
+        data = examples.crease_pattern(str(source))
+        return parse_fold(json.dumps(data), source=f"{source}.fold")
+    return read_fold(str(source), drawing=drawing)
 
 
 def _lost(frame: Frame) -> tuple[str, ...]:

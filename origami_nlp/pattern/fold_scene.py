@@ -149,17 +149,14 @@ def _vertex_at(
 ) -> FoldVertex:
     """Return the interior vertex of that number, or the only one that can be analysed."""
     why = "" if found else "".join(f"; {note}" for note in notes)
+    if number is not None:
+        check_whole("number", number, 0)
+    here = [v for v in found if (v.number == number if number is not None else not v.reason)]
+    if len(here) == 1:
+        return here[0]
+    some = listed([v.number for v in (here or found)], 12) or "none"
     if number is None:
-        good = [v for v in found if not v.reason]
-        if len(good) == 1:
-            return good[0]
-        some = f" ({listed([v.number for v in good], 12)})" if good else ""
-        many = f"{len(good)} interior vertices can be analysed{some}"
+        many = f"{len(here)} interior vertices can be analysed ({some})"
         raise OptionError(f"--vertex is needed: {many}; origami-nlp inspect lists them{why}")
-    check_whole("number", number, 0)
-    here = next((v for v in found if v.number == number), None)
-    if here is None:
-        some = listed([v.number for v in found], 12) or "none"
-        there = f"interior vertex with creases of frame {frame.number}: there are {some}{why}"
-        raise FoldFileError(f"--vertex {shown(number)} is no {there}")
-    return here
+    there = f"interior vertex with creases of frame {frame.number}: there are {some}{why}"
+    raise FoldFileError(f"--vertex {shown(number)} is no {there}")
