@@ -48,7 +48,7 @@ BAD = [
     ("vertex = 3", "table"),
     (text("[vertx]\na = 1"), "vertx"),
     (text("colour = 1"), "colour"),
-    (text("contakt = 'full'"), "did you mean contact?"),
+    (text("contakt = 'full'"), "it takes symmetry, contact"),
     (instead("stiffness", "rest_angles_deg = [0, 0, 0, 0, 0, 0]"), "exactly one"),
     (instead("stiffness", ""), "stiffness"),
     (sectors('["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'), "0.7854 rad"),
@@ -125,7 +125,7 @@ landscape scene.toml -o a.txt: must end in one of .json
 landscape scene.toml -o a.bmp: -o
 paper cone phase --degree 7: degree
 paper cone phase --degree 8 --rest mine: rest
-minima scene.toml -o a.png -o a.png: is given twice
+minima scene.toml -o a.png -o a.png: is the file of -o too
 minima scene.toml -o -.png: only text goes to standard output
 load scene.toml: --crease K is missing
 load scene.toml --crease 1 --fixed-facet 2: --fixed-facet = 2
