@@ -252,16 +252,11 @@ def make_cell(
     stated = {name: dict(values) for name, values in of_sides.items() if isinstance(values, dict)}
     together = {side(*s) for s in joins}
     drawn: dict[Key, list[Side]] = {}
-    for polygon in cell.polygons:
-        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-            key = min(cell.key(a, b), _back(cell.key(a, b)))
-            if (ends := side(a, b)) not in (known := drawn.setdefault(key, [])):
-                known.append(ends)
-    for ends in (s for some in drawn.values() if len(some) > 1 for s in some):
-        if ends in together:
-            raise FoldFileError(
-                f"side {ends} joins facets of two cells: cut the cell along creases"
-            )
+    for key, (_, (a, b)) in facing.items():
+        if (ends := side(a, b)) not in (known := drawn.setdefault(min(key, _back(key)), [])):
+            known.append(ends)
+    for ends in (s for some in drawn.values() if len(some) > 1 for s in some if s in together):
+        raise FoldFileError(f"side {ends} joins facets of two cells: cut the cell along creases")
     first = {
         key: min(some, key=lambda s: (given.get(s, math.inf), s))
         for key, some in drawn.items()
@@ -283,8 +278,8 @@ def make_cell(
     whole = replace(
         alone,
         corners=cell.corners,
-        left=np.array([facet[facing[cell.key(a, b)]] for a, b in sides], int),
-        right=np.array([facet[facing[cell.key(b, a)]] for a, b in sides], int),
+        left=np.array([facet[facing[cell.key(a, b)][0]] for a, b in sides], int),
+        right=np.array([facet[facing[cell.key(b, a)][0]] for a, b in sides], int),
         name=name,
         notes=tuple(notes),
         limits=(),
@@ -356,19 +351,18 @@ def _identified(alone: Pattern, rules: np.ndarray, joins: Sequence[Side]) -> Cel
     return Cell(rules, exact, alone.polygons, class_of, offset, tuple(side(*s) for s in joins))
 
 
-def _facing(cell: Cell) -> dict[Key, int]:
-    """Return the polygon to the left of each side, of the cell or of a copy, each by its class."""
-    facing: dict[Key, int] = {}
+def _facing(cell: Cell) -> dict[Key, tuple[int, Side]]:
+    """Return the polygon to the left of each side, of the cell or of a copy, each by its class, and its corners."""
+    facing: dict[Key, tuple[int, Side]] = {}
     for p, polygon in enumerate(cell.polygons):
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             if cell.key(a, b) in facing:
                 raise FoldFileError(f"{LATTICE_KEY}: facets of two copies overlap at side {a}-{b}")
-            facing[cell.key(a, b)] = p
-    for polygon in cell.polygons:
-        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-            if _back(cell.key(a, b)) not in facing:
-                why = f"side {a}-{b} of the outline has no counterpart a lattice vector away"
-                raise FoldFileError(f"{LATTICE_KEY}: {why}: give both the same vertices")
+            facing[cell.key(a, b)] = p, (a, b)
+    for key, (_, (a, b)) in facing.items():
+        if _back(key) not in facing:
+            why = f"side {a}-{b} of the outline has no counterpart a lattice vector away"
+            raise FoldFileError(f"{LATTICE_KEY}: {why}: give both the same vertices")
     return facing
 
 
@@ -380,17 +374,15 @@ def _agreed(
     for key, ends in first.items():
         stated = [(s, of[s]) for s in drawn[key] if s in of and of[s] != "B"]
         stated = [(s, v) for s, v in stated if v == v]  # nan: not given
-        if not stated:
-            continue
-        (one, value), *more = stated
-        for other, also in more:
-            same = (
-                also == value if isinstance(value, str) else np.allclose(also, value, atol=PLACES)
-            )
-            if not same:
-                said = f"{what.replace('_', ' ')} {value} and {also}"
-                raise FoldFileError(f"sides {one} and {other} are one crease: {said}, state one")
-        found[ends] = value
+        for one, value in stated[:1]:
+            found[ends] = value
+            for other, also in stated[1:]:
+                text = isinstance(value, str)
+                if not (also == value if text else np.allclose(also, value, atol=PLACES)):
+                    said = f"{what.replace('_', ' ')} {value} and {also}"
+                    raise FoldFileError(
+                        f"sides {one} and {other} are one crease: {said}, state one"
+                    )
     return found
 
 

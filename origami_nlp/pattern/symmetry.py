@@ -283,5 +283,5 @@ def check_winding(winding: object, group: Symmetry, contact: str) -> None:
     """
     known = windings_of(group, contact)
     if winding is not None and (isinstance(winding, bool) or winding not in known):
-        which = f"{', '.join(map(str, known))} (symmetry {group.name}, contact = {contact!r})"
+        which = f"{', '.join(map(str, known))}: symmetry {group.name}, contact = {contact!r}"
         raise SceneError(f"winding = {shown(winding)} must be one of {which}")

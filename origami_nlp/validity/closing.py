@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import NOISE, PLACES, quaternion
-from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.pattern import Loop, Pattern, listed
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.faults import CLOSES, CROSSINGS, MILLI, Findings
 from origami_nlp.validity.geometry import is_coarse
@@ -77,11 +77,5 @@ def face_words(f: Findings, p: Pattern, *which: int) -> str:
     """Name polygons: faces of the file by their numbers, others by their vertices."""
     s = "s" * (len(which) > 1)
     if f.frame.faces:
-        return f"face{s} {listed_words([str(k) for k in which])}"
-    names = ["-".join(map(str, p.polygons[k])) for k in which]
-    return f"the face{s} at vertices {listed_words(names)}"
-
-
-def listed_words(names: list[str]) -> str:
-    """Join names by commas and an 'and'."""
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
+        return f"face{s} {listed(which)}"
+    return f"the face{s} at vertices {', '.join('-'.join(map(str, p.polygons[k])) for k in which)}"

@@ -1,9 +1,8 @@
-"""The frames of a check drawn with their faults marked."""
+"""A frame of a check drawn with its faults marked."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
@@ -14,15 +13,12 @@ from matplotlib.figure import Figure
 from origami_nlp.display import WARNING, draw_pattern, draw_state, pattern_view
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.pattern import Frame, frame_pattern
-from origami_nlp.validity.faults import Fault, Findings
-from origami_nlp.validity.geometry import is_same_sheet
+from origami_nlp.validity.faults import Fault
 from origami_nlp.validity.result import Validity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST_PANELS = 4
-"""Frames that are drawn: those with faults first."""
 MOST_LINES = 14
 """Faults that are written below."""
 LETTERS = 84
@@ -32,7 +28,7 @@ WIDTH = 5.2
 
 
 def draw_validity(result: Validity) -> Figure:
-    """Draw the frames of a file with numbers at its faults, and what each number says.
+    """Draw the first frame that has faults, with numbers at these, and what each number says.
 
     Parameters
     ----------
@@ -58,35 +54,17 @@ def draw_validity(result: Validity) -> Figure:
     """
     if not result.frames:
         raise OptionError("result was read from a file without its frames: check the origami anew")
-    faulty = {one.frame for one in result.faults}
-    order = sorted(result.frames, key=lambda one: (one.number not in faulty, one.number))
-    shown = sorted(order[:MOST_PANELS], key=lambda one: one.number)
-    columns = min(len(shown), 2)
-    rows = -(-len(shown) // columns)
-    numbered = enumerate(result.faults[:MOST_LINES], start=1)
-    lines = [shorten(f"{k}  {one.text}", LETTERS * columns) for k, one in numbered]
-    lines += [f"... and {len(result.faults) - MOST_LINES} more"] * (len(result.faults) > MOST_LINES)
-    figure = Figure((WIDTH * columns, WIDTH * rows + 0.19 * len(lines)), layout="constrained")
+    first = result.faults[0].frame if result.faults else result.frames[0].number
+    frame = next(one for one in result.frames if one.number == first)
+    faults = [(k, one) for k, one in enumerate(result.faults, start=1) if one.frame == first]
+    lines = [shorten(f"{k}  {one.text}", LETTERS) for k, one in faults[:MOST_LINES]]
+    lines += [f"... {len(result.faults) - len(lines)} more"] * (len(result.faults) > len(lines))
+    figure = Figure((WIDTH, WIDTH + 0.19 * len(lines)), layout="constrained")
     text: dict[str, Any] = {"parse_math": False, "x": 0.02, "ha": "left"}
-    figure.suptitle(result.sentence, fontsize=11, **text)
+    figure.suptitle(f"{result.sentence}; frame {first}", fontsize=11, **text)
     figure.supxlabel("\n".join(lines), fontsize=8, **text)
-    for k, frame in enumerate(shown, start=1):
-        axes = figure.add_subplot(rows, columns, k)
-        kind = "folded form" if frame.folded else "crease pattern"
-        axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
-        _draw(axes, frame, [*_faults_of(result, frame)])
+    _draw(figure.add_subplot(), frame, faults)
     return figure
-
-
-def _faults_of(result: Validity, frame: Frame) -> Iterator[tuple[int, Fault]]:
-    """Go through the faults of a frame with their numbers; on a crease pattern also those of its folded forms."""
-    frames = {one.number: one for one in result.frames}
-    for number, one in enumerate(result.faults, start=1):
-        if one.frame == frame.number:
-            yield number, one
-        elif not frame.folded and is_same_sheet(frames[one.frame], frame):
-            place = Findings(frame).middle(one.vertices, one.edges, one.faces)
-            yield number, replace(one, place=tuple(place.tolist()))
 
 
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:

@@ -113,8 +113,7 @@ def check(
     tests = tuple(t for f in seen for t in f.tests)
     faults = tuple(fault for f in seen for fault in f.in_order())
     notes = dict.fromkeys(note for f in seen for note in (*f.frame.notes, *f.notes))
-    others = [one for one in flat if folded and one not in chosen]
-    return Validity(name, kinds, tests, faults, tuple(notes), (*chosen, *others))
+    return Validity(name, kinds, tests, faults, tuple(notes), tuple(chosen))
 
 
 def _read(source: str | PathLike[str] | Pattern | Mapping[str, Any]) -> tuple[str, list[Frame]]:

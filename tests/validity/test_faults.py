@@ -319,4 +319,4 @@ def test_results_print_save_and_load(flat, tmp_path):
     assert len(seen.to_frame()) == len(seen.faults) and "faults" in str(seen)
     with pytest.raises(OptionError):
         again.draw()
-    assert len(seen.draw().axes) == 2
+    assert len(seen.draw().axes) == 1
