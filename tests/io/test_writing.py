@@ -1,15 +1,12 @@
 """What is written: whole or not at all, in place of what it should replace only, complained about early."""
 
-import json
 import os
 import stat
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-import origami_nlp
 from origami_nlp import OrigamiError
 from origami_nlp.io import (
     check_outputs,
@@ -17,26 +14,7 @@ from origami_nlp.io import (
     writing as files,
 )
 
-ROOT = Path(origami_nlp.__file__).parents[1]
 needs_linux = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full: not Linux")
-
-
-def command(line, folder):
-    """Run a shell line in which $NLP is our command; return exit code, output and errors."""
-    nlp = f"{sys.executable} -c 'from origami_nlp.cli import main; main()'"
-    done = subprocess.run(
-        ["bash", "-c", line.replace("$NLP", nlp)],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    return done.returncode, done.stdout, done.stderr
-
-
-def one_line(errors):
-    return errors.count("\n") == 1 and errors.startswith("origami-nlp: ")
 
 
 # ---------------------------------------------------------------- regular files
@@ -115,20 +93,3 @@ def test_pipes_are_written_straight(tmp_path):
     write_whole(tmp_path / "pipe", b"x" * 100_000)
     assert reader.communicate(timeout=300)[0] == b"x" * 100_000
     assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
-
-
-COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
-
-
-@needs_linux
-@pytest.mark.parametrize(
-    "line",
-    [
-        "$NLP COUNT -o /dev/stdout",
-        "echo '' > a; $NLP COUNT -o /dev/stdout >> a; cat a",
-    ],
-)
-def test_json_reaches_every_kind_of_output(tmp_path, line):
-    code, out, err = command(line.replace("COUNT", COUNT), tmp_path)
-    assert code == 0, err
-    assert json.loads(out)["schema"] == "origami-nlp/paper/1", out

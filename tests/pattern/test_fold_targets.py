@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import OrigamiError
 from origami_nlp.pattern import (
     REST_KEY,
     fold_vertices,
@@ -78,19 +77,3 @@ def test_rest_angles_of_the_namespace_come_first():
     )
     measured = scene_at(one, 0, symmetry="none", rest_from="measured").rest_angles
     assert by_edge(one, measured) == pytest.approx([0] * 4)
-
-
-def test_a_flat_form_with_letters_alone_says_what_it_rests_at():
-    one = frame(simulator_export(None))
-    (v,) = fold_vertices(one)[0]
-    assert v.notes
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx([0] * 4)
-    rest = scene_at(one, 0, symmetry="none", rest_from="file").rest_angles
-    assert by_edge(one, rest) == pytest.approx([-180, 180, 180, 180])
-
-
-@pytest.mark.parametrize("data", [disc(SECTORS, "MVVV", angles=TARGETS), simulator_export()])
-def test_choices_that_cannot_be_are_refused(data):
-    for choice in ("measured" if data.get("frame_classes") != ["foldedForm"] else "both", "90"):
-        with pytest.raises(OrigamiError, match="--rest-from"):
-            scene_at(frame(data), 0, rest_from=choice)
