@@ -21,7 +21,7 @@ from origami_nlp.pattern.fold_limits import (
 )
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
-from origami_nlp.pattern.numbers_read import check_range, read_numbers, read_rest_angles
+from origami_nlp.pattern.numbers_read import check_range, read_numbers
 
 Laws = tuple[HingeLaw | None, ...]
 PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
@@ -51,17 +51,20 @@ class Hinges(NamedTuple):
 def read_hinges(
     n: int,
     stiffness: object,
-    rest: object,
+    rest: Iterable[float],
     limits: object = (),
     laws: object = (),
     contact: str = "full",
     panels: tuple[float, float] | None = None,
 ) -> Hinges:
-    """Read what is stated of n creases; a law has its own stiffness and rest angle."""
+    """Read what is stated of n creases; a law has its own stiffness and rest angle.
+
+    rest: as `read_rest_angles` returns them, or beyond half a turn where a load winds the springs.
+    """
     own = read_laws(laws, n)
     if contact == "none" and (own or limits):
         raise SceneError("contact = 'none' has no limits, and no laws: use 'fold-limits' or 'full'")
-    k, phi = read_numbers(stiffness, "stiffness", n), read_rest_angles(rest, n)
+    k, phi = read_numbers(stiffness, "stiffness", n), tuple(rest)
     if own:
         each = [*zip(k, phi, own, strict=True)]
         k = tuple(k if law is None else law.stiffness for k, _, law in each)

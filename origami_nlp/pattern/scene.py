@@ -30,6 +30,7 @@ from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
     format_angle,
     read_preload,
+    read_rest_angles,
 )
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import (
@@ -165,7 +166,8 @@ class Scene(PrettyRepr):
             raise SceneError(f"name = {shown(self.name)} must be text, without half surrogates")
         check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
         self._set(panels=read_panels(self.panels))
-        stated = self.stiffness, self.rest_angles, self.limits, self.laws
+        rest = read_rest_angles(self.rest_angles, n)
+        stated = self.stiffness, rest, self.limits, self.laws
         stiffness, rest, limits, laws = read_hinges(n, *stated, self.contact, self.panels)
         self._set(stiffness=stiffness, rest_angles=rest, limits=limits, laws=laws)
         self._set(loads=read_loads(self.loads, self.vertex.sector_angles))

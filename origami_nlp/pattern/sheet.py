@@ -28,7 +28,7 @@ from origami_nlp.pattern.hinges_stated import (
     energy_with_laws,
     read_hinges,
 )
-from origami_nlp.pattern.numbers_read import check_range, read_numbers
+from origami_nlp.pattern.numbers_read import check_range, read_numbers, read_rest_angles
 from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, side, sides_of
 
 MOST_FACETS = 20_000
@@ -222,7 +222,7 @@ class Pattern:
         phi = self.rest if rest_angles is None else rest_angles
         if np.ndim(phi) == 0:
             phi = check_number("rest_angles", phi, 0.0, math.pi) * self.signs
-        return self._with_hinges(stiffness=k, rest=phi)
+        return self._with_hinges(stiffness=k, rest=read_rest_angles(phi, self.creases))
 
     def _with_hinges(self, **changed: Any) -> Pattern:
         """Return the pattern with other stiffness, rest angles, limits or laws, all read together."""
