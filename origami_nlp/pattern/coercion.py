@@ -14,7 +14,7 @@ from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
-from origami_nlp.pattern.fold_file import frame_of
+from origami_nlp.pattern.fold_file import parse_fold
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
 from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.scene import Scene
@@ -164,7 +164,7 @@ def as_pattern(
     if isinstance(stated, str | PathLike):
         return read_pattern(Path(stated))
     if isinstance(stated, Mapping):
-        return frame_pattern(frame_of(stated))
+        return frame_pattern(parse_fold(stated, "first")[0])
     check_type(name, stated, Pattern)
     return stated
 
@@ -243,5 +243,5 @@ def from_mesh(
         "frame_classes": ["creasePattern" if flat else "foldedForm"],
     }
     size = {} if rest.ndim else {"rest_angle": float(rest)}
-    made = frame_pattern(frame_of(known), rest_from="file", **size)
+    made = frame_pattern(parse_fold(known, "first")[0], rest_from="file", **size)
     return made.with_springs(k.tolist(), rest.tolist() if rest.ndim else None)

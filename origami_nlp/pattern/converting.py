@@ -99,10 +99,10 @@ def frames_of(
 ) -> tuple[Frame, ...]:
     """Return the frames of a file, of FOLD data, or of an example by its name."""
     if isinstance(source, Mapping):
-        return parse_fold(json.dumps(source))
+        return parse_fold(source)
     if not Path(source).exists() and examples.is_example(str(source)):
         data = examples.crease_pattern(str(source))
-        return parse_fold(json.dumps(data), source=f"{source}.fold")
+        return parse_fold(data, source=f"{source}.fold")
     return read_fold(str(source), drawing=drawing)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import json
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -338,7 +337,7 @@ def pattern(
     """
     typed = name if ":" in name else ""
     drawn = crease_pattern(name, rows, columns, cell=cell, rolled=rolled, **options)
-    (frame,) = parse_fold(json.dumps(drawn), source=typed)
+    (frame,) = parse_fold(drawn, source=typed)
     return frame_pattern(frame)
 
 

@@ -195,7 +195,7 @@ def read_fold(
 
 
 def parse_fold(
-    text: str | bytes,
+    text: str | bytes | Mapping[str, Any],
     frame: int | Literal["first"] | None = None,
     *,
     source: str = "",
@@ -206,7 +206,7 @@ def parse_fold(
     Parameters
     ----------
     text
-        JSON, or what an SVG, .cp, .opx or DXF file holds.
+        JSON, or what an SVG, .cp, .opx or DXF file holds; or FOLD data as a dict, with arrays of NumPy if wanted.
     frame
         As for `read_fold`.
     source
@@ -236,6 +236,11 @@ def parse_fold(
     (4, 'MVVV', 0)
     """
     name = f"FOLD file {source!r}" if source else "FOLD file"
+    if isinstance(text, Mapping):
+        try:
+            text = json.dumps(dict(text), default=lambda array: array.tolist())
+        except (AttributeError, TypeError, ValueError, RecursionError) as error:
+            raise FoldFileError(f"FOLD dict: {error}: give lists, numbers, strings") from None
     raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     kind, y_down, said = drawing_kind(source, raw), False, tuple[str, ...]()
     data: Any
@@ -271,21 +276,6 @@ def parse_fold(
         replace(one, source=source, notes=(*said, *one.notes, *more), y_down=y_down)
         for one in found
     )
-
-
-def frame_of(data: Mapping[str, Any]) -> Frame:
-    """Read the first frame with geometry of FOLD data that are held as a dict; arrays may be those of NumPy.
-
-    Raises
-    ------
-    FoldFileError
-        If it holds what JSON does not, or as `parse_fold`.
-    """
-    try:
-        text = json.dumps(dict(data), default=lambda array: array.tolist())
-    except (AttributeError, TypeError, ValueError, RecursionError) as error:
-        raise FoldFileError(f"FOLD dict: {error}: give lists, numbers, strings") from None
-    return parse_fold(text, "first")[0]
 
 
 def _inherited(raw: list[Any]) -> list[dict[str, Any]]:

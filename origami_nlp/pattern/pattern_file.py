@@ -103,9 +103,8 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
 
     Examples
     --------
-    >>> import json
     >>> from origami_nlp.pattern import examples, frame_pattern, parse_fold
-    >>> (frame,) = parse_fold(json.dumps(examples.crease_pattern("squaretwist")))
+    >>> (frame,) = parse_fold(examples.crease_pattern("squaretwist"))
     >>> len(frame_pattern(frame).vertices)
     4
     """
