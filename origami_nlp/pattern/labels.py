@@ -184,8 +184,8 @@ def symmetries(scene: Scene) -> list[Relabelling]:
             labels.limit_angles(scene) - scene.limit_angles,
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
-        same = same and (not scene.laws or same_laws(labels.laws(scene), scene.laws))
-        return same and _keeps(scene, i)
+        laws = not scene.laws or same_laws(labels.laws(scene), scene.laws)
+        return same and laws and _keeps(scene, i)
 
     return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]
 
