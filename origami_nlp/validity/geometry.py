@@ -101,12 +101,12 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
 
     A scaled form is one, of another size.
     """
-    if flat is None and others:
-        why = "the crease pattern of the file numbers its vertices, edges or faces otherwise"
-        f.skip(LENGTHS, why, undecided=True)
-    elif flat is None:
-        _check_developable(f)
     if flat is None:
+        if others:
+            why = "the crease pattern of the file numbers its vertices, edges or faces otherwise"
+            f.skip(LENGTHS, why, undecided=True)
+        else:
+            _check_developable(f)
         return True
     _check_cuts(f, flat)
     most, ends = f.lengths(flat), f.frame.edges
@@ -142,9 +142,9 @@ def _check_cuts(f: Findings, flat: Frame) -> None:
     )
     for s in (s for s in sorted(one ^ other) if len(sides.get(s, ())) > 1):
         edge = int(f.frame.numbers[f.frame.edge_of[s]])
-        is_cut = ("", " no")[:: 1 if s in one else -1]
-        text = f"edge {edge} is{is_cut[0]} cut, in the crease pattern it is{is_cut[1]} cut"
-        f.fault(name, text.replace("no cut", "not cut"), vertices=s, edges=[edge])
+        here, there = ("cut", "not cut")[:: 1 if s in one else -1]
+        text = f"edge {edge} is {here}, in the crease pattern it is {there}"
+        f.fault(name, text, vertices=s, edges=[edge])
     if f.of(name):
         f.settle(name)
 
