@@ -51,7 +51,7 @@ class OrigamiError(ValueError):
     ...     o.Vertex(("pi/2", "pi/2"))
     ... except o.OrigamiError as error:
     ...     print(error)
-    sector_angles has 2 entries: a vertex needs at least 3 creases
+    sector_angles has 2 entries: a vertex needs 3 at least
     """
 
     def __init__(self, message: object = "") -> None:

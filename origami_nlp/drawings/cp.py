@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 
 from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
-from origami_nlp.errors import DrawingError
 
-CP_CODES = {1: "B", 2: "M", 3: "V", 4: "F"}
+CP_CODES: dict[float, str] = {1: "B", 2: "M", 3: "V", 4: "F"}
 
 
 def read_cp(raw: bytes, name: str, options: DrawingOptions) -> Lines:
@@ -42,20 +41,12 @@ def read_cp(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     """
     found = LineList(name, options)
     for number, text in enumerate(raw.decode("utf-8", "replace").splitlines(), start=1):
-        words = text.split()
-        if not words:
-            continue
+        where = f"in line {number}"
         try:
-            code = int(words[0])
-            x0, y0, x1, y1 = map(float, words[1:])
+            code, x0, y0, x1, y1 = map(float, text.split() or ["nan"] * 5)
         except ValueError:
-            found.broken.append(f"in line {number}")
+            found.broken.append(where)
             continue
-        letter = found.letter(f"code {code}", lambda _, code=code: CP_CODES.get(code))  # type: ignore[misc]
-        if letter is not None:
-            found.add([(x0, y0), (x1, y1)], letter, math.nan, f"in line {number}")
-    if found.broken and not (found.ends or found.unknown):
-        raise DrawingError(
-            f'{name} is no .cp file: its lines are not "code x1 y1 x2 y2", first {found.broken[0]}'
-        )
+        if not math.isnan(code):
+            found.draw(f"code {code:g}", CP_CODES.get(code), ((x0, y0), (x1, y1)), where)
     return found.lines("codes", y_down=True)

@@ -25,6 +25,8 @@ LAYERS = (
     (r"unassigned|^u$", "U"),
 )
 """What a layer is, by a part of its name; the first that fits."""
+COLOURS = {1: "M", 5: "V", 7: "B", 250: "B", 3: "B", 4: "F"}
+"""What a colour of AutoCAD's index is: as the newer programs have them."""
 INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}
 
 
@@ -56,9 +58,8 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     try:
         document, _ = recover.read(io.BytesIO(raw))
     except (ezdxf.DXFError, OSError, ValueError, LookupError, TypeError, AttributeError) as error:
-        raise DrawingError(
-            f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
-        ) from None
+        why = str(error).splitlines()[0] if str(error) else repr(error)
+        raise DrawingError(f"{name} is no DXF file: {why}") from None
     found = LineList(name, options)
     for entity in document.modelspace():
         kind = entity.dxftype()
@@ -79,19 +80,13 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
 
 
 def _letter(found: LineList, entity: Any, document: Any) -> str | None:
-    layer = entity.dxf.layer
+    layer, colour = entity.dxf.layer, entity.dxf.color
     by_name = next((letter for part, letter in LAYERS if re.search(part, layer, re.I)), None)
     if by_name is not None or found.is_asked(layer):
-        return found.letter(layer, lambda _: by_name)
-    colour = entity.dxf.color
+        return found.letter(layer, by_name)
     if colour == 256 and layer in document.layers:  # as its layer has it
         colour = document.layers.get(layer).color
-    return found.letter(f"colour {abs(colour)}", lambda _: _of_colour(abs(colour)))
-
-
-def _of_colour(colour: int) -> str | None:
-    """Return what a colour of AutoCAD's index is: as the newer programs have them."""
-    return {1: "M", 5: "V", 7: "B", 250: "B", 3: "B", 4: "F"}.get(colour)
+    return found.letter(f"colour {abs(colour)}", COLOURS.get(abs(colour)))
 
 
 def dxf_text(layers: dict[str, int], unit: str, draw: Callable[[Any], None]) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, check_whole, did_you_mean, shown
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import DrawingError, OptionError
 
 LETTERS = "BCMVUF"
@@ -63,9 +63,7 @@ class DrawingOptions:
             check_whole("part", self.part, 1)
         for key, letter in self.letters.items():
             if letter not in (*LETTERS, "-"):
-                raise OptionError(
-                    f"colour {key!r} = {letter!r} must be one of {', '.join(LETTERS)} or -"
-                )
+                raise OptionError(f"colour {key!r} = {letter!r} must be one of {LETTERS} or -")
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,90 +115,67 @@ class LineList:
 
     def __init__(self, name: str, options: DrawingOptions) -> None:
         self.name, self.options = name, options
-        self.ends: list[tuple[float, float, float, float]] = []
-        self.letters: list[str] = []
-        self.angles: list[float] = []
+        self.drawn: list[tuple[tuple[float, ...], str, float]] = []
         self.notes: list[str] = []
-        self.unknown: Counter[str] = Counter()
-        self.left_out: Counter[str] = Counter()
+        self.unknown, self.left_out = Counter[str](), Counter[str]()
         self.broken: list[str] = []
         self.length_unit = ""
         self._used: set[str] = set()
         self._asked = {k.strip().lower(): v for k, v in options.letters.items()}
 
-    def letter(self, key: str, known: Callable[[str], str | None]) -> str | None:
-        """Return the letter of a colour or layer; what nobody knows is counted."""
+    def letter(self, key: str, known: str | None) -> str | None:
+        """Return the letter of a colour or layer, `known` unless a person says it; what nobody knows is counted."""
         if (asked := self._asked.get(key.lower())) is not None:
             self._used.add(key.lower())
             return None if asked == "-" else asked
-        found = known(key)
-        if found is None:
+        if known is None:
             self.unknown[key] += 1
-        return found
+        return known
 
     def is_asked(self, key: str) -> bool:
         """Return whether a person says what this colour or layer is."""
         return key.lower() in self._asked
 
+    def draw(
+        self, key: str, known: str | None, points: Sequence[Sequence[float]], where: str
+    ) -> None:
+        """Add a chain of lines whose letter a code says, without fold angles."""
+        if (letter := self.letter(key, known)) is not None:
+            self.add(points, letter, math.nan, where)
+
     def add(self, points: Sequence[Sequence[float]], letter: str, angle: float, where: str) -> None:
         """Add a chain of lines through points; those that are no numbers are left out."""
-        for (x0, y0), (x1, y1) in itertools.pairwise(points):
-            ends = (float(x0), float(y0), float(x1), float(y1))
-            if not np.isfinite(ends).all() or max(map(abs, ends)) > 1e50:
+        for a, b in itertools.pairwise(points):
+            ends = tuple(map(float, (*a, *b)))
+            if np.isfinite(ends).all() and max(map(abs, ends)) <= 1e50:
+                self.drawn.append((ends, letter, angle))
+            else:
                 self.broken.append(where)
-                continue
-            self.ends.append(ends)
-            self.letters.append(letter)
-            self.angles.append(angle)
-        if len(self.ends) > MOST_LINES:
+        if len(self.drawn) > MOST_LINES:
             raise DrawingError(f"{self.name} has more than {MOST_LINES} lines: no crease pattern")
 
     def lines(self, kinds: str, y_down: bool, title: str = "") -> Lines:
         """Return them; kinds: what distinguishes lines, such as "colours"."""
-        asked = set(self._asked) - self._used
-        if asked:
-            one = sorted(asked)[0]
-            meant = did_you_mean(one, [*self.unknown, *self._used])
-            raise DrawingError(f"{self.name} has no line of {one!r}{meant}")
+        for asked in sorted({*self._asked} - self._used):
+            raise DrawingError(f"{self.name} has no line of {asked!r}")
         if self.left_out["curves"] and self.options.curves == "refuse":
-            raise DrawingError(
-                f"{self.name} has {self.left_out['curves']} curves: creases are straight. Leave them out with "
-                "--curves leave, or redraw them"
-            )
-        known, unknown = len(self.ends), self.unknown.most_common()
-        shown = ", ".join(f"{n} of {key}" for key, n in unknown[:6])
-        shown += f" and {len(unknown) - 6} others" if len(unknown) > 6 else ""
-        if not known:
-            if unknown:
-                raise DrawingError(
-                    f"{self.name} has no line in {kinds} that say what it is, only {shown}: say it, such as "
-                    f"--colour '{unknown[0][0]}=M'"
-                )
-            others = "".join(f"; {n} {what} left out" for what, n in (+self.left_out).items())
-            raise DrawingError(f"{self.name} has no lines: nothing to fold{others}")
+            many = f"{self.left_out['curves']} curves"
+            raise DrawingError(f"{self.name} has {many}: --curves leave takes straight lines alone")
+        unknown = self.unknown.most_common()
+        shown = ", ".join(f"{n} of {key}" for key, n in unknown[:6]) + ", ..." * (len(unknown) > 6)
+        others = [f"{many} {what} left out" for what, many in sorted((+self.left_out).items())]
         if unknown:
-            self.notes.append(
-                f"left out, for {kinds} that do not say what they are: {shown}; --colour '{unknown[0][0]}=M' takes "
-                "them for mountains"
-            )
+            say = f"{kinds} that do not say what they are: {shown}; --colour '{unknown[0][0]}=M' says it"
+            others.insert(0, f"left out, for {say}")
         if self.broken:
-            self.notes.append(
-                f"{len(self.broken)} lines left out, not readable or without finite coordinates: first "
-                f"{self.broken[0]}"
+            others.append(
+                f"{len(self.broken)} lines left out, not readable: first {self.broken[0]}"
             )
-        for what, many in sorted((+self.left_out).items()):
-            self.notes.append(f"{many} {what} left out")
-        if not {*self.letters} & {*"MV"}:
-            self.notes.append("no mountain or valley is drawn")
-        ends = np.array(self.ends).reshape(-1, 2, 2)
-        if y_down:
-            ends = ends * [1.0, -1.0] + 0.0  # no minus zeros
-        return Lines(
-            ends,
-            tuple(self.letters),
-            np.array(self.angles),
-            y_down,
-            title,
-            tuple(self.notes),
-            self.length_unit,
-        )
+        if not self.drawn:
+            raise DrawingError("; ".join([f"{self.name} has no lines to fold", *others]))
+        ends, letters, angles = zip(*self.drawn, strict=True)
+        if not {*letters} & {*"MV"}:
+            others.append("no mountain or valley is drawn")
+        x = np.array(ends).reshape(-1, 2, 2) * [1.0, -1.0 if y_down else 1.0] + 0.0
+        notes = (*self.notes, *others)
+        return Lines(x, letters, np.array(angles), y_down, title, notes, self.length_unit)

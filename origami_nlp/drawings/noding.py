@@ -16,12 +16,14 @@ import numpy as np
 from origami_nlp.errors import DrawingError
 from origami_nlp.numerics import groups
 
-RANKS = ("B", "C", "MV", "U", "F")
-"""Which letter stays where two lie on each other: the first; M and V contradict each other."""
+RANKS = {"B": 0, "C": 1, "M": 2, "V": 2, "U": 3, "F": 4}
+"""Which letter stays where two lie on each other: the lowest; M and V contradict each other."""
+GRAIN = 0.25
+"""Of the tolerance: side of squares whose points are one, so that many points in a place are few pairs."""
 MOST_MEETINGS, A_TIME = 4_000_000, 1000
 """Ends on lines and crossings of a drawing, and shapes that are looked at together."""
-Edge = tuple[int, int, str, float, frozenset[int]]
-"""Both vertices, the letter, the fold angle, and the lines that lie on it."""
+Edge = tuple[int, int, int, frozenset[int]]
+"""Both vertices, the line whose letter and fold angle it has, and the lines that lie on it."""
 ROUNDS = 30
 """Of joining and splitting; drawings take two to four."""
 
@@ -89,53 +91,55 @@ def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance
     >>> made.points[-1].tolist(), made.edges.tolist(), made.letters
     ([1.0, 1.0], [[0, 4], [1, 4], [2, 4], [3, 4]], ('M', 'M', 'V', 'V'))
     """
-    points = ends.reshape(-1, 2)
-    points, at = _join(points, len(points), tolerance)
-    moved = float(np.linalg.norm(points[at] - ends.reshape(-1, 2), axis=1).max(initial=0.0))
-    joined = int((np.abs(points[at] - ends.reshape(-1, 2)).max(axis=1) > 0).sum())
-    pieces, line, vanished = _remap(at, np.arange(len(at)).reshape(-1, 2), np.arange(len(ends)))
-    pieces, line = _twice_at_most(pieces, line, letters, angles)
-    drawn, split, crossed = len(points), 0, 0
+    given = ends.reshape(-1, 2)
+    points, at = _join(given, len(given), tolerance)
+    off, drawn, split, crossed = points[at] - given, len(points), 0, 0
+    # pieces of lines: both vertices and the line, [P, 3]
+    pieces = np.column_stack([at.reshape(-1, 2), np.arange(len(ends))])
+    kinds = np.unique(list(letters), return_inverse=True)[1].ravel(), np.nan_to_num(angles, nan=1e3)
+    whole = _with_length(pieces)
+    pieces = _once(whole, *(kind[whole[:, 2]] for kind in kinds))
+    twice = len(whole) - len(pieces)
     for _ in range(ROUNDS):
-        pieces, line, cuts = _split_at_points(points, pieces, line, tolerance)
+        pieces, cuts = _split_at_points(points, pieces, tolerance)
         split += cuts
-        pieces, line = _once_a_line(pieces, line)
-        more, pieces, line = _split_at_crossings(points, pieces, line)
+        pieces = _once(pieces, pieces[:, 2])
+        more, pieces = _split_at_crossings(points, pieces)
         if not len(more):
             break
         crossed += len(more)
         points, at = _join(np.concatenate([points, more]), drawn, tolerance)
-        pieces, line, _ = _remap(at, pieces, line)
+        pieces = _with_length(np.column_stack([at[pieces[:, :2]], pieces[:, 2]]))
     else:
-        raise DrawingError(
-            "the drawing: its lines go on splitting each other: take a larger tolerance"
-        )
+        raise DrawingError("the drawing: its lines split each other on and on: --tolerance, larger")
     on: dict[tuple[int, int], list[int]] = {}
-    for (a, b), k in zip(np.sort(pieces, axis=1).tolist(), line.tolist(), strict=True):
+    for a, b, k in np.column_stack([np.sort(pieces[:, :2], axis=1), pieces[:, 2]]).tolist():
         on.setdefault((a, b), []).append(k)
-    kept = _straightened(_merged(on, letters, angles))
+    said = [(letter, str(angle)) for letter, angle in zip(letters, angles, strict=True)]
+    kept = _straightened(_merged(on, said), said)
     used, edges = np.unique(np.array([(a, b) for a, b, *_ in kept], int), return_inverse=True)
-    _, _, names, phi, _ = zip(*kept, strict=True) if kept else ((),) * 5
+    lines = [k for _, _, k, _ in kept]
     repairs = {
-        "ends joined": joined,
+        "ends joined": int((np.abs(off).max(axis=1) > 0).sum()),
         "lines split where others end on them": split,
         "crossings made vertices": crossed,
-        "edges drawn more than once": sum(len(several) > 1 for several in on.values()),
-        "lines shorter than the tolerance left out": vanished,
+        "lines drawn again": twice + sum(len(several) - 1 for several in on.values()),
+        "lines shorter than the tolerance left out": len(ends) - len(whole),
     }
-    edges, clashes = edges.reshape(-1, 2), tuple(_doubled(kept))
-    return Noded(points[used], edges, names, np.array(phi, float), moved, clashes, repairs)
+    moved = float(np.linalg.norm(off, axis=1).max(initial=0.0))
+    names = tuple(letters[k] for k in lines)
+    told = names, angles[lines].astype(float), moved, tuple(sorted(_doubled(kept))), repairs
+    return Noded(points[used], edges.reshape(-1, 2), *told)
 
 
 def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return one point for each group within the tolerance, and which each belongs to; drawn: the first ones are."""
+    """Join points within the tolerance; one stays of each group: of those drawn (the first) the nearest to its middle.
+
+    Returns the points that stay, and which one each point became.
+    """
     group = groups(len(points), _near(points, tolerance))
-    count = int(group.max()) + 1
-    many = np.bincount(group, minlength=count)
-    mean = (
-        np.stack([np.bincount(group, weights=points[:, k]) for k in (0, 1)], axis=1) / many[:, None]
-    )
-    # the member next to the mean stands for all: its coordinates are the file's, those of a drawn one if there is one
+    many = np.bincount(group)
+    mean = np.stack([np.bincount(group, weights=x) for x in points.T], axis=1) / many[:, None]
     off = np.linalg.norm(points - mean[group], axis=1)
     order = np.lexsort((off, np.arange(len(points)) >= drawn, group))
     first = order[np.concatenate([[True], np.diff(group[order]) > 0])]
@@ -143,56 +147,25 @@ def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray,
 
 
 def _near(points: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return pairs of points by which all hang together that are as near, [P, 2]: not all pairs, of many in a place.
-
-    Points in one square of half the tolerance are one, and of two such squares the nearest points count.
-    """
+    """Return pairs of points by which all hang together that are as near, [P, 2]: not all pairs, of many in a place."""
     from scipy.spatial import cKDTree
 
-    places = np.floor(points / (0.5 * tolerance))
-    squares, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
-    of = of.ravel()
-    order, many = np.argsort(of, kind="stable"), np.bincount(of)
-    members = np.split(order, np.cumsum(many)[:-1])
-    # of squares at most two apart in x and in y points may be near
-    a, b = cKDTree(squares).query_pairs(2.0, p=np.inf, output_type="ndarray").T
-    alone = (many[a] == 1) & (many[b] == 1)
-    near = np.linalg.norm(points[first[a]] - points[first[b]], axis=1) <= tolerance
-    pairs = [np.column_stack([np.arange(len(points)), first[of]])]
-    pairs.append(np.column_stack([first[a], first[b]])[alone & near])
-    for k in np.flatnonzero(~alone).tolist():
-        one, other = members[a[k]], members[b[k]]
-        least = cKDTree(points[one]).query(points[other])[0].min()
-        pairs.append(np.array([[one[0], other[0]]] if least <= tolerance else []).reshape(-1, 2))
-    return np.concatenate(pairs).astype(int)
+    places = np.floor(points / (GRAIN * tolerance))
+    _, first, of = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    near = cKDTree(points[first]).query_pairs(tolerance, output_type="ndarray")
+    alike = np.column_stack([np.arange(len(points)), first[of.ravel()]])
+    return np.concatenate([alike, first[near]])
 
 
-def _remap(
-    at: np.ndarray, pieces: np.ndarray, line: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, int]:
-    pieces = at[pieces]
-    keep = pieces[:, 0] != pieces[:, 1]
-    return pieces[keep], line[keep], int((~keep).sum())
+def _with_length(pieces: np.ndarray) -> np.ndarray:
+    return pieces[pieces[:, 0] != pieces[:, 1]]
 
 
-def _once_a_line(pieces: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pieces of each line once, in order."""
-    key = np.column_stack([line, np.sort(pieces, axis=1)])
-    first = np.sort(np.unique(key, axis=0, return_index=True)[1])
-    return pieces[first], line[first]
-
-
-def _twice_at_most(
-    pieces: np.ndarray, line: np.ndarray, letters: Sequence[str], angles: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return two of the pieces, in order, that are drawn alike with the same ends."""
-    known = np.unique(np.array(list(letters)), return_inverse=True)[1].ravel()[line]
-    key = np.column_stack([np.sort(pieces, axis=1), known, np.nan_to_num(angles[line], nan=1e3)])
-    alike = np.unique(key, axis=0, return_inverse=True)[1].ravel()
-    order = np.argsort(alike, kind="stable")
-    begin = np.searchsorted(alike[order], alike[order])
-    kept = np.sort(order[np.arange(len(order)) - begin < 2])
-    return pieces[kept], line[kept]
+def _once(pieces: np.ndarray, *kinds: np.ndarray) -> np.ndarray:
+    """Return the pieces, in order, without those that have the ends and kinds of one before."""
+    key = np.column_stack([np.sort(pieces[:, :2], axis=1), *kinds])
+    kept: np.ndarray = pieces[np.sort(np.unique(key, axis=0, return_index=True)[1])]
+    return kept
 
 
 def _pairs(tree: Any, shapes: np.ndarray, **how: Any) -> np.ndarray:
@@ -202,33 +175,29 @@ def _pairs(tree: Any, shapes: np.ndarray, **how: Any) -> np.ndarray:
         found.append(tree.query(shapes[begin : begin + A_TIME], **how) + np.array([[begin], [0]]))
         total += found[-1].shape[1]
         if total > MOST_MEETINGS:
-            raise DrawingError(
-                f"the drawing: its lines meet more than {MOST_MEETINGS:,} times: no crease pattern"
-            )
+            raise DrawingError(f"the drawing: its lines meet more than {MOST_MEETINGS:,} times")
     return np.concatenate(found, axis=1)
 
 
 def _split_at_points(
-    points: np.ndarray, pieces: np.ndarray, line: np.ndarray, tolerance: float
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """Split pieces where a point lies on them."""
+    points: np.ndarray, pieces: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, int]:
+    """Split pieces where a point lies on them; how many were."""
     from shapely import STRtree, linestrings, points as as_points
 
-    if not len(pieces):
-        return pieces, line, 0
-    used = np.unique(pieces)
-    tree = STRtree(linestrings(points[pieces]))
+    used, ends = np.unique(pieces[:, :2]), points[pieces[:, :2]]
+    tree = STRtree(linestrings(ends))
     which, piece = _pairs(tree, as_points(points[used]), predicate="dwithin", distance=tolerance)
-    vertex = used[which]
-    a, b = points[pieces[piece, 0]], points[pieces[piece, 1]]
+    vertex, (a, b) = used[which], ends[piece].swapaxes(0, 1)
     along = ((points[vertex] - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1)
-    inside = (vertex != pieces[piece, 0]) & (vertex != pieces[piece, 1]) & (along > 0) & (along < 1)
-    return _cut(pieces, line, piece[inside], vertex[inside], along[inside])
+    inside = (vertex[:, None] != pieces[piece, :2]).all(axis=1) & (along > 0) & (along < 1)
+    piece, vertex, along = piece[inside], vertex[inside], along[inside]
+    return _cut(pieces, piece, vertex, along), len(np.unique(piece))
 
 
 def _cut(
-    pieces: np.ndarray, line: np.ndarray, piece: np.ndarray, vertex: np.ndarray, along: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, int]:
+    pieces: np.ndarray, piece: np.ndarray, vertex: np.ndarray, along: np.ndarray
+) -> np.ndarray:
     """Split pieces at vertices, which lie on them in the order of `along`."""
     every = np.arange(len(pieces))
     owner = np.concatenate([every, piece, every])
@@ -236,87 +205,68 @@ def _cut(
     chain = np.concatenate([pieces[:, 0], vertex, pieces[:, 1]])
     order = np.lexsort((where, owner))
     owner, chain = owner[order], chain[order]
-    next_ = owner[:-1] == owner[1:]
-    return (
-        np.column_stack([chain[:-1], chain[1:]])[next_],
-        line[owner[:-1][next_]],
-        len(np.unique(piece)),
-    )
-
-
-def _split_at_crossings(
-    points: np.ndarray, pieces: np.ndarray, line: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the points at which pieces cross, numbered on from those there are, and the pieces split there."""
-    import shapely
-
-    shapes = shapely.linestrings(points[pieces])
-    one, other = _pairs(shapely.STRtree(shapes), shapes, predicate="intersects")
-    # those that share an end meet nowhere else: where one lies on the other, points on lines have split it
-    apart = (one < other) & (pieces[one][:, :, None] != pieces[other][:, None, :]).all(axis=(1, 2))
-    one, other = one[apart], other[apart]
-    meet = shapely.intersection(shapes[one], shapes[other])
-    # no points: lines along each other, whose ends lie on them
-    sure = shapely.get_type_id(meet) == 0
-    one, other, meet = one[sure], other[sure], meet[sure]
-    new = shapely.get_coordinates(meet)
-    number = len(points) + np.arange(len(new))
-    both, met = np.concatenate([one, other]), np.concatenate([meet, meet])
-    along = shapely.line_locate_point(shapes[both], met, normalized=True)
-    pieces, line, _ = _cut(pieces, line, both, np.concatenate([number, number]), along)
-    return new, pieces, line
-
-
-def _merged(
-    on: dict[tuple[int, int], list[int]], letters: Sequence[str], angles: np.ndarray
-) -> list[Edge]:
-    """Merge the lines on each edge: what the first rank among them says of it."""
-    kept: list[Edge] = []
-    for (a, b), several in on.items():
-        first = next(rank for rank in RANKS if any(letters[k] in rank for k in several))
-        said: dict[tuple[str, float | None], int] = {}
-        for k in (k for k in several if letters[k] in first):
-            if first == "MV" or not said:
-                angle = None if np.isnan(angles[k]) else float(angles[k])
-                said.setdefault((letters[k], angle), k)
-        # one that states no angle agrees with any that is drawn so
-        stated = {letter for letter, angle in said if angle is not None}
-        each = [
-            k for (letter, angle), k in said.items() if angle is not None or letter not in stated
-        ]
-        kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in each]
+    cut = np.column_stack([chain[:-1], chain[1:], pieces[owner[:-1], 2]])
+    kept: np.ndarray = cut[owner[:-1] == owner[1:]]
     return kept
 
 
-def _doubled(kept: list[Edge]) -> list[int]:
+def _split_at_crossings(points: np.ndarray, pieces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points at which pieces cross, numbered on from those there are, and the pieces split there."""
+    import shapely
+
+    ends = pieces[:, :2]
+    shapes = shapely.linestrings(points[ends])
+    one, other = _pairs(shapely.STRtree(shapes), shapes, predicate="intersects")
+    apart = (one < other) & (ends[one][:, :, None] != ends[other][:, None, :]).all(axis=(1, 2))
+    one, other = one[apart], other[apart]
+    meet = shapely.intersection(shapes[one], shapes[other])
+    sure = shapely.get_type_id(meet) == 0
+    both, met = np.concatenate([one[sure], other[sure]]), np.tile(meet[sure], 2)
+    new = shapely.get_coordinates(meet[sure])
+    along = shapely.line_locate_point(shapes[both], met, normalized=True)
+    return new, _cut(pieces, both, len(points) + np.tile(np.arange(len(new)), 2), along)
+
+
+def _merged(on: dict[tuple[int, int], list[int]], said: Sequence[tuple[str, str]]) -> list[Edge]:
+    """Merge the lines on each edge: what the first rank among them says of it."""
+    kept: list[Edge] = []
+    for (a, b), several in on.items():
+        top = min(RANKS[said[k][0]] for k in several)
+        first = {said[k]: k for k in reversed(several) if RANKS[said[k][0]] == top}
+        each = sorted(first.values(), key=several.index)
+        stated = {letter for letter, angle in first if angle != "nan"}
+        if top == RANKS["M"]:
+            each = [k for k in each if said[k][1] != "nan" or said[k][0] not in stated]
+        else:
+            each = each[:1]
+        kept += [(a, b, k, frozenset(several)) for k in each]
+    return kept
+
+
+def _doubled(kept: list[Edge]) -> set[int]:
     """Return the edges that are there in several ways."""
-    many = Counter((a, b) for a, b, *_ in kept)
-    return [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
+    many = Counter(edge[:2] for edge in kept)
+    return {i for i, edge in enumerate(kept) if many[edge[:2]] > 1}
 
 
-def _straightened(kept: list[Edge]) -> list[Edge]:
-    """Join the two edges at a point where nothing but one line goes on: its split was that of a line on it."""
-    fixed = set(_doubled(kept))
-    at: dict[int, list[int]] = {}
+def _straightened(kept: list[Edge], said: Sequence[tuple[str, str]]) -> list[Edge]:
+    """Join edges at points where nothing but one line goes on: its split was that of a line on it."""
+    fixed, at = _doubled(kept), dict[int, list[int]]()
     for e, (a, b, *_) in enumerate(kept):
         at.setdefault(a, []).append(e)
         at.setdefault(b, []).append(e)
-    gone: set[int] = set()
-    for v, both in at.items():
-        both = [e for e in both if e not in gone]
-        if len(both) != 2 or fixed & set(both):
-            continue
-        (a, b, letter, angle, lines), (c, d, letter2, angle2, lines2) = (kept[e] for e in both)
-        alike = letter == letter2 and (angle == angle2 or (np.isnan(angle) and np.isnan(angle2)))
-        if not alike or not lines & lines2:
-            continue
-        ends = sorted((a + b - v, c + d - v))
-        if ends[0] == ends[1]:
-            continue
-        e, f = both
-        kept[e] = (ends[0], ends[1], letter, angle, lines & lines2)
-        gone.add(f)
-        far = ends[0] if kept[f][0] + kept[f][1] - v == ends[0] else ends[1]
-        at[far] = [e if g == f else g for g in at[far]]
-        at[v] = []
-    return [one for e, one in enumerate(kept) if e not in gone]
+    joined = []
+    for both in at.values():
+        if len(both) == 2 and not fixed & {*both}:
+            (*_, k, lines), (*_, m, others) = (kept[e] for e in both)
+            joined += [both] if said[k] == said[m] and lines & others else []
+    chains: dict[int, list[int]] = {}
+    for e, chain in enumerate(groups(len(kept), np.array(joined, int).reshape(-1, 2)).tolist()):
+        chains.setdefault(chain, []).append(e)
+    out: list[Any] = []
+    for edges in chains.values():
+        met = Counter(v for e in edges for v in kept[e][:2])
+        ends = sorted(v for v, many in met.items() if many == 1)
+        whole = len(edges) > 1 and len(ends) == 2
+        out += [(*ends, *kept[edges[0]][2:])] if whole else [kept[e] for e in edges]
+    return out

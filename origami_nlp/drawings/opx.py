@@ -5,12 +5,10 @@ Code 4 is an unassigned crease (ORIPA, OriLine).
 
 from __future__ import annotations
 
-import math
-
 from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
 from origami_nlp.drawings.svg import parse_xml
 
-OPX_CODES = {0: "F", 1: "B", 2: "M", 3: "V", 4: "U", 9: "C"}
+OPX_CODES: dict[float, str] = {0: "F", 1: "B", 2: "M", 3: "V", 4: "U", 9: "C"}
 
 
 def read_opx(raw: bytes, name: str, options: DrawingOptions) -> Lines:
@@ -39,19 +37,15 @@ def read_opx(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     found, title = LineList(name, options), ""
     for number, bean in enumerate(root.iter("object")):
         own = {void.get("property"): (void.findtext("*") or "") for void in bean.findall("void")}
-        kind = bean.get("class", "").rpartition(".")[2]
+        kind, where = bean.get("class", "").rpartition(".")[2], f"line {number}"
         if kind == "DataSet":
             title = own.get("title", "")
         if kind != "OriLineProxy":
             continue
-        where = f"line {number}"
         try:
-            code = int(own.get("type", "0"))
-            x0, y0, x1, y1 = (float(own.get(key, "0")) for key in ("x0", "y0", "x1", "y1"))
+            code, *ends = (float(own.get(key, "0")) for key in "type x0 y0 x1 y1".split())
         except ValueError:  # Java writes such numbers otherwise, or not at all
             found.broken.append(where)
             continue
-        letter = found.letter(f"type {code}", lambda _, code=code: OPX_CODES.get(code))  # type: ignore[misc]
-        if letter is not None:
-            found.add([(x0, y0), (x1, y1)], letter, math.nan, where)
+        found.draw(f"type {code:g}", OPX_CODES.get(code), (ends[:2], ends[2:]), where)
     return found.lines("types", y_down=True, title=title)

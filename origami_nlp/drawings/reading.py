@@ -106,7 +106,10 @@ def drawing_to_fold(drawing: Drawing) -> dict[str, Any]:
         moved.
     """
     angles = [None if math.isnan(a) else a for a in drawing.angles.tolist()]
-    data: dict[str, Any] = {
+    error = drawing.error if drawing.error > last_place(drawing.points) else 0.0
+    stated = {"file_title": drawing.title, "frame_unit": drawing.length_unit, ERROR_KEY: error}
+    stated["edges_foldAngle"] = angles if any(a is not None for a in angles) else []
+    return {
         "file_spec": 1.1,
         "file_creator": "origami_nlp",
         "file_classes": ["singleModel"],
@@ -115,13 +118,5 @@ def drawing_to_fold(drawing: Drawing) -> dict[str, Any]:
         "vertices_coords": drawing.points.tolist(),
         "edges_vertices": drawing.edges.tolist(),
         "edges_assignment": list(drawing.letters),
+        **{key: value for key, value in stated.items() if value},
     }
-    if any(a is not None for a in angles):
-        data["edges_foldAngle"] = angles
-    if drawing.title:
-        data["file_title"] = drawing.title
-    if drawing.length_unit:
-        data["frame_unit"] = drawing.length_unit
-    if drawing.error > last_place(drawing.points):
-        data[ERROR_KEY] = drawing.error
-    return data

@@ -100,19 +100,17 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
     if size < 1 / 1e50:  # as in FOLD
         raise DrawingError(f"{name}: all its lines lie in one point")
     stated = "B" in lines.letters
-    rungs = RUNGS if options.tolerance is None else (options.tolerance,)
     best: tuple[tuple[int, bool], float, Noded, Planar] | None = None
-    for rung in rungs:
+    for rung in RUNGS if options.tolerance is None else (options.tolerance,):
         noded = node(lines.ends, lines.letters, lines.angles, rung * size)
         if not len(noded.edges):
             continue
         found = planar(noded.points, noded.edges)
         faults = _loose(noded, found).size + (_open(noded, found).size if stated else 0)
         if noded.moved > CHAINED * rung * size:
-            # chains of short lines shrink to points
             faults = len(noded.edges) + 2 * len(lines.ends)
-        # ends that all but meet are one point at the next tolerance, if that leaves no stubs
-        stubs = _has_stubs(noded, RESOLVES * rung * size)
+        a, b = noded.points[noded.edges].transpose(1, 0, 2)
+        stubs = bool((np.linalg.norm(b - a, axis=1) < RESOLVES * rung * size).any())
         if best is None or (faults, stubs) < best[0]:
             best = ((faults, stubs), rung, noded, found)
         if not (faults or stubs):
@@ -123,46 +121,33 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
     how = "as asked"
     if options.tolerance is None:
         how = "the best, but at none is it whole" if faults else "the smallest at which it is whole"
-    notes = [*lines.notes, *_repairs(noded, rung, size, how)]
     keep, more = _sheets(lines, noded, found, options.part, name)
-    notes += more
+    notes = [*lines.notes, *_repairs(noded, rung, size, how), *more]
     loose = np.intersect1d(_loose(noded, found), noded.edges[keep])
     if len(loose):
         where = _places(lines, noded.points[loose])
+        notes.append(f"{len(loose)} ends hang loose: {where}; --tolerance joins them from farther")
+    letters, border = np.array(noded.letters), found.outer & keep
+    if not stated and np.isin(noded.edges[border], loose).any():
         notes.append(
-            f"{len(loose)} ends hang loose: {where}; --tolerance joins ends that are farther apart"
-        )
-    letters = np.array(noded.letters)
-    border = found.outer & keep
-    open_ = np.isin(noded.edges[border], loose).any()
-    if not stated and open_:
-        notes.append(
-            "no border is drawn, and creases end in the open, so that the outline is none: add the outline of the paper"
+            "no border is drawn, and creases end in the open: add the outline of the paper"
         )
     elif not stated:
         taken = border & (letters != "C")
         letters[taken] = "B"
         notes.append(f"no border is drawn: the outline, {int(taken.sum())} edges, is taken for it")
     elif (letters[keep] == "B").all() and options.part is None:
-        notes.append(
-            "all lines are borders: --colour says which are folds, such as --colour 'black=U'"
-        )
+        notes.append("all lines are borders: --colour 'black=U' says which are folds")
     twice = noded.clashes[::2] if keep.any() else ()
-    for e in twice[:NAMED]:
-        a, b = (lines.place(noded.points[v]) for v in noded.edges[e])
-        notes.append(
-            f"the line from {a} to {b} is drawn twice, with other letters or fold angles: keep one"
-        )
-    if len(twice) > NAMED:
-        notes.append(f"{len(twice) - NAMED} more lines are drawn twice so")
+    if twice:
+        where = _places(lines, noded.points[noded.edges[[*twice]]].mean(axis=1))
+        notes.append(f"{len(twice)} lines are drawn twice, with other letters or angles: {where}")
     place = last_place(lines.ends)
-    # whole numbers on a grid of a few are exact
     error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
     used, edges = np.unique(noded.edges[keep], return_inverse=True)
+    drawn = noded.points[used], edges.reshape(-1, 2), tuple(letters[keep].tolist())
     return Drawing(
-        noded.points[used],
-        edges.reshape(-1, 2),
-        tuple(letters[keep].tolist()),
+        *drawn,
         noded.angles[keep],
         error,
         rung,
@@ -178,12 +163,6 @@ def _loose(noded: Noded, found: Planar) -> np.ndarray:
     sheet = found.faces[found.component] > 0
     ends = np.unique(noded.edges[sheet])
     return ends[found.degree[ends] == 1] if len(ends) else np.flatnonzero(found.degree == 1)
-
-
-def _has_stubs(noded: Noded, least: float) -> bool:
-    """Return whether an edge is shorter than a length, as beyond a crossing at which a line was to end."""
-    a, b = noded.points[noded.edges].transpose(1, 0, 2)
-    return bool((np.linalg.norm(b - a, axis=1) < least).any())
 
 
 def _open(noded: Noded, found: Planar) -> np.ndarray:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import NoReturn
 from xml.etree.ElementTree import Element, TreeBuilder
 from xml.parsers import expat
 
-import numpy as np
+from fontTools.misc.transform import Identity, Transform
 
 from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
 from origami_nlp.drawings.style import SIMULATOR_COLOURS, Sheet, canonical_colour
@@ -108,7 +109,7 @@ _NOT_DRAWN = frozenset(
     "defs symbol clipPath mask marker pattern title desc metadata style namedview script".split()
 )
 _SHAPES = frozenset("line polyline polygon rect path".split())
-_OTHERS = frozenset("circle ellipse use text image foreignObject".split())
+_ROUND = frozenset("circle ellipse text".split())
 
 
 def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
@@ -142,97 +143,79 @@ def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
     root = parse_xml(raw, name)
     if root.tag != "svg":
         raise DrawingError(f"{name} is no SVG: its root is <{root.tag}>")
-    sheet, found = Sheet(root), LineList(name, _canonical(options))
+    letters = {canonical_colour(key): letter for key, letter in options.letters.items()}
+    sheet, found = Sheet(root), LineList(name, replace(options, letters=letters))
     if sheet.left_out:
-        found.notes.append(
-            f"selectors of its style sheet left out: {', '.join(sheet.left_out[:4])}"
-        )
-    hidden = 0
-    stack: list[tuple[Element, np.ndarray, Mapping[str, str]]] = [(root, np.eye(3), {})]
+        found.notes.append(f"style sheet, selectors left out: {', '.join(sheet.left_out[:4])}")
+    stack: list[tuple[Element, Transform, Mapping[str, str]]] = [(root, Identity, {})]
     while stack:
         element, above, inherited = stack.pop()
-        if element.tag in _NOT_DRAWN:
+        tag, look = element.tag, sheet.look(element, inherited)
+        if tag in _NOT_DRAWN:
             continue
-        look = sheet.look(element, inherited)
         if look.get("display") == "none":
-            hidden += _count(element)
+            found.left_out["hidden shapes"] += sum(one.tag in _SHAPES for one in element.iter())
             continue
-        matrix = above @ _matrix(element, name)
-        if element.tag == "svg" and element is not root:
-            matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
-        if element.tag in _OTHERS:
-            if (
-                element.tag in ("use", "image", "foreignObject")
-                or look.get("stroke", "none") != "none"
-            ):
-                found.left_out[f"<{element.tag}>"] += 1
-        elif element.tag in _SHAPES:
-            if look.get("visibility") in ("hidden", "collapse"):
-                hidden += 1
-            elif (colour := canonical_colour(look.get("stroke", "none"))) != "none":
-                _shape(found, element, matrix, colour, look)
+        matrix = above.transform(_matrix(element, name))
+        if tag == "svg" and element is not root:
+            matrix = matrix.translate(*(_length(element, k, name) for k in "xy"))
+        colour = canonical_colour(look.get("stroke", "none"))
+        if tag in ("use", "image", "foreignObject") or (tag in _ROUND and colour != "none"):
+            found.left_out[f"<{tag}>"] += 1
+        elif tag in _SHAPES and look.get("visibility") in ("hidden", "collapse"):
+            found.left_out["hidden shapes"] += 1
+        elif tag in _SHAPES and colour != "none":
+            _shape(found, element, matrix, colour, look)
         stack += [(child, matrix, look) for child in reversed(element)]
-    if hidden:
-        found.left_out["hidden shapes"] = hidden
     found.length_unit = _unit(root)
     title = root.findtext("title") or ""
     return found.lines("colours", y_down=True, title=title.strip())
 
 
-def _canonical(options: DrawingOptions) -> DrawingOptions:
-    letters = {canonical_colour(key): letter for key, letter in options.letters.items()}
-    return DrawingOptions(options.tolerance, letters, options.curves, options.part)
-
-
 def _shape(
-    found: LineList, element: Element, matrix: np.ndarray, colour: str, look: Mapping[str, str]
+    found: LineList, element: Element, matrix: Transform, colour: str, look: Mapping[str, str]
 ) -> None:
+    """Add the lines of a shape with a stroke."""
     said = element.get("data-assignment", "").upper()
-    letter = found.letter(
-        colour, lambda c: said if said and said in "BMVFUC" else SIMULATOR_COLOURS.get(c)
-    )
+    known = said if said and said in "BMVFUC" else SIMULATOR_COLOURS.get(colour)
+    letter = found.letter(colour, known)
     if letter is None:
         return
-    where = f"in <{element.tag}{' ' + repr(element.get('id')) if element.get('id') else ''}>"
-    chains, curves = _chains(element, found)
+    chains, curves = _chains(element, found.name)
     found.left_out["curves"] += curves
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
     if found.is_asked(colour) and letter in "MV":
         angle = math.copysign(angle, -1.0 if letter == "M" else 1.0)
+    where = f"in <{element.tag}> {element.get('id', '')!r}"
     for chain in chains:
-        with np.errstate(all="ignore"):  # what is not finite is left out below
-            points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T
-        found.add(points.tolist(), letter, angle, where)
+        found.add(matrix.transformPoints(chain), letter, angle, where)
 
 
 def _fold_angle(letter: str, look: Mapping[str, str]) -> float:
-    """Return the fold angle [deg] that opacity states: NaN without opacity, and for a line that is not seen."""
-    if letter not in "MV" or not {"opacity", "stroke-opacity"} & {*look}:
+    """Return the fold angle [deg] that an opacity says of a mountain or valley, as Origami Simulator does."""
+    given = [look[key] for key in ("opacity", "stroke-opacity") if key in look]
+    shares = [1.0 if (s := _real(v.replace("%", "e-2"))) is None else s for v in given]
+    share = math.prod(min(max(s, 0.0), 1.0) for s in shares)
+    if letter not in "MV" or not given or share == 0.0:
         return math.nan
-    shares = [
-        _real(look.get(key, "1").replace("%", "e-2")) for key in ("opacity", "stroke-opacity")
-    ]
-    share = math.prod(1.0 if s is None else min(max(s, 0.0), 1.0) for s in shares)
-    return (
-        math.nan if share == 0.0 else math.copysign(180.0 * share, 1.0 if letter == "V" else -1.0)
-    )
+    return math.copysign(180.0 * share, 1.0 if letter == "V" else -1.0)
 
 
-def _chains(element: Element, found: LineList) -> tuple[list[list[tuple[float, float]]], int]:
+def _chains(element: Element, name: str) -> tuple[list[list[Point]], int]:
     """Return the chains of points of a shape, and how many curves it has."""
-    name = found.name
-    if element.tag == "path":
+    tag = element.tag
+    if tag == "path":
         return path_chains(element.get("d", ""))
-    if element.tag == "line":
-        x1, y1, x2, y2 = (_length(element, key, name) for key in ("x1", "y1", "x2", "y2"))
-        return [[(x1, y1), (x2, y2)]], 0
-    if element.tag == "rect":
-        x, y, w, h = (_length(element, key, name) for key in ("x", "y", "width", "height"))
-        return [[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)]], 0
+    if tag in ("line", "rect"):
+        keys = ("x1", "y1", "x2", "y2") if tag == "line" else ("x", "y", "width", "height")
+        x, y, u, v = (_length(element, key, name) for key in keys)
+        if tag == "line":
+            return [[(x, y), (u, v)]], 0
+        return [[(x, y), (x + u, y), (x + u, y + v), (x, y + v), (x, y)]], 0
     numbers = [float(n) for n in re.findall(NUMBER, element.get("points", ""))]
     chain = list(zip(numbers[::2], numbers[1::2], strict=False))
-    return ([[*chain, *chain[: element.tag == "polygon"]]] if len(chain) > 1 else []), 0
+    return ([[*chain, *chain[: tag == "polygon"]]] if len(chain) > 1 else []), 0
 
 
 def _length(element: Element, key: str, name: str) -> float:
@@ -251,40 +234,27 @@ def _real(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _affine(a: float, b: float, c: float, d: float, e: float, f: float) -> np.ndarray:
-    return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
-
-
-def _matrix(element: Element, name: str) -> np.ndarray:
-    """Return the transform of an element: its functions apply from the right to the left."""
-    matrix, text = np.eye(3), element.get("transform", "")
-    for part in text.split(")")[:-1]:
-        kind, _, words = part.strip(" ,\t\r\n").partition("(")
-        kind = kind.strip()
+def _matrix(element: Element, name: str) -> Transform:
+    """Return what the transform of an element does to its points."""
+    made = Identity
+    for part in element.get("transform", "").split(")")[:-1]:
+        kind, _, words = (word.strip() for word in part.strip(" ,\t\r\n").partition("("))
         n = [float(w) for w in re.findall(NUMBER, words)]
         try:
-            matrix = matrix @ FUNCTIONS[kind](*n)
-        except (KeyError, TypeError):
-            raise DrawingError(
-                f"{name}: transform {kind}({words[:40]}) is none that SVG has"
-            ) from None
-    return matrix
-
-
-def _rotation(degrees: float, x: float = 0.0, y: float = 0.0) -> np.ndarray:
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return _affine(c, s, -s, c, x - c * x + s * y, y - s * x - c * y)
-
-
-FUNCTIONS: dict[str, Callable[..., np.ndarray]] = {
-    "matrix": _affine,
-    "translate": lambda x, y=0.0: _affine(1, 0, 0, 1, x, y),
-    "scale": lambda x, y=None: _affine(x, 0, 0, x if y is None else y, 0, 0),
-    "rotate": _rotation,
-    "skewX": lambda degrees: _affine(1, 0, math.tan(math.radians(degrees)), 1, 0, 0),
-    "skewY": lambda degrees: _affine(1, math.tan(math.radians(degrees)), 0, 1, 0, 0),
-}
-"""Of transforms, by their names."""
+            if kind == "matrix":
+                a, b, c, d, e, f = n
+                made = made.transform((a, b, c, d, e, f))
+            elif kind == "rotate":
+                turn, x, y = (*n, 0.0, 0.0) if len(n) == 1 else n
+                made = made.translate(x, y).rotate(math.radians(turn)).translate(-x, -y)
+            elif kind in ("skewX", "skewY"):
+                (lean,) = map(math.radians, n)
+                made = made.skew(*((lean, 0.0) if kind == "skewX" else (0.0, lean)))
+            else:
+                made = {"translate": made.translate, "scale": made.scale}[kind](*n)
+        except (KeyError, TypeError, ValueError):
+            raise DrawingError(f"{name}: transform {kind}({words[:40]}) is none of SVG") from None
+    return made
 
 
 def _unit(root: Element) -> str:
@@ -294,10 +264,6 @@ def _unit(root: Element) -> str:
     if width is None or len(box) != 4 or float(width[1]) != box[2]:
         return ""
     return UNITS.get(width[2], "")
-
-
-def _count(element: Element) -> int:
-    return sum(one.tag in _SHAPES for one in element.iter())
 
 
 DEEPEST = 500

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any
 from xml.sax.saxutils import escape
@@ -97,9 +96,7 @@ def write_drawing(
     """
     options = options or WriteOptions()
     if kind not in WRITTEN:
-        raise DrawingError(
-            f"{kind!r} is not written: end the name in {', '.join(WRITTEN)} or .fold"
-        )
+        raise DrawingError(f"{kind!r} is not written: end the name in {', '.join(WRITTEN)}, .fold")
     notes: list[str] = []
     text = WRITTEN[kind](scaled(drawing, options), notes)
     return text, tuple(notes)
@@ -124,14 +121,11 @@ def _down(drawing: Drawing) -> np.ndarray:
 
 
 def _lost(drawing: Drawing, notes: list[str], format_: str, letters: str = "") -> None:
-    """Note what a format does not hold: fold angles, and letters that become others."""
+    """Note the fold angles and letters that a format has no way to write."""
     if not np.isnan(drawing.angles).all():
         notes.append(f"{format_} holds no fold angles: they are left out")
-    counts = Counter(a for a in drawing.letters if a in letters)
-    for letter, many in sorted(counts.items()):
-        notes.append(
-            f"{format_} has no {letter}: {many} edges are written as auxiliary lines or border"
-        )
+    if lost := sum(a in letters for a in drawing.letters):
+        notes.append(f"{format_} has no {letters}: {lost} edges are auxiliary lines or border")
 
 
 def simulator_svg(drawing: Drawing, notes: list[str]) -> str:
@@ -139,34 +133,28 @@ def simulator_svg(drawing: Drawing, notes: list[str]) -> str:
     low, high = drawing.points.min(axis=0), drawing.points.max(axis=0)
     size = float((high - low).max())
     room = size / 50
-    box = (low[0] - room, -high[1] - room, *(high - low + 2 * room))
-    mm = drawing.length_unit == "mm"
-    width = f' width="{box[2]:.10g}mm" height="{box[3]:.10g}mm"' if mm else ""
-    shown = " ".join(f"{v:.10g}" for v in box)
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1"{width} viewBox="{shown}">']
+    box = [low[0] - room, -high[1] - room, *(high - low + 2 * room)]
+    wide, tall, shown = (f"{v:.10g}" for v in box[2:]), "", " ".join(f"{v:.10g}" for v in box)
+    if drawing.length_unit == "mm":
+        tall = ' width="{}mm" height="{}mm"'.format(*wide)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1"{tall} viewBox="{shown}">']
     if drawing.title:
         out.append(f"<title>{escape(drawing.title)}</title>")
-    rows = _down(drawing).tolist()
+    lines = [*zip(drawing.letters, _down(drawing).tolist(), drawing.angles.tolist(), strict=True)]
     for letter, group in _GROUPS.items():
-        here = [k for k, a in enumerate(drawing.letters) if a == letter]
-        if not here:
-            continue
         look = f'stroke="{_COLOURS[letter]}" stroke-width="{size / 400:.4g}" fill="none"'
-        out.append(f'<g id="{group}" {look}>')
-        for k in here:
-            x1, y1, x2, y2 = rows[k]
-            angle = float(drawing.angles[k])
+        here = [(row, angle) for own, row, angle in lines if own == letter]
+        out += [f'<g id="{group}" {look}>'] if here else []
+        for (x1, y1, x2, y2), angle in here:
             fold = ""
             if letter in "MV" and not math.isnan(angle):
                 fold = f' opacity="{abs(angle) / 180!r}" data-foldAngle="{angle!r}"'
             ends = f'x1="{x1!r}" y1="{y1!r}" x2="{x2!r}" y2="{y2!r}"'
             out.append(f'<line {ends} data-assignment="{letter}"{fold}/>')
-        out.append("</g>")
-    others = ~np.isin(drawing.letters, ("M", "V")) & (np.nan_to_num(drawing.angles) != 0)
-    if others.any():
-        notes.append(
-            f"{int(others.sum())} fold angles of edges that are neither M nor V are left out"
-        )
+        out += ["</g>"] if here else []
+    others = sum(a not in "MV" and not math.isnan(angle) and angle != 0 for a, _, angle in lines)
+    if others:
+        notes.append(f"{others} fold angles of edges that are neither M nor V are left out")
     return "\n".join([*out, "</svg>", ""])
 
 

@@ -54,33 +54,23 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     law, x = found.law, found.angle
     low, high = law.breaks[0], law.breaks[-1]
     level = LEVEL * float(law.extremes(low, high).max())
-    wells = [(a, "well" if low < a < high else "end of the data") for a in law.rests(low, high)]
+    angles = law.rests(low, high)
     held = list(runs(np.abs(found.torque) <= np.abs(found.gap), x))
     step = x[1] - x[0]
     out = []
-    for number, (angle, kind) in enumerate(wells):
+    for before, angle, after in zip((low, *angles), angles, (*angles[1:], high), strict=False):
+        kind = "well" if low < angle < high else "end of the data"
         here = float(law.energy(np.array(angle)))
         here = here if here > level else 0.0
-        tops = []
-        for side in (-1, 1):  # the hill to the next well, or all the way to the end
-            other = number + side
-            stop = wells[other][0] if 0 <= other < len(wells) else (low if side < 0 else high)
-            if stop != angle:
-                tops.append(float(law.extremes(*sorted((angle, stop))).max()) - here)
+        # the hill to the next well, or all the way to the end
+        ways = [way for way in ((before, angle), (angle, after)) if way[0] < way[1]]
+        top = min(float(law.extremes(*way).max()) for way in ways) - here
         stiffness = float(law.slope(np.array(angle)))
-        band = float(np.interp(angle, x, found.band))
+        known = float(np.interp(angle, x, found.band)) / stiffness if kind == "well" else math.nan
         span = [run for run in held if run[0] <= angle + step and run[1] >= angle - step]
-        out.append(
-            HingeRest(
-                float(angle) if abs(angle) > INPUT_TOL else 0.0,
-                band / stiffness if kind == "well" else math.nan,
-                kind,
-                here,
-                min(tops),
-                stiffness,
-                span[0] if span else (float(angle), float(angle)),
-            )
-        )
+        at = float(angle) if abs(angle) > INPUT_TOL else 0.0
+        both = span[0] if span else (float(angle), float(angle))
+        out.append(HingeRest(at, known, kind, here, top, stiffness, both))
     return tuple(out)
 
 
@@ -88,36 +78,28 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...]) -> list[str]:
     """Say what may be wrong with the data, and what a law cannot have."""
     notes = []
     torque, x = found.torque, found.angle
-    wells = [rest for rest in rests if rest.kind == "well"]
     if (torque > 0).all() or (torque < 0).all():
         end = math.degrees(x[0] if torque[0] > 0 else x[-1])
+        notes.append(f"no rest angle: one sign of torque pushes the hinge to {end:.4g} degrees")
+    elif sum(rest.kind != "well" for rest in rests) == 2:
         notes.append(
-            f"the torque has one sign: there is no rest angle, the hinge is pushed to {end:.4g} degrees; fine with a "
-            "stop there (limits_deg), else look whether the rig's zero was taken off"
+            "the hinge is pushed to both ends of the data: is the sign of dU/dphi swapped?"
         )
-    elif len(rests) - len(wells) == 2:
-        notes.append(
-            "the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what holds the "
-            "hinge at the angle; the hinge's own moment on its panels is the opposite"
-        )
-    area, error, stored = found.loop_area, found.loop_error, found.stored
-    if area < 0 and not abs(area) <= error:
-        notes.append(
-            "torques on unloading are above those on loading, so that a cycle would give energy: is the sign swapped, "
-            "or are the rows not in the order of the measurement?"
-        )
+    area, stored = found.loop_area, found.stored
+    if area < 0 and not abs(area) <= found.loop_error:
+        notes.append("a cycle would give energy: is the sign swapped, or the order of rows?")
     elif area > MUCH * stored:
+        share = f"{100 * area / stored:.3g} % of the energy that the law stores"
         notes.append(
-            f"a cycle takes {100 * area / stored:.3g} % of the energy that the law stores: states of the mean law may "
-            "be held elsewhere, by friction or yield, which no energy has"
+            f"a cycle takes {share}: friction or yield, which no energy has, may hold states"
         )
     if found.residual_rms > NOISY * np.abs(torque).max():
         notes.append(f"residuals are above {100 * NOISY:g} % of the largest torque: a noisy rig")
-    steps = np.diff(np.unique(found.data.angle))
-    if steps.max() > EMPTY * np.ptp(x):
-        at = int(np.argmax(steps))
-        a, b = np.degrees(np.unique(found.data.angle)[[at, at + 1]])
+    measured = np.unique(found.data.angle)
+    widest = int(np.diff(measured).argmax())
+    a, b = measured[[widest, widest + 1]]
+    if b - a > EMPTY * np.ptp(x):
         notes.append(
-            f"nothing was measured from {a:.4g} to {b:.4g} degrees: there the law is only drawn through"
+            f"nothing was measured from {math.degrees(a):.4g} to {math.degrees(b):.4g} degrees"
         )
     return notes

@@ -117,10 +117,7 @@ class MeasuredHinge(LawFit, Report):
     def report_sections(self) -> Iterable[Section]:
         """Return the verdict, the wells, how well the law is known, and the notes."""
         yield Words(self.verdict, "bold")
-        yield (
-            "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0); the hinge's own "
-            "moment on its panels is the opposite."
-        )
+        yield "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0)."
         heads = "rest,phi [deg],energy [J],to leave [J],stiffness [N m/rad],held by the loop [deg]"
         rows = []
         for rest in self.rests:
@@ -135,30 +132,24 @@ class MeasuredHinge(LawFit, Report):
         yield from (Words(f"Note: {note}", "bold") for note in self.notes)
 
     def _known(self) -> Iterator[str]:
-        rows, pieces = len(self.data.angle), len(self.law.coefficients)
-        how = f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
-        yield (
-            f"{rows:,} rows, {how}: residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most; largest "
-            f"torque {np.abs(self.torque).max():.4g} N m, stored {self.stored:.4g} J"
-        )
+        pieces, torque = len(self.law.coefficients), np.abs(self.torque).max()
+        how = f"{pieces} interval{'s'[: pieces > 1]} of a cubic spline by BIC"
+        rms = f"residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most"
+        yield f"{len(self.data.angle):,} rows, {how}: {rms}; torque to {torque:.4g} N m"
         if np.isfinite(self.band).all():
-            yield (
-                f"95 % band of the law, at each angle: half-width {np.median(self.band):.2g} N m (median), "
-                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row, correlation of residuals in a row "
-                f"{self.correlation:.2f}"
+            band = (
+                f"half-width {np.median(self.band):.2g} N m (median), {self.band.max():.2g} at most"
             )
+            noise = f"noise {self.noise:.3g} N m a row, correlation {self.correlation:.2f}"
+            yield f"95 % band of the law, at each angle: {band}; {noise}"
         shown = [f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling]
         where = f"{', '.join(shown)} degrees" if shown else "nowhere"
-        yield (
-            f"Stiffness negative for certain: {where}; its sign is not known on "
-            f"{round(100 * self.unsure, 2):g} % of the range"
-        )
+        open_ = f"its sign is not known on {round(100 * self.unsure, 2):g} % of the range"
+        yield f"Stiffness negative for certain: {where}; {open_}"
         if not math.isnan(self.loop_area):
-            yield (
-                f"Loop of loading and unloading: {self.loop_area:.4g} +-{self.loop_error:.2g} J a cycle, half-gap "
-                f"{np.abs(self.gap).max():.3g} N m at most.  The law is the mean of both: states found with it are "
-                "those of the mean law"
-            )
+            loop = f"{self.loop_area:.4g} +-{self.loop_error:.2g} J a cycle"
+            gap = f"half-gap {np.abs(self.gap).max():.3g} N m at most"
+            yield f"Loop of loading and unloading: {loop}, {gap}; the law is the mean of both"
 
     def _rows(self) -> Iterator[dict[str, object]]:
         columns = {

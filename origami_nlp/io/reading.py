@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, did_you_mean, shown
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OrigamiError
 
 MOST_PARTS = 100
@@ -62,13 +62,10 @@ def read_limited(
             why = getattr(problem, "strerror", None) or problem
             raise error(f"cannot read {what} {str(source)!r}: {why}") from None
     if len(raw) > largest:
-        raise error(
-            f"{what} {str(source)!r} is larger than {largest // 10**6} MB: not a {what} file"
-        )
+        raise error(f"{what} {str(source)!r} is larger than {largest // 10**6} MB")
     if not raw.strip():
-        raise error(
-            "standard input is empty" if str(source) == "-" else f"{what} {str(source)!r} is empty"
-        )
+        name = "standard input" if str(source) == "-" else f"{what} {str(source)!r}"
+        raise error(f"{name} is empty")
     return raw.removeprefix(codecs.BOM_UTF8)
 
 
@@ -150,9 +147,7 @@ def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any
         If it is no TOML, or has a dotted key of more than `MOST_PARTS` parts.
     """
     if _LONG_KEY.search(text):
-        raise error(
-            f"{what} has a key of more than {MOST_PARTS} dotted parts: no key of ours has more than two"
-        )
+        raise error(f"{what} has a key of more than {MOST_PARTS} dotted parts")
     try:
         return tomllib.loads(text)
     except (
@@ -248,24 +243,16 @@ def check_tables(
     """
     for table, content in data.items():
         if table not in known:
-            raise error(
-                f"unknown table [{table}]: {whole} {', '.join(known)}{did_you_mean(table, known)}"
-            )
+            raise error(f"unknown table [{table}]: {whole} {', '.join(known)}")
         many = isinstance(content, list)
         entries = content if many else [content]
         if many != (table in lists) or not all(isinstance(one, Mapping) for one in entries):
-            should = f"a list of tables: write [[{table}]]"
-            should = should if table in lists else f"a table: write [{table}]"
+            should = f"a list of tables: write [[{table}]]" if table in lists else "a table"
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                home = next((other for other in known if key in known[other]), None)
-                meant = did_you_mean(key, known[table]) or (
-                    f"; {key} is a key of [{home}]" if home else ""
-                )
-                raise error(
-                    f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
-                )
+                takes = ", ".join(known[table])
+                raise error(f"unknown key {key!r} in [{table}]: it takes {takes}")
 
 
 def one_of(
@@ -296,7 +283,6 @@ def one_of(
     """
     given = [key for key in keys if key in table]
     if len(given) != 1:
-        raise error(
-            f"{name} needs exactly one of {', '.join(keys)}: found {', '.join(given) or 'none'}"
-        )
+        found = ", ".join(given) or "none"
+        raise error(f"{name} needs exactly one of {', '.join(keys)}: found {found}")
     return given[0]

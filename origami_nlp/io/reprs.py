@@ -15,20 +15,7 @@ WORDS, LINE = 48, 220
 """Characters of a text, and of the whole."""
 
 
-MACHINERY = frozenset(
-    "report_sections print_to view_content mesh_parts frame_entries lines from_dict".split()
-)
-"""Methods that the package itself calls, and users do not."""
-
-
-class _Completed:
-    """An object whose ``dir``, which TAB completes from, has what is for users: no constants of the class."""
-
-    def __dir__(self) -> list[str]:
-        return [n for n in super().__dir__() if not (n.isupper() or n in MACHINERY)]
-
-
-class ShortRepr(_Completed):
+class ShortRepr:
     """A dataclass (``repr=False``) whose repr is short; what is in it is in its attributes.
 
     Examples
@@ -49,7 +36,7 @@ class ShortRepr(_Completed):
         return f"{type(self).__name__}({shorten(entries, LINE, placeholder=' ...')})"
 
 
-class PrettyRepr(_Completed):
+class PrettyRepr:
     """An object whose ``str`` says all and whose ``repr`` is one line; alone in a Jupyter cell it shows all."""
 
     def __init_subclass__(cls, **given: Any) -> None:

@@ -72,10 +72,8 @@ def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] =
     ending = Path(target).suffix.lower().lstrip(".")
     known = figure.canvas.get_supported_filetypes()
     if ending not in known:
-        raise OptionError(
-            f"figure = {_shown(target)} must end in a picture format: "
-            + ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
-        )
+        some = ", ".join(f".{e}" for e in ("png", "pdf", "svg", "jpg") if e in known)
+        raise OptionError(f"figure = {_shown(target)} must end in a picture format: {some}")
     write_whole(target, figure_bytes(figure, ending, dpi))
 
 
@@ -153,9 +151,8 @@ def check_writable(target: Target | None, option: str) -> None:
             raise OptionError(f"{option} = {_shown(target)} is a folder: give a file name")
         folder = os.path.dirname(os.path.realpath(target))
         if not there and not os.path.isdir(folder):
-            raise OptionError(
-                f"{option} = {_shown(target)}: folder {_shown(folder)} does not exist"
-            )
+            where = f"folder {_shown(folder)} does not exist"
+            raise OptionError(f"{option} = {_shown(target)}: {where}")
         if not os.access(target if there else folder, os.W_OK):
             raise OptionError(f"{option} = {_shown(target)}: no permission to write there")
         if _is_replaceable(there):
@@ -179,22 +176,14 @@ def check_outputs(*named: tuple[str, Target | None], read: Iterable[Target] = ()
     OptionError
         If one cannot be written, or would overwrite another.
     """
-    seen, inputs = dict[str, str](), set(map(os.path.realpath, read))
+    seen = {os.path.realpath(path): "the file that is read" for path in read}
     for option, target in named:
         check_writable(target, option)
         if target is None or is_stdout(target) or not _is_replaceable(_status(target)):
             continue
-        place = os.path.realpath(target)
-        if seen.get(place) == option:
-            raise OptionError(f"{option} = {_shown(target)} is given twice")
-        if place in seen:
-            raise OptionError(
-                f"{option} = {_shown(target)} is the file of {seen[place]} too: give it another name"
-            )
-        if place in inputs:
-            what = "is the file that is read: give it another name"
-            raise OptionError(f"{option} = {_shown(target)} {what}")
-        seen[place] = option
+        if (place := os.path.realpath(target)) in seen:
+            raise OptionError(f"{option} = {_shown(target)} is {seen[place]} too")
+        seen[place] = f"the file of {option}"
 
 
 def make_folder(folder: Target, option: str) -> Path:

@@ -8,11 +8,16 @@ from .coercion import (
     as_scene as as_scene,
     from_mesh as from_mesh,
 )
-from .converting import convert as convert, frame_drawing as frame_drawing
+from .converting import (
+    convert as convert,
+    frame_drawing as frame_drawing,
+    frames_of as frames_of,
+)
 from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,
     make_vertex as make_vertex,
+    merged_sectors as merged_sectors,
     misses_of_noise as misses_of_noise,
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
@@ -50,7 +55,7 @@ from .hinge_fit import (
     runs as runs,
 )
 from .hinge_law import HingeLaw as HingeLaw, moved_cubic as moved_cubic
-from .hinge_tables import CHANGED as CHANGED, read_law as read_law
+from .hinge_tables import read_law as read_law
 from .hinge_types import (
     detent as detent,
     double_well as double_well,

@@ -58,13 +58,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     if diagonal not in ("short", "long", "both"):
         raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
-        raise SceneError(
-            "facets of several pieces do not bend: draw their inner edges as creases, or merge the pieces"
-        )
+        raise SceneError("facets of several pieces do not bend: draw their inner edges as creases")
     if pattern.orders:
-        raise SceneError(
-            "faceOrders of a folded state are of whole facets: leave them out where facets bend"
-        )
+        raise SceneError("facets that bend have no faceOrders: leave these out")
     for number, polygon in enumerate(pattern.polygons, start=1):
         _check_convex(pattern.corners, polygon, number)
     cutting = _Cutting(pattern, diagonal)
@@ -82,29 +78,29 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
     sides = [(a, b) for a, b in pattern.ends.tolist()]
-    springs = dict(zip(sides, pattern.stiffness.tolist(), strict=True))
-    long = [float(np.linalg.norm(corners[a] - corners[b])) for a, b in cuts]
-    springs |= {side: k * length for side, length in zip(cuts, long, strict=True)}
     least = int(pattern.numbers.max(initial=-1)) + 1
 
     def of(values: Iterable[Any], new: Any) -> dict[tuple[int, int], Any]:
-        return dict(zip(sides, values, strict=True)) | dict.fromkeys(cuts, new)
+        each = new if isinstance(new, list) else [new] * len(cuts)
+        return dict(zip([*sides, *cuts], [*values, *each], strict=True))
 
-    which, others = f"{diagonal} diagonals", "about the other diagonals facets do not bend"
-    if diagonal == "both":
-        which, others = "halves of both diagonals", "a facet bends about one of its two, or is flat"
-    told = f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}"
-    numbers = of(pattern.numbers.tolist(), None) | {s: least + i for i, s in enumerate(cuts)}
-    stops = pattern.limit_angles.T.tolist()
+    which = "halves of both diagonals" if diagonal == "both" else f"{diagonal} diagonals"
+    told = (
+        f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat"
+    )
+    cell, stops = pattern.cell, pattern.limit_angles.T.tolist()
     return make_sheet(
         np.array(corners),
         polygons,
-        pattern.cell and pattern.cell.lattice,
-        rolled=pattern.cell and pattern.cell.rolled,
+        cell and cell.lattice,
+        rolled=cell and cell.rolled,
         assignment=of(pattern.assignment, "F"),
         fold_angles=of(pattern.reference.tolist(), 0.0),
-        numbers=numbers,
-        stiffness=springs,
+        numbers=of(pattern.numbers.tolist(), [*range(least, least + len(cuts))]),
+        stiffness=of(
+            pattern.stiffness.tolist(),
+            [k * float(np.linalg.norm(corners[a] - corners[b])) for a, b in cuts],
+        ),
         rest=of(pattern.rest.tolist(), 0.0),
         limits=of(stops, (-math.pi, math.pi)) if pattern.limits else None,
         laws=of(pattern.laws, None) if pattern.laws else None,
@@ -125,9 +121,7 @@ def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) ->
     x = corners[list(polygon)]
     turns = cross(np.roll(x, -1, axis=0) - x, np.roll(x, -2, axis=0) - np.roll(x, -1, axis=0))
     if len(x) > 3 and (turns @ turns[0]).min() < -INPUT_TOL * float(turns[0] @ turns[0]):
-        raise SceneError(
-            f"facet {number} is not convex: where it bends is not decided; draw the creases"
-        )
+        raise SceneError(f"facet {number} is not convex: draw the creases about which it bends")
 
 
 class _Cutting:
@@ -140,33 +134,29 @@ class _Cutting:
 
     def __init__(self, pattern: Pattern, diagonal: str) -> None:
         self.corners, self.longest = pattern.corners, diagonal == "long"
-        # of both diagonals the last ones cross
         self.corners_left = 4 if diagonal == "both" else 3
         self.left = [list(p) for p in pattern.polygons]
         self.pieces: list[list[tuple[int, ...]]] = [[] for _ in self.left]
         self.cuts: list[list[Side]] = [[] for _ in self.left]
-        numbers = [
-            pattern.stiffness,
-            pattern.rest,
-            *pattern.limit_angles,
-            *law_probes(pattern.laws, False, 1.0).T,
-        ]
-        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T
-        self.kind: dict[Side, tuple[int, ...]] = {
-            side(a, b): tuple(k)
-            for (a, b), k in zip(pattern.ends.tolist(), kinds.tolist(), strict=True)
-        }
+        probes = law_probes(pattern.laws, False, 1.0).T
+        numbers = [pattern.stiffness, pattern.rest, *pattern.limit_angles, *probes]
+        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T.tolist()
+        ends = (side(a, b) for a, b in pattern.ends.tolist())
+        self.kind: dict[Side, tuple[int, ...]] = dict(zip(ends, map(tuple, kinds), strict=True))
         while some := [f for f, p in enumerate(self.left) if len(p) > self.corners_left]:
             ties = {f: self._shortest(f) for f in some}
-            sure = [f for f in some if len({self._ends(f, i) for i in ties[f]}) == 1]
+            sure = self._sure(ties)
             if not sure:
                 colour = self._colours()
                 seen = {f: sorted((self._seen(f, i, colour), i) for i in ties[f]) for f in some}
                 ties = {f: [i for key, i in seen[f] if key == seen[f][0][0]] for f in some}
-                sure = [f for f in some if len({self._ends(f, i) for i in ties[f]}) == 1]
-                sure = sure or [min(some, key=lambda f: seen[f][0][0])]
+                sure = self._sure(ties) or [min(some, key=lambda f: seen[f][0][0])]
             for f in sure:
                 self._cut(f, ties[f][0])
+
+    def _sure(self, ties: dict[int, list[int]]) -> list[int]:
+        """Return the facets in which one diagonal is left."""
+        return [f for f, own in ties.items() if len({self._ends(f, i) for i in own}) == 1]
 
     def _ends(self, f: int, i: int) -> Side:
         p = self.left[f]

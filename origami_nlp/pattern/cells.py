@@ -240,9 +240,7 @@ def make_cell(
     """
     alone = make_pattern(corners, polygons, joins=joins, numbers=numbers, **of_sides)
     if not alone.is_flat or np.ptp(alone.corners[:, 2]):
-        raise FoldFileError(
-            f"{LATTICE_KEY}: a cell that repeats is stated as a flat crease pattern, not as a folded form"
-        )
+        raise FoldFileError(f"{LATTICE_KEY}: state a cell as a flat crease pattern")
     if alone.holes:
         raise FoldFileError(f"{LATTICE_KEY}: a cell with holes is not modelled")
     if orders:
@@ -254,17 +252,11 @@ def make_cell(
     stated = {name: dict(values) for name, values in of_sides.items() if isinstance(values, dict)}
     together = {side(*s) for s in joins}
     drawn: dict[Key, list[Side]] = {}
-    for polygon in cell.polygons:
-        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-            key = min(cell.key(a, b), _back(cell.key(a, b)))
-            if (ends := side(a, b)) not in (known := drawn.setdefault(key, [])):
-                known.append(ends)
-    for ends in (s for some in drawn.values() if len(some) > 1 for s in some):
-        if ends in together:
-            raise FoldFileError(
-                f"the side between vertices {ends[0]} and {ends[1]} joins a facet to one of the next cell: draw the "
-                "cell along creases"
-            )
+    for key, (_, (a, b)) in facing.items():
+        if (ends := side(a, b)) not in (known := drawn.setdefault(min(key, _back(key)), [])):
+            known.append(ends)
+    for ends in (s for some in drawn.values() if len(some) > 1 for s in some if s in together):
+        raise FoldFileError(f"side {ends} joins facets of two cells: cut the cell along creases")
     first = {
         key: min(some, key=lambda s: (given.get(s, math.inf), s))
         for key, some in drawn.items()
@@ -286,8 +278,8 @@ def make_cell(
     whole = replace(
         alone,
         corners=cell.corners,
-        left=np.array([facet[facing[cell.key(a, b)]] for a, b in sides], int),
-        right=np.array([facet[facing[cell.key(b, a)]] for a, b in sides], int),
+        left=np.array([facet[facing[cell.key(a, b)][0]] for a, b in sides], int),
+        right=np.array([facet[facing[cell.key(b, a)][0]] for a, b in sides], int),
         name=name,
         notes=tuple(notes),
         limits=(),
@@ -336,15 +328,11 @@ def _lattice(lattice: Sequence[Sequence[float]] | np.ndarray, alone: Pattern) ->
         raise FoldFileError(f"{LATTICE_KEY}: vectors of a flat sheet have no third component")
     span = abs(float(np.linalg.det(rules[:, :2])))
     if not span > INPUT_TOL * float((rules**2).sum()):
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the two vectors are on one line: give two that span a cell"
-        )
+        raise FoldFileError(f"{LATTICE_KEY}: give two vectors that are not on one line")
     covered = sum(area(alone.corners[list(polygon), :2]) for polygon in alone.polygons)
     if abs(covered - span) > PLACES * span:
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the vectors span an area of {span:.6g}, the facets have {covered:.6g}: give the facets of "
-            "one cell, each once"
-        )
+        areas = f"the vectors span an area of {span:.6g}, the facets {covered:.6g}"
+        raise FoldFileError(f"{LATTICE_KEY}: {areas}: give the facets of one cell, each once")
     return rules
 
 
@@ -363,24 +351,18 @@ def _identified(alone: Pattern, rules: np.ndarray, joins: Sequence[Side]) -> Cel
     return Cell(rules, exact, alone.polygons, class_of, offset, tuple(side(*s) for s in joins))
 
 
-def _facing(cell: Cell) -> dict[Key, int]:
-    """Return the polygon to the left of each side, of the cell or of a copy, each by its class."""
-    facing: dict[Key, int] = {}
+def _facing(cell: Cell) -> dict[Key, tuple[int, Side]]:
+    """Return the polygon to the left of each side, of the cell or of a copy, each by its class, and its corners."""
+    facing: dict[Key, tuple[int, Side]] = {}
     for p, polygon in enumerate(cell.polygons):
         for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             if cell.key(a, b) in facing:
-                raise FoldFileError(
-                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has facets of two copies on the same side: "
-                    "facets overlap"
-                )
-            facing[cell.key(a, b)] = p
-    for polygon in cell.polygons:
-        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-            if _back(cell.key(a, b)) not in facing:
-                raise FoldFileError(
-                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has no counterpart a lattice vector away: "
-                    "give opposite sides of the outline the same vertices"
-                )
+                raise FoldFileError(f"{LATTICE_KEY}: facets of two copies overlap at side {a}-{b}")
+            facing[cell.key(a, b)] = p, (a, b)
+    for key, (_, (a, b)) in facing.items():
+        if _back(key) not in facing:
+            why = f"side {a}-{b} of the outline has no counterpart a lattice vector away"
+            raise FoldFileError(f"{LATTICE_KEY}: {why}: give both the same vertices")
     return facing
 
 
@@ -392,19 +374,15 @@ def _agreed(
     for key, ends in first.items():
         stated = [(s, of[s]) for s in drawn[key] if s in of and of[s] != "B"]
         stated = [(s, v) for s, v in stated if v == v]  # nan: not given
-        if not stated:
-            continue
-        (one, value), *more = stated
-        for other, also in more:
-            same = (
-                also == value if isinstance(value, str) else np.allclose(also, value, atol=PLACES)
-            )
-            if not same:
-                raise FoldFileError(
-                    f"the sides between vertices {one[0]} and {one[1]} and between {other[0]} and {other[1]} are one "
-                    f"crease, a lattice vector apart: {what.replace('_', ' ')} {value} and {also} differ, state one"
-                )
-        found[ends] = value
+        for one, value in stated[:1]:
+            found[ends] = value
+            for other, also in stated[1:]:
+                text = isinstance(value, str)
+                if not (also == value if text else np.allclose(also, value, atol=PLACES)):
+                    said = f"{what.replace('_', ' ')} {value} and {also}"
+                    raise FoldFileError(
+                        f"sides {one} and {other} are one crease: {said}, state one"
+                    )
     return found
 
 
@@ -423,10 +401,8 @@ def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ..
     _, first = np.unique(cell.class_of, return_index=True)
     around = {loop.vertex: loop for loop in sheet.vertices}
     if not set(first.tolist()) <= around.keys():
-        raise FoldFileError(
-            f"{LATTICE_KEY}: the cell reaches round copies of itself: cut it into a more compact one"
-            + f", or give {ROLLED_KEY} more copies" * bool(cell.tube)
-        )
+        more = f", or give {ROLLED_KEY} more copies" * bool(cell.tube)
+        raise FoldFileError(f"{LATTICE_KEY}: the cell meets itself: cut it more compact{more}")
     vertices = [walk(around[v].creases, around[v].signs, v) for v in first.tolist()]
     many = len(cell.polygons)
     generators = []

@@ -14,9 +14,9 @@ from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
-from origami_nlp.pattern.fold_file import frame_of
+from origami_nlp.pattern.fold_file import parse_fold
 from origami_nlp.pattern.pattern_file import frame_pattern, read_pattern
-from origami_nlp.pattern.polygons import Side, sides_of
+from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern
@@ -92,9 +92,8 @@ def as_scene(stated: Stated, asked: str = "this", instead: str = "") -> Scene:
     scene = origami if isinstance(origami, Scene) else _equal_scene(origami)
     if scene is None:
         more = f"; {instead}" if instead else ""
-        raise OptionError(
-            f"scene = {origami!r}: {asked} is for one vertex: read_fold_scene(file, vertex=K) takes one of a file{more}"
-        )
+        take = f"{asked} is for one vertex: read_fold_scene(file, vertex=K) takes one{more}"
+        raise OptionError(f"scene = {origami!r}: {take}")
     return scene
 
 
@@ -165,7 +164,7 @@ def as_pattern(
     if isinstance(stated, str | PathLike):
         return read_pattern(Path(stated))
     if isinstance(stated, Mapping):
-        return frame_pattern(frame_of(stated))
+        return frame_pattern(parse_fold(stated, "first")[0])
     check_type(name, stated, Pattern)
     return stated
 
@@ -219,25 +218,20 @@ def from_mesh(
     try:
         points = np.asarray(vertices, float)
         rings = [tuple(int(v) for v in face) for face in faces]
-        stated = (
-            {} if isinstance(assignment, str) else {(a, b): x for (a, b), x in assignment.items()}
-        )
+        all_alike = isinstance(assignment, str)
+        stated = {} if all_alike else {(a, b): x for (a, b), x in assignment.items()}  # type: ignore[union-attr]
         k, rest = np.asarray(stiffness, float), np.asarray(rest_angles, float)
         if points.ndim != 2 or points.shape[1] not in (2, 3):
             raise ValueError(f"vertices has shape {points.shape}")
     except (TypeError, ValueError, AttributeError) as error:
-        raise OptionError(
-            f"a mesh is vertices [V, 2] or [V, 3], the vertices of each face, letters by pairs of vertices, and "
-            f"numbers: {error}"
-        ) from None
-    rest_of_all = assignment if isinstance(assignment, str) else "U"
-    letter = {s: rest_of_all if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
+        what = "vertices [V, 2] or [V, 3], faces, letters by pairs of vertices, and numbers"
+        raise OptionError(f"a mesh is {what}: {error}") from None
+    inner = assignment if all_alike else "U"
+    letter = {s: inner if len(around) > 1 else "B" for s, around in sides_of(rings).items()}
     for (a, b), x in stated.items():
-        if (min(a, b), max(a, b)) not in letter:
-            raise OptionError(
-                f"assignment[{shown((a, b))}]: vertices {a} and {b} are no side of a face"
-            )
-        letter[min(a, b), max(a, b)] = x
+        if side(a, b) not in letter:
+            raise OptionError(f"assignment[{shown((a, b))}]: these are no side of a face")
+        letter[side(a, b)] = x
     flat = points.shape[1] == 2 or not np.ptp(points[:, 2])
     edges = sorted(letter)
     known: dict[str, Any] = {
@@ -249,5 +243,5 @@ def from_mesh(
         "frame_classes": ["creasePattern" if flat else "foldedForm"],
     }
     size = {} if rest.ndim else {"rest_angle": float(rest)}
-    made = frame_pattern(frame_of(known), rest_from="file", **size)
+    made = frame_pattern(parse_fold(known, "first")[0], rest_from="file", **size)
     return made.with_springs(k.tolist(), rest.tolist() if rest.ndim else None)

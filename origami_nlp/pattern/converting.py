@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +76,7 @@ def convert(
     if kind != FOLD and kind not in WRITTEN:
         known = ", ".join((FOLD, *WRITTEN))
         raise DrawingError(f"OUT = {str(out)!r} must end in one of {known}")
-    frames = _frames(str(source), drawing)
+    frames = frames_of(source, drawing)
     found = [one for one in frames if frame in (None, one.number)]
     if not found:
         some = listed([one.number for one in frames], 12)
@@ -92,25 +94,26 @@ def convert(
     return replace(made, notes=(*made.notes, *notes))
 
 
-def _frames(source: str, drawing: DrawingOptions | None) -> tuple[Frame, ...]:
-    if not Path(source).exists() and examples.is_example(source):
-        return parse_fold(json.dumps(examples.crease_pattern(source)), source=f"{source}.fold")
-    return read_fold(source, drawing=drawing)
+def frames_of(
+    source: str | PathLike[str] | Mapping[str, Any], drawing: DrawingOptions | None = None
+) -> tuple[Frame, ...]:
+    """Return the frames of a file, of FOLD data, or of an example by its name."""
+    if isinstance(source, Mapping):
+        return parse_fold(source)
+    if not Path(source).exists() and examples.is_example(str(source)):
+        data = examples.crease_pattern(str(source))
+        return parse_fold(data, source=f"{source}.fold")
+    return read_fold(str(source), drawing=drawing)
 
 
 def _lost(frame: Frame) -> tuple[str, ...]:
-    stated = {
-        "stiffness": frame.stiffness,
-        "rest angles": frame.rest_angles,
-        "preload": frame.preload,
-        "fold limits": frame.limits,
-        "lattice vectors": frame.lattice,
-    }
-    given = [k for k, v in stated.items() if v is not None and not np.isnan(v).all()]
+    """Note what a file states that a drawing does not."""
+    stated = "stiffness rest_angles preload limits lattice".split()
+    arrays = {key.replace("_", " "): getattr(frame, key) for key in stated}
+    given = [key for key, v in arrays.items() if v is not None and not np.isnan(v).all()]
     given += ["hinge laws"] * bool(frame.laws)
-    if not given:
-        return ()
-    return (f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them",)
+    kept = f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them"
+    return (kept,) if given else ()
 
 
 def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:
@@ -119,10 +122,7 @@ def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:
         alike = len(one.coords) == len(chosen.coords) and np.array_equal(one.edges, chosen.edges)
         if alike and not one.folded:
             return one
-    raise FoldFileError(
-        f"frame {chosen.number} is a folded form, and the file has no crease pattern with its edges: nothing to draw "
-        "flat"
-    )
+    raise FoldFileError(f"frame {chosen.number} is folded, and no crease pattern has its edges")
 
 
 def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:
@@ -141,16 +141,6 @@ def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:
         Edges that are joined (J) as flat ones.
     """
     said = state or flat
-    names = {"J": "F", "?": "U"}
-    return Drawing(
-        flat.coords[:, :2],
-        flat.edges,
-        tuple(names.get(letter, letter) for letter in said.assignment),
-        np.degrees(said.fold_angles),
-        0.0,
-        0.0,
-        said.title,
-        flat.length_unit,
-        flat.y_down,
-        said.notes,
-    )
+    letters = tuple({"J": "F", "?": "U"}.get(letter, letter) for letter in said.assignment)
+    drawn = flat.coords[:, :2], flat.edges, letters, np.degrees(said.fold_angles)
+    return Drawing(*drawn, 0.0, 0.0, said.title, flat.length_unit, flat.y_down, said.notes)

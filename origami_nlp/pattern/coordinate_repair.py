@@ -12,6 +12,7 @@ little as that takes.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -106,23 +107,20 @@ def made_exact(
     at = _Sectors(polygons, joins)
     if not (shortest := size * float(at.lengths(x).min())):
         return Exact(corners, 0.0, 0, 0.0)
-    new, many = x, 0
-    for rows in at.choices(x, unit / size, snap / size):
-        wanted = rows.missing(at.measures(x)) if rows is not None else np.zeros(0)
-        if max(_unplane(x, at), np.abs(wanted).max(initial=0.0)) <= at.rounding(x):
+    for asked in at.choices(x, unit / size, snap / size):
+        wanted = np.abs(asked.missing(at.measures(x)))
+        if max(wanted.max(initial=0.0), np.abs(_heights(x, at)[0]).max(initial=0.0)) <= at.rounding(
+            x
+        ):
             break
-        if (found := _solved(x, at, rows)) is None:
+        if (found := _solved(x, at, asked)) is None:
             continue
         moved = size * float(np.linalg.norm(found - x, axis=1).max())
-        most = size * rows.most if rows is not None else math.inf
         # sides that moves change the length of by more than a share of it are not what was drawn
-        if moved <= min(most, SHORTENS * shortest):
-            new, many = found, int((np.abs(wanted) > at.rounding(x)).sum())
-            break
-    misses = at.misses(new)
-    if new is x:
-        return Exact(corners, 0.0, 0, misses)
-    return Exact(origin + size * new, moved, many, misses)
+        if moved <= min(size * asked.most, SHORTENS * shortest):
+            many = int((wanted > at.rounding(x)).sum())
+            return Exact(origin + size * found, moved, many, at.misses(found))
+    return Exact(corners, 0.0, 0, at.misses(x))
 
 
 class _Sectors:
@@ -147,21 +145,16 @@ class _Sectors:
         self.inside = np.zeros(len(flat), bool)
         sides = np.unique(np.sort(np.column_stack([self.here, self.after]), axis=1), axis=0)
         self.start, self.end = sides.T
-        crease = [side(v, w) not in joined for _, v, w, _ in flat]
         # of each interior vertex, its sectors, the corners of each
         self.rings: list[list[list[int]]] = []
         for leaving in rings(polygons):
+            creases = [j for j, s in enumerate(leaving) if side(*s) not in joined]
             ring = [starts[s] for s in leaving]
-            first = next((j for j, c in enumerate(ring) if crease[c]), None)
-            if first is None:
-                continue
-            sectors: list[list[int]] = []
-            for c in ring[first:] + ring[:first]:
-                if crease[c]:
-                    sectors.append([])
-                sectors[-1].append(c)
-            self.rings.append(sectors)
-            self.inside[ring] = True
+            if creases:
+                around = [c - creases[0] for c in [*creases, creases[0] + len(ring)]]
+                ring = ring[creases[0] :] + ring[: creases[0]]
+                self.rings.append([ring[a:b] for a, b in itertools.pairwise(around)])
+                self.inside[ring] = True
 
     def lengths(self, x: np.ndarray) -> np.ndarray:
         """Return the length of each side, [S]."""
@@ -200,22 +193,16 @@ class _Sectors:
         dv = -cross(n, v) / (v**2).sum(axis=1, keepdims=True)
         along = x[self.end] - x[self.start]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
+        places = np.concatenate([self.before, self.after, self.here, self.start, self.end])
+        values = np.concatenate([du, dv, -du - dv, -along, along])
+        angles, sides = np.arange(len(u)), len(u) + np.arange(len(along))
+        rows = np.repeat(np.concatenate([angles, angles, angles, sides, sides]), 3)
+        columns = (3 * places[:, None] + np.arange(3)).ravel()
+        shape = len(angles) + len(sides), x.size
+        return sp.sparse.csr_array((values.ravel(), (rows, columns)), shape=shape)
 
-        def spread(
-            places: Sequence[np.ndarray], values: Sequence[np.ndarray]
-        ) -> sp.sparse.csr_array:
-            columns = 3 * np.column_stack(places)[:, :, None] + np.arange(3)
-            rows = np.repeat(np.arange(len(columns)), 3 * len(places))
-            entries = np.concatenate(values, axis=1).ravel(), (rows, columns.ravel())
-            return sp.sparse.csr_array(entries, shape=(len(columns), x.size))
-
-        of_angles = spread([self.before, self.after, self.here], [du, dv, -du - dv])
-        return sp.sparse.vstack(
-            [of_angles, spread([self.start, self.end], [-along, along])]
-        ).tocsr()
-
-    def choices(self, x: np.ndarray, unit: float, snap: float) -> Iterator[_Relations | None]:
-        """Go through what may be asked for, the most first; None: plane faces alone."""
+    def choices(self, x: np.ndarray, unit: float, snap: float) -> Iterator[_Relations]:
+        """Go through what may be asked for, the most first; at last nothing but plane faces."""
         if self.rings and self.many <= MOST_POLYGONS:
             for share in SHARES if snap else ():
                 blur = self.blur(x, share * snap)
@@ -225,7 +212,7 @@ class _Sectors:
             by_digits = RESOLVED < self._widest(blur) <= COARSE
             blur = blur if by_digits else self.blur(x, 0.0)
             yield self.relations(x, blur, blur, 2 * unit if by_digits else RESOLVED)
-        yield None
+        yield _Relations(self.measures(x), np.zeros(0), math.inf)
 
     def _widest(self, blur: np.ndarray) -> float:
         return float(blur[: len(self.inside)][self.inside].max())
@@ -318,7 +305,7 @@ def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sp.sparse.csr_arr
     """Return how far faces are from plane, [q - 3] heights of each, and the derivatives of these."""
     heights, entries = [np.zeros(0)], [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
     row = 0
-    for p in at.wide:
+    for p in at.wide if x[:, 2].any() else ():
         y = x[p] - x[p].mean(axis=0)
         vt = np.linalg.svd(y, full_matrices=False)[2]
         # less what turning or lifting the plane takes away
@@ -330,28 +317,18 @@ def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sp.sparse.csr_arr
         entries.append((rows, columns, (free[:, :, None] * vt[2]).ravel()))
         row += len(free)
     rows, columns, values = (np.concatenate(e) for e in zip(*entries, strict=True))
-    return np.concatenate(heights), sp.sparse.csr_array(
-        (values, (rows, columns)), shape=(row, x.size)
-    )
+    slopes = sp.sparse.csr_array((values, (rows, columns)), shape=(row, x.size))
+    return np.concatenate(heights), slopes
 
 
-def _unplane(x: np.ndarray, at: _Sectors) -> float:
-    if not x[:, 2].any():
-        return 0.0
-    return float(np.abs(_heights(x, at)[0]).max(initial=0.0))
-
-
-def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.ndarray | None:
+def _solved(x: np.ndarray, at: _Sectors, asked: _Relations) -> np.ndarray | None:
     """Return the nearest points at which planes and relations hold; None where Newton finds none."""
-    flat = not x[:, 2].any()
     for _ in range(ROUNDS):
-        parts = [] if flat else [_heights(x, at)]
-        if relations is not None:
-            parts.append((relations.missing(at.measures(x)), relations.rows @ at.slopes(x)))
-        value = np.concatenate([v for v, _ in parts])
-        rows = sp.sparse.vstack([slopes for _, slopes in parts])
+        heights, slopes = _heights(x, at)
+        value = np.append(heights, asked.missing(at.measures(x)))
         if np.abs(value).max(initial=0.0) <= at.rounding(x):
             return x
+        rows = sp.sparse.vstack([slopes, asked.rows @ at.slopes(x)])
         soft = sp.sparse.eye_array(len(value)) * SOFT
         # KKT system of the shortest step (Nocedal and Wright, section 16.1); -soft where rows depend on each other
         system = sp.sparse.block_array([[sp.sparse.eye_array(x.size), rows.T], [rows, -soft]])

@@ -61,7 +61,7 @@ class FoldVertex:
         drawing, 1e-4 of the sheet.
     """
 
-    ALSO = ("degree",)
+    ALSO = ("degree", "kawasaki", "maekawa")
 
     number: int
     edges: tuple[int, ...]
@@ -69,8 +69,6 @@ class FoldVertex:
     assignment: str
     fold_angles: tuple[float, ...]
     file_angles: tuple[float, ...]
-    kawasaki: float | None
-    maekawa: int | None
     reason: str
     notes: tuple[str, ...] = ()
     kawasaki_error: float = 0.0
@@ -79,6 +77,19 @@ class FoldVertex:
     def degree(self) -> int:
         """Number of creases."""
         return len(self.edges)
+
+    @property
+    def kawasaki(self) -> float | None:
+        """|alternating sum of the sector angles| [rad], None for an odd degree."""
+        a = np.array(self.sector_angles)
+        off = abs(float(a[::2].sum() - a[1::2].sum()))
+        return None if self.degree % 2 or math.isnan(off) else off
+
+    @property
+    def maekawa(self) -> int | None:
+        """|mountains - valleys| - 2, None unless every crease is one or the other."""
+        m, v = self.assignment.count("M"), self.assignment.count("V")
+        return abs(m - v) - 2 if m + v == self.degree else None
 
 
 def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]]:
@@ -103,18 +114,16 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
     """
     check_type("frame", frame, Frame)
     found, notes = _look(frame, turned=False)
-    if (
-        frame.folded
-    ):  # which side valleys open to is a matter of how the faces run; the assignments decide
-        votes = sum(
-            stated_sign(frame, e) * math.copysign(1.0, angle)
-            for v in found
-            for e, angle in zip(np.searchsorted(frame.numbers, v.edges), v.fold_angles, strict=True)
-            if PLACES < abs(angle) < math.pi
-        )
-        if votes < 0:
-            found, notes = _look(frame, turned=True)
-            notes = (*notes, "faces run the other way round than the assignments say: turned over")
+    # which side valleys open to is a matter of how the faces run; the assignments decide
+    votes = sum(
+        stated_sign(frame, e) * math.copysign(1.0, angle)
+        for v in (found if frame.folded else ())
+        for e, angle in zip(np.searchsorted(frame.numbers, v.edges), v.fold_angles, strict=True)
+        if PLACES < abs(angle) < math.pi
+    )
+    if votes < 0:
+        found, notes = _look(frame, turned=True)
+        notes = (*notes, "faces run the other way round than the assignments say: turned over")
     return found, notes
 
 
@@ -135,37 +144,21 @@ def _look(frame: Frame, *, turned: bool) -> tuple[tuple[FoldVertex, ...], tuple[
         notes.append("some faces overlap at a vertex or cannot be oriented alike")
     border = {e for s, e in frame.edge_of.items() if len(sides.get(s, ())) < 2}
     cut = {e for e, a in enumerate(frame.assignment) if a in "BC"}
-    outside = {v for e in border | cut for v in frame.edges[e].tolist()}
-    open_ends = "" if frame.folded else _open_ends(frame, edges_at, border, cut)
-    if open_ends:
-        notes.append(open_ends)
-    elif drawn := sorted(frame.numbers[[*(border - cut)]].tolist()):
-        notes.append(
-            f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
-        )
-    closed = {ring[0][0]: [w for _, w in ring] for ring in rings(faces)}
-    touched = {v for face in faces for v in face}
-    found = [
-        _analyse(frame, v, edges_at[v], closed.get(v))
-        for v in sorted(edges_at.keys() - outside)
-        if v in touched
+    outside, known = ({*frame.edges[[*some]].ravel().tolist()} for some in (border | cut, cut))
+    ends = sorted(v for v in outside if len(edges_at[v]) == 1)
+    lost = [
+        v for v in outside - known if sum(frame.assignment[e] not in "BCJ" for e in edges_at[v]) > 2
     ]
+    drawn = sorted(frame.numbers[[*(border - cut)]].tolist())
+    if ends and lost and not frame.folded:
+        where = f"vertices {listed(ends)}, and {listed(sorted(lost))} on the outside"
+        notes.append(f"creases end in the open ({where}): add the outline of the paper, edges B")
+    elif drawn:
+        notes.append(f"edges {listed(drawn)} are drawn as folds on the border: read as borders")
+    closed = {ring[0][0]: [w for _, w in ring] for ring in rings(faces)}
+    inner = sorted({v for face in faces for v in face} - outside)
+    found = [_analyse(frame, v, edges_at[v], closed.get(v)) for v in inner if v in edges_at]
     return tuple(v for v in found if v is not None), tuple(notes)
-
-
-def _open_ends(frame: Frame, at: dict[int, list[int]], border: set[int], cut: set[int]) -> str:
-    """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
-    outer, known = ({v for e in edges for v in frame.edges[e].tolist()} for edges in (border, cut))
-    ends = sorted(v for v in outer if len(at[v]) == 1)
-    lost = sorted(
-        v for v in outer - known if sum(frame.assignment[e] in FOLDS + "?" for e in at[v]) >= 3
-    )
-    if not (ends and lost):
-        return ""
-    return (
-        f"creases end in the open (vertices {listed(ends)}), so vertices {listed(lost)} do not count as "
-        'interior: add the outline of the paper, edges with assignment "B" that join the ends'
-    )
 
 
 def make_vertex(sectors: tuple[float, ...]) -> Vertex:
@@ -196,7 +189,10 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
 
 
 def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -> FoldVertex | None:
-    """Measure the vertex whose neighbours follow each other counter-clockwise; None: its faces do not close up."""
+    """Measure one vertex; None where all its edges join facets.
+
+    closed: the edges' other ends, counter-clockwise, where faces close up around it.
+    """
     broken = "" if closed else "the faces around it do not close up"
     edge = {int(frame.edges[e].sum()) - v: e for e in edges}
     ring = closed or sorted(edge)
@@ -206,7 +202,6 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
     folds = [k for k, w in enumerate(ring) if letters.get(w, "J") in FOLDS + "?"]
     if not folds:
         return None
-    notes = []
     d = frame.coords[ring] - frame.coords[v]
     length = np.linalg.norm(d, axis=1)
     if not length.all():
@@ -219,47 +214,33 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
     if not frame.folded:
         azimuth = np.arctan2(d[:, 1], d[:, 0])
         sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
-        if len(ring) == 1:
-            sectors = np.array([2 * math.pi])
-    # facets joined by an F edge are one, unless it has a spring, or would span half a turn or more
+    if len(ring) == 1:
+        sectors = np.array([2 * math.pi])
+    notes = ["facets joined by J edges are one facet"] if "J" in letters.values() else []
     keep = [k for k in folds if letters[ring[k]] != "F" or frame.is_sprung(edge[ring[k]])]
-    merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
+    merged = merged_sectors(sectors, keep)
     if len(keep) < len(folds):
-        if len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL:
-            keep = folds
-            merged = _merge(sectors, keep)
-            notes.append(
-                "F edges are kept as creases: without them a facet would span 180 degrees or more"
-            )
-        else:
-            notes.append("facets joined by F edges are one facet")
-    if any(a == "J" for a in letters.values()):
-        notes.append("facets joined by J edges are one facet")
+        few = len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL
+        notes.insert(0, "facets joined by F edges are one facet")
+        if few:
+            keep, merged = folds, merged_sectors(sectors, folds)
+            notes[0] = "F edges are kept as creases, without them a facet would span 180 degrees"
     at = [edge[ring[k]] for k in keep]
     phi = stated = frame.fold_angles[at]
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
         if unsure:
-            notes.append(
-                "a fully folded crease without assignment or fold angle: taken for a valley"
-            )
+            notes.append("a fully folded crease, not assigned, is taken for a valley")
         notes += target_notes(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
-    if not reason:
-        try:
-            vertex = make_vertex(tuple(merged.tolist()))
-            if not vertex.flat:
-                notes.append(
-                    f"sector angles sum to 360 {math.degrees(vertex.excess):+.4g} degrees: not flat"
-                )
-        except OrigamiError as error:
-            reason = str(error)
+    try:
+        vertex = None if reason else make_vertex(tuple(merged.tolist()))
+    except OrigamiError as error:
+        vertex, reason = None, str(error)
+    if vertex and not vertex.flat:
+        excess = f"{math.degrees(vertex.excess):+.4g} degrees"
+        notes.append(f"sector angles sum to 360 {excess}: not flat")
     signs = "".join(frame.assignment[e] for e in at)
-    n = len(at)
-    # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
-    kawasaki = abs(float(merged[::2].sum() - merged[1::2].sum()))
-    both = signs.count("M") + signs.count("V") == n
-    maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None
     return FoldVertex(
         v,
         tuple(int(frame.numbers[e]) for e in at),
@@ -267,8 +248,6 @@ def _analyse(frame: Frame, v: int, edges: list[int], closed: list[int] | None) -
         signs,
         tuple(phi.tolist()),
         tuple(stated.tolist()),
-        None if n % 2 or math.isnan(kawasaki) else kawasaki,
-        maekawa,
         reason,
         tuple(notes),
         _kawasaki_error(frame, length[keep]),
@@ -293,25 +272,23 @@ def misses_of_noise(frame: Frame, lengths: np.ndarray, noise: float) -> float:
     return AMPLIFIED * noise * float(np.ptp(frame.coords, axis=0).max()) / float(lengths.min())
 
 
-def _merge(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
-    """Sum sectors from one kept ray to the next."""
-    rolled = np.roll(sectors, -keep[0])
-    return np.add.reduceat(rolled, [k - keep[0] for k in keep])
+def merged_sectors(sectors: np.ndarray, keep: list[int]) -> np.ndarray:
+    """Sum sectors between the rays that are kept."""
+    if not keep:
+        return np.array([2 * math.pi])
+    return np.add.reduceat(np.roll(sectors, -keep[0]), [k - keep[0] for k in keep])
 
 
 def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
-    clash = [int(frame.numbers[e]) for e in at if e in frame.conflicts]
-    if clash:
-        return f"edge {clash[0]} has conflicting assignments: keep one of the copies"
+    """Describe why a vertex is none of ours; or ''."""
+    for e in (e for e in at if e in frame.conflicts):
+        return f"edge {frame.numbers[e]} has conflicting assignments: keep one of the copies"
     if len(at) < 3:
         return f"{len(at)} crease{'s' if len(at) > 1 else ''}: a vertex needs at least 3"
-    if sectors.max() >= math.pi - CLOSURE_TOL:
-        facet = int(sectors.argmax())
-        return (
-            f"the facet after edge {int(frame.numbers[at[facet]])} spans "
-            f"{math.degrees(sectors.max()):.6g} degrees: split it with a crease (F) below 180"
-        )
-    return ""
+    if sectors.max() < math.pi - CLOSURE_TOL:
+        return ""
+    facet = f"the facet after edge {frame.numbers[at[int(sectors.argmax())]]}"
+    return f"{facet} spans {math.degrees(sectors.max()):.6g} degrees: split it with a crease (F)"
 
 
 def _measured(

@@ -55,23 +55,22 @@ def to_fold(
     dict
         FOLD 1.1, rest angles as fold angles; rest angles and stiffness in our namespace too.
     """
-    vertices: dict[tuple[int, int], int] = {}
+    numbers: dict[tuple[int, int], int] = {}
     coords: list[complex] = []
 
     def number(z: complex) -> int:
-        if _place(z) not in vertices:
-            vertices[_place(z)] = len(coords)
-            coords.append(z + 0.0)
-        return vertices[_place(z)]
+        v = numbers.setdefault(_place(z), len(coords))
+        coords.extend([z + 0.0] * (v == len(coords)))
+        return v
 
     rings = [[number(z) for z in face] for face in faces]
     many = {s: len(of) for s, of in sides_of([r[1:] + r[:1] for r in rings]).items()}
-    ends = [(coords[a], coords[b]) for a, b in many]
-    inner = [count == 2 or bool(lattice) for count in many.values()]
-    letters = [letter(*pq) if crease else "B" for pq, crease in zip(ends, inner, strict=True)]
-    sprung = [
-        spring(*pq) if crease else (None, None) for pq, crease in zip(ends, inner, strict=True)
-    ]
+    letters, sprung = list[str](), list[tuple[float | None, float | None]]()
+    for (a, b), count in many.items():
+        crease = count == 2 or bool(lattice)
+        letters.append(letter(coords[a], coords[b]) if crease else "B")
+        sprung.append(spring(coords[a], coords[b]) if crease else (None, None))
+    rest = [None if phi is None else math.degrees(phi) for phi, _ in sprung]
     return {
         "file_spec": 1.1,
         "file_creator": "origami_nlp",
@@ -82,10 +81,10 @@ def to_fold(
         "vertices_coords": [[z.real, z.imag] for z in coords],
         "edges_vertices": [list(edge) for edge in many],
         "edges_assignment": letters,
-        "edges_foldAngle": [math.degrees(rest) if rest is not None else 0.0 for rest, _ in sprung],
+        "edges_foldAngle": [phi or 0.0 for phi in rest],
         "faces_vertices": rings,
         STIFFNESS_KEY: [k for _, k in sprung],
-        REST_KEY: [None if rest is None else math.degrees(rest) for rest, _ in sprung],
+        REST_KEY: rest,
         **({LATTICE_KEY: [[z.real, z.imag] for z in lattice]} if lattice else {}),
     }
 
@@ -331,16 +330,13 @@ def sheet_to_fold(
     """
     lattice: tuple[complex, ...] = ()
     size = rows, columns
+    sectors = scene.vertex.sector_angles if isinstance(scene, Scene) else (0.0,) * 4
     if cell:
-        unit, (up, along) = UNITS[name](
-            scene.vertex.sector_angles[0] if isinstance(scene, Scene) else 0.0
-        )
+        unit, (up, along) = UNITS[name](sectors[0])
         lattice = columns * along, rows * up
         size = rows * unit[0], columns * unit[1]
     if not isinstance(scene, Scene):
-        faces, letter, spring = scene(*size)
-        return to_fold(faces, letter, spring, name, lattice)
-    sectors = scene.vertex.sector_angles
+        return to_fold(*scene(*size), name, lattice)
     faces, letter = {
         "miura": lambda: miura(sectors[0], *size),
         "waterbomb": lambda: waterbomb(*size),
@@ -349,9 +345,6 @@ def sheet_to_fold(
         "yoshimura": lambda: yoshimura(sectors[0], *size),
         "resch": lambda: (resch_cell if cell else resch)(*size),
     }.get(name, lambda: disc(scene))()
-    # mountains and valleys rest, and are stiff, as the scene's creases with negative and positive rest angles
-    of = {
-        "V" if rest > 0 else "M": (rest, k)
-        for rest, k in zip(scene.rest_angles, scene.stiffness, strict=True)
-    }
+    each = zip(scene.rest_angles, scene.stiffness, strict=True)
+    of = {"V" if rest > 0 else "M": (rest, k) for rest, k in each}
     return to_fold(faces, letter, lambda p, q: of[letter(p, q)], scene.label, lattice)

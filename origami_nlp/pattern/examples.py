@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import inspect
-import json
 import math
 import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from origami_nlp.arguments import check_whole, did_you_mean, shown
+from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
 from origami_nlp.pattern.example_vertices import (
+    Angle,
     acute,
     bird_base as bird_base,
     miura as miura,
@@ -42,11 +42,7 @@ RATIOS = (0.01, 1.0, 100.0)
 
 
 def degree6(
-    alpha: float | str = "pi/4",
-    ratio: float = 1.0,
-    *,
-    symmetry: str = "D1",
-    contact: Contact = "full",
+    alpha: Angle = "pi/4", ratio: float = 1.0, *, symmetry: str = "D1", contact: Contact = "full"
 ) -> Scene:
     """Make the paper's degree-6 vertex: sector angles (a, pi - 2a, a, a, pi - 2a, a), section 3.1.
 
@@ -81,21 +77,15 @@ def degree6(
     """
     a, ratio = acute(alpha), positive(ratio)
     m, v = -math.pi, math.pi / 2
-    # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
     rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSURE_TOL else (v, v, m, v, m, v)
     b = math.pi - 2 * a
     title = f"degree 6, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
-    return Scene(
-        Vertex((a, b, a, a, b, a)), springs(rest, ratio), rest, symmetry, contact, name=title
-    )
+    vertex = Vertex((a, b, a, a, b, a))
+    return Scene(vertex, springs(rest, ratio), rest, symmetry, contact, name=title)
 
 
 def degree8(
-    alpha: float | str = "pi/4",
-    ratio: float = 1.0,
-    *,
-    symmetry: str = "D2",
-    contact: Contact = "full",
+    alpha: Angle = "pi/4", ratio: float = 1.0, *, symmetry: str = "D2", contact: Contact = "full"
 ) -> Scene:
     """Make the paper's degree-8 vertex: sector angles (a, b, b, a, a, b, b, a), b = pi/2 - a, section 3.2.
 
@@ -150,24 +140,13 @@ def panels() -> list[Scene]:
     >>> [scene.degree for scene in examples.panels()].count(8)
     9
     """
-    return [
-        make(alpha, ratio)
-        for make, alphas in ((degree6, DEGREE6_ALPHAS), (degree8, DEGREE8_ALPHAS))
-        for ratio in RATIOS
-        for alpha in alphas
-    ]
+    families = (degree6, DEGREE6_ALPHAS), (degree8, DEGREE8_ALPHAS)
+    return [make(a, ratio) for make, alphas in families for ratio in RATIOS for a in alphas]
 
 
+MAKERS = (miura, waterbomb, waterbomb_base, bird_base, square_twist, yoshimura, resch)
 BY_NAME: dict[str, Callable[..., Scene]] = {
-    "miura": miura,
-    "waterbomb": waterbomb,
-    "waterbombbase": waterbomb_base,
-    "birdbase": bird_base,
-    "squaretwist": square_twist,
-    "yoshimura": yoshimura,
-    "resch": resch,
-    "degree6": degree6,
-    "degree8": degree8,
+    make.__name__.replace("_", ""): make for make in (*MAKERS, degree6, degree8)
 }
 """What makes each example, by the name that the command has for it."""
 SIZES = {
@@ -249,9 +228,7 @@ def maker(name: str) -> Callable[..., Any]:
     True
     """
     if name not in BY_NAME:
-        raise OptionError(
-            f"name = {shown(name)} is no example: use one of {', '.join(names())}{did_you_mean(name, names())}"
-        )
+        raise OptionError(f"name = {shown(name)} is no example: use one of {', '.join(names())}")
     return BY_NAME[name]
 
 
@@ -284,16 +261,11 @@ def by_name(name: str, **options: Any) -> Scene:
     True
     """
     if name in WITH_SPRINGS:
-        raise OptionError(
-            f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
-        )
+        raise OptionError(f"name = {shown(name)} is a sheet, no vertex: -o FILE.fold writes it")
     make = maker(name)
     known = inspect.signature(make).parameters
-    for option in options:
-        if option not in known:
-            raise OptionError(
-                f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
-            )
+    for option in options.keys() - known.keys():
+        raise OptionError(f"{name} has no option {option}: it has {', '.join(known)}")
     made: Scene = make(**options)
     return made
 
@@ -365,7 +337,7 @@ def pattern(
     """
     typed = name if ":" in name else ""
     drawn = crease_pattern(name, rows, columns, cell=cell, rolled=rolled, **options)
-    (frame,) = parse_fold(json.dumps(drawn), source=typed)
+    (frame,) = parse_fold(drawn, source=typed)
     return frame_pattern(frame)
 
 
@@ -418,21 +390,20 @@ def crease_pattern(
             raise OptionError(f"name = {shown(name)} has a size: leave out rows and columns")
         name, (rows, columns) = split_size(name)
     if cell and name not in example_patterns.UNITS:
-        raise OptionError(
-            f"{name} does not repeat: cells of {', '.join(example_patterns.UNITS)} do"
-        )
+        raise OptionError(f"{name} does not repeat: {', '.join(example_patterns.UNITS)} do")
     round_ = check_rolled(rolled, "rolled")
     if round_ is not None and not cell:
         raise OptionError("rolled is for cells that repeat: give cell as well")
-    if name in WITH_SPRINGS and options:
-        raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
-    scene = None if name in WITH_SPRINGS else by_name(name, **options)
+    sprung = WITH_SPRINGS.get(name)
+    for option in options if sprung else ():
+        raise OptionError(f"{name} has no option {option}: it has rows and columns")
+    made: Any = sprung or by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")
-    default = (1, 1) if cell else SIZES.get(name, (1, 1))
+    many, more = (1, 1) if cell else SIZES.get(name, (1, 1))
     size = [
-        check_whole(label, least if value is None else value, 1, MOST_CELLS)
-        for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
+        check_whole("rows", many if rows is None else rows, 1, MOST_CELLS),
+        check_whole("columns", more if columns is None else columns, 1, MOST_CELLS),
     ]
-    made = example_patterns.sheet_to_fold(name, scene or WITH_SPRINGS[name], *size, cell=cell)
-    return made if round_ is None else made | {ROLLED_KEY: list(round_)}
+    data = example_patterns.sheet_to_fold(name, made, *size, cell=cell)
+    return data if round_ is None else data | {ROLLED_KEY: list(round_)}

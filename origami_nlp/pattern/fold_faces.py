@@ -10,9 +10,9 @@ import numpy as np
 
 from origami_nlp.drawings import half_edges
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.numerics import INPUT_TOL, groups
 from origami_nlp.pattern.fold_file import Frame
-from origami_nlp.pattern.polygons import area, side, sides_of
+from origami_nlp.pattern.polygons import area, sides_of
 
 
 def face_walks(frame: Frame) -> list[tuple[int, ...]]:
@@ -34,27 +34,16 @@ def face_walks(frame: Frame) -> list[tuple[int, ...]]:
 
 def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:
     """Turn faces so that neighbours run along a common side in opposite directions; how many were turned."""
-    faces = list(faces)
-    at = sides_of(faces)
-    done: set[int] = set()
-    against = 0
-    for seed in range(len(faces)):
-        queue = [seed] if seed not in done else []
-        done.add(seed)
-        while queue:
-            f = queue.pop()
-            along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
-            for a, b in along:
-                # once crossed, all that share a side are done
-                for g in at.pop(side(a, b), ()):
-                    if g in done:
-                        continue
-                    done.add(g)
-                    queue.append(g)
-                    if (a, b) in {(faces[g][i - 1], faces[g][i]) for i in range(len(faces[g]))}:
-                        faces[g] = faces[g][::-1]
-                        against += 1
-    return faces, against
+    along = {(k, f[i - 1], v) for k, f in enumerate(faces) for i, v in enumerate(f)}
+    joined = []  # faces as they are, 2 k, and turned over, 2 k + 1
+    for (a, b), (k, *others) in sides_of(faces).items():
+        for other in others:
+            over = ((k, a, b) in along) == ((other, a, b) in along)
+            joined += [(2 * k, 2 * other + over), (2 * k + 1, 2 * other + 1 - over)]
+    alike = groups(2 * len(faces), joined).reshape(-1, 2)
+    turned = alike[:, 0] > alike[:, 1]  # the first of those that hang together stays
+    out = [f[::-1] if over else f for f, over in zip(faces, turned, strict=True)]
+    return out, int(turned.sum())
 
 
 class Oddity(NamedTuple):
@@ -92,34 +81,23 @@ def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
     lines = linestrings(xy[frame.edges])
     tree = STRtree(lines)
     near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
-    used: list[int] = np.unique(frame.edges).tolist()
+    used = np.unique(frame.edges)
     which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
-    same, touching = set(), set()
-    for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
-        if v not in frame.edges[e]:
-            twins = coincident(frame, [v])
-            if twins in same:
-                continue
-            same |= {twins} - {""}
-            touching |= {
-                (e, other) for other in np.flatnonzero((frame.edges == v).any(axis=1)).tolist()
-            }
-            number = int(frame.numbers[e])
-            yield Oddity(
-                twins or f"edges_vertices[{number}] passes through vertex {v}: split it there",
-                (v,),
-                () if twins else (number,),
-            )
+    same, touching = set(), set[tuple[int, int]]()
+    for v, e in zip(used[which].tolist(), through.tolist(), strict=True):
+        if v in frame.edges[e] or (twins := coincident(frame, [v])) in same:
+            continue
+        same |= {twins} - {""}
+        beside = np.flatnonzero((frame.edges == v).any(axis=1)).tolist()
+        touching |= {(e, other) for other in beside} | {(other, e) for other in beside}
+        number = int(frame.numbers[e])
+        text = twins or f"edges_vertices[{number}] passes through vertex {v}: split it there"
+        yield Oddity(text, (v,), () if twins else (number,))
     pairs = {(min(i, j), max(i, j)) for i, j in tree.query(lines, predicate="crosses").T.tolist()}
-    for i, j in sorted(pairs):
-        if {(i, j), (j, i)} & touching:
-            continue  # in the vertex through which one of them passes
+    for i, j in sorted(pairs - touching):  # else in the vertex through which one of them passes
         a, b = sorted((int(frame.numbers[i]), int(frame.numbers[j])))
-        yield Oddity(
-            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both",
-            (),
-            (a, b),
-        )
+        text = f"edges_vertices[{a}] and [{b}] cross without a vertex: split both where they meet"
+        yield Oddity(text, (), (a, b))
 
 
 def coincident(frame: Frame, vertices: Iterable[int]) -> str:
@@ -142,7 +120,5 @@ def check_sides(faces: Sequence[Face]) -> None:
     directed = Counter((f[i - 1], v) for f in faces for i, v in enumerate(f))
     for (a, b), count in directed.items():
         if count == 2 and (b, a) not in directed:
-            raise FoldFileError(
-                f"faces_vertices cannot be oriented alike: across the edge between vertices {a} and {b} they come back "
-                "turned over; on a one-sided surface, a Moebius band, there are no mountains and valleys"
-            )
+            why = f"across the edge between vertices {a} and {b} they come back turned over"
+            raise FoldFileError(f"faces_vertices cannot be oriented alike (Moebius band): {why}")

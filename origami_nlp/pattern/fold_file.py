@@ -30,7 +30,7 @@ from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.io import parse_json, printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import limit_angles, read_limits
-from origami_nlp.pattern.fold_notes import compare_signs, flattened, note_small, once
+from origami_nlp.pattern.fold_notes import compare_signs, flattened, listed, note_small, once
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled
 from origami_nlp.pattern.polygons import sides_of
@@ -195,7 +195,7 @@ def read_fold(
 
 
 def parse_fold(
-    text: str | bytes,
+    text: str | bytes | Mapping[str, Any],
     frame: int | Literal["first"] | None = None,
     *,
     source: str = "",
@@ -206,7 +206,7 @@ def parse_fold(
     Parameters
     ----------
     text
-        JSON, or what an SVG, .cp, .opx or DXF file holds.
+        JSON, or what an SVG, .cp, .opx or DXF file holds; or FOLD data as a dict, with arrays of NumPy if wanted.
     frame
         As for `read_fold`.
     source
@@ -235,11 +235,15 @@ def parse_fold(
     >>> vertex.degree, vertex.assignment, vertex.maekawa
     (4, 'MVVV', 0)
     """
-
     name = f"FOLD file {source!r}" if source else "FOLD file"
+    if isinstance(text, Mapping):
+        try:
+            text = json.dumps(dict(text), default=lambda array: array.tolist())
+        except (AttributeError, TypeError, ValueError, RecursionError) as error:
+            raise FoldFileError(f"FOLD dict: {error}: give lists, numbers, strings") from None
     raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
-    kind, y_down = drawing_kind(source, raw), False
-    said: tuple[str, ...] = ()
+    kind, y_down, said = drawing_kind(source, raw), False, tuple[str, ...]()
+    data: Any
     if kind is not None:
         made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
         data, said, y_down = drawing_to_fold(made), made.notes, made.y_down
@@ -251,85 +255,52 @@ def parse_fold(
         data = parse_json(text, name, FoldFileError)
     if not isinstance(data, Mapping):
         raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
-    each = [data, *_list(data.get("file_frames", []), "file_frames")]
-    for number, one in enumerate(each):
-        if not isinstance(one, Mapping):
-            raise FoldFileError(f"file_frames[{number - 1}] must be an object")
-    full = _inherited(each)
+    full = _inherited([data, *_list(data.get("file_frames", []), "file_frames")])
     there = [number for number, keys in enumerate(full) if "vertices_coords" in keys]
     if not there:
-        held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
-        raise FoldFileError(
-            f"{name} has no frame with vertices_coords, only {printable(held)}: no geometry to analyse; give the "
-            "FOLD file of a crease pattern or of a folded form"
-        )
-    if frame is not None:
-        wanted = there[:1] if frame == "first" else [frame] if frame in there else []
-        if not wanted:
-            some = ", ".join(map(str, there[:12])) + (", ..." if len(there) > 12 else "")
-            raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
-    else:
-        wanted = there
-        _check_total([full[number] for number in there])
-    frames = [_frame(full[number], number) for number in wanted]
-    frames = [
-        replace(one, source=source, notes=(*said, *one.notes), y_down=y_down) for one in frames
-    ]
-    if frame == "first" and len(there) > 1:
-        others = (
-            f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"
-        )
-        frames = [replace(one, notes=(*one.notes, others)) for one in frames]
-    return tuple(frames)
-
-
-def _check_total(frames: list[dict[str, Any]]) -> None:
-    """Refuse frames that inherit so much that a small file becomes a day of work."""
+        only = printable(", ".join(sorted(map(str, data))[:6]) or "nothing")
+        raise FoldFileError(f"{name} has no frame with vertices_coords, only {only}")
+    wanted = there if frame is None else there[:1] if frame == "first" else [frame]
+    if not {*wanted} <= {*there}:
+        raise FoldFileError(f"--frame {frame} has no geometry: there is {listed(there, 12)}")
     keys = ("vertices_coords", "edges_vertices")
-    total = sum(len(one[k]) for one in frames for k in keys if isinstance(one.get(k), list))
-    if len(frames) > 1 and total > MOST_ELEMENTS:
+    lists = (full[number].get(key) for number in wanted for key in keys)
+    if len(wanted) > 1 and sum(len(one) for one in lists if isinstance(one, list)) > MOST_ELEMENTS:
         raise FoldFileError(
-            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
-            f"{MOST_ELEMENTS}: choose one with --frame"
+            f"file_frames hold more than {MOST_ELEMENTS} vertices and edges: --frame"
         )
-
-
-def frame_of(data: Mapping[str, Any]) -> Frame:
-    """Read the first frame with geometry of FOLD data that are held as a dict; arrays may be those of NumPy.
-
-    Raises
-    ------
-    FoldFileError
-        If it holds what JSON does not, or as `parse_fold`.
-    """
-    try:
-        text = json.dumps(dict(data), default=lambda array: array.tolist())
-    except (AttributeError, TypeError, ValueError, RecursionError) as error:
-        raise FoldFileError(f"FOLD dict: {error}: give lists, numbers, strings") from None
-    return parse_fold(text, "first")[0]
+    others = f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"
+    more = (others,) if frame == "first" and len(there) > 1 else ()
+    found = (_frame(full[number], number) for number in wanted)
+    return tuple(
+        replace(one, source=source, notes=(*said, *one.notes, *more), y_down=y_down)
+        for one in found
+    )
 
 
 def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
-    """Return the keys of every frame with those of its parents, as far as they are read."""
-    full: list[dict[str, Any] | None] = [None] * len(raw)
+    """Return what each frame states that is read, with what it inherits."""
+    full: list[dict[str, Any]] = [{} for _ in raw]
+    known = set[int]()
+    for number, one in enumerate(raw):
+        if not isinstance(one, Mapping):
+            raise FoldFileError(f"file_frames[{number - 1}] must be an object")
     for number in range(len(raw)):
-        chain = {}  # from a frame up to one whose keys are known
-        here: int | None = number
-        while here is not None and full[here] is None:
-            parent = None
-            if here and raw[here].get("frame_inherit") is True:
-                parent = raw[here].get("frame_parent", 0)
-                if not _is_index(parent, len(raw)) or parent in chain or parent == here:
-                    raise FoldFileError(
-                        f"file_frames[{here - 1}].frame_parent = {shown(parent)} must be another frame, "
-                        f"0 to {len(raw) - 1}"
-                    )
-            chain[here] = parent
+        chain, here = list[int](), number  # from a frame up to one whose keys are known
+        while here not in known:
+            chain.append(here)
+            if not here or raw[here].get("frame_inherit") is not True:
+                break
+            parent = raw[here].get("frame_parent", 0)
+            if not _is_index(parent, len(raw)) or parent in chain:
+                where = f"file_frames[{here - 1}].frame_parent = {shown(parent)}"
+                raise FoldFileError(f"{where} must be another frame, 0 to {len(raw) - 1}")
             here = parent
-        for one, parent in reversed(chain.items()):
-            own = {key: raw[one][key] for key in _READ if key in raw[one]}
-            full[one] = {**(full[parent] or {}), **own} if parent is not None else own
-    return [keys or {} for keys in full]
+        above = full[here] if here not in chain else {}
+        for one in reversed(chain):
+            above = full[one] = above | {key: raw[one][key] for key in _READ if key in raw[one]}
+            known.add(one)
+    return full
 
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
@@ -408,13 +379,12 @@ def _rows(
 
 
 def _coords(value: object, name: str = "vertices_coords") -> tuple[np.ndarray, bool]:
-    """Read points or vectors, and whether they have three coordinates."""
+    """Return points in space, and whether a third coordinate was given."""
     rows = _rows(value, name, lambda r: len(r) in (2, 3), "[x, y] or [x, y, z]")
     out = np.zeros((len(rows), 3))
     for i, row in enumerate(rows):
-        out[i, : len(row)] = [
-            check_number(f"{name}[{i}]", v, -1e50, 1e50, FoldFileError) for v in row
-        ]
+        for k, v in enumerate(row):
+            out[i, k] = check_number(f"{name}[{i}]", v, -1e50, 1e50, FoldFileError)
     if not len(out):
         raise FoldFileError(f"{name} is empty: no geometry to analyse")
     if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
@@ -426,9 +396,7 @@ def _lattice(value: object) -> np.ndarray | None:
     if value is None:
         return None
     if not isinstance(value, list) or len(value) != 2:
-        raise FoldFileError(
-            f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
-        )
+        raise FoldFileError(f"{LATTICE_KEY} = {shown(value)} must be two vectors")
     return _coords(value, LATTICE_KEY)[0]
 
 
@@ -444,13 +412,11 @@ def _limits(value: object, count: int, keep: np.ndarray) -> np.ndarray | None:
 
 
 def _faces(value: object, count: int) -> tuple[tuple[int, ...], ...]:
-    rows = _rows(
-        value,
-        "faces_vertices",
-        lambda r: len(r) >= 3 and all(_is_index(v, count) for v in r),
-        f"three or more vertices, 0 to {count - 1}",
-    )
-    return tuple(map(tuple, rows))
+    def fits(row: list[Any]) -> bool:
+        return len(row) >= 3 and all(_is_index(v, count) for v in row)
+
+    what = f"three or more vertices, 0 to {count - 1}"
+    return tuple(map(tuple, _rows(value, "faces_vertices", fits, what)))
 
 
 def _face_orders(value: object, count: int) -> tuple[tuple[int, int, int], ...]:
@@ -469,29 +435,25 @@ def _face_orders(value: object, count: int) -> tuple[tuple[int, int, int], ...]:
 def _edges(
     value: object, faces: tuple[tuple[int, ...], ...], count: int, notes: list[str]
 ) -> np.ndarray:
-    """Read edges, or take the sides of the faces."""
+    """Return pairs of vertices; where there are none, the sides of the faces."""
     if value is None:
-        sides = sorted(sides_of(faces))
-        if not sides:
+        if not faces:
             raise FoldFileError("edges_vertices is missing: a vertex needs its creases")
         notes.append("edges_vertices is missing: edges are the sides of the faces, all unassigned")
-        return np.array(sides)
-    pairs = _rows(
-        value,
-        "edges_vertices",
-        lambda r: len(r) == 2 and all(_is_index(v, count) for v in r) and r[0] != r[1],
-        f"two different vertices, 0 to {count - 1}",
-    )
-    return np.array(pairs, dtype=int).reshape(-1, 2)
+        return np.array(sorted(sides_of(faces)))
+
+    def fits(row: list[Any]) -> bool:
+        return len(row) == 2 and row[0] != row[1] and all(_is_index(v, count) for v in row)
+
+    what = f"two different vertices, 0 to {count - 1}"
+    return np.array(_rows(value, "edges_vertices", fits, what), dtype=int).reshape(-1, 2)
 
 
 def _of_edges(value: object, name: str, count: int) -> list[Any]:
     """Return an entry for each edge, null where the key is missing."""
     values = [None] * count if value is None else _list(value, name)
     if len(values) != count:
-        raise FoldFileError(
-            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
-        )
+        raise FoldFileError(f"{name} has {len(values)} entries: give one for each of {count} edges")
     return values
 
 
@@ -499,9 +461,7 @@ def _assignment(value: object, count: int) -> list[str]:
     out = []
     for e, letter in enumerate(_of_edges(value, "edges_assignment", count)):
         if letter is not None and not (isinstance(letter, str) and letter.upper() in [*"MVBFUCJ"]):
-            raise FoldFileError(
-                f"edges_assignment[{e}] = {shown(letter)} must be one of M, V, B, F, U, C, J"
-            )
+            raise FoldFileError(f"edges_assignment[{e}] = {shown(letter)} must be one of MVBFUCJ")
         out.append((letter or "?").upper())
     return out
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -19,97 +20,41 @@ LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")
 
 
 def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
-    """Read fold limits: one pair for all creases, or a pair for each; () where all are +-pi.
-
-    Parameters
-    ----------
-    given
-        ``[low, high]``, or a list of these [N]; numbers or text, in radians (`degrees`: degrees).
-    degree
-        Number of creases N.
-    degrees
-        Whether numbers are degrees.
-
-    Returns
-    -------
-    tuple
-        (low, high) of each crease [rad], -pi <= low < high <= pi.
-
-    Raises
-    ------
-    SceneError
-        If they do not fit; the message names the crease and the fix.
-    AngleError
-        If an entry is no angle.
-
-    Examples
-    --------
-    >>> from origami_nlp.pattern.fold_limits import read_limits
-    >>> read_limits([-90, 90], 2, degrees=True) == read_limits([["-pi/2", "pi/2"]] * 2, 2)
-    True
-    """
+    """Read fold limits [rad], one pair for all creases or one for each; () where all are +-pi."""
     key, unit = ("limits_deg", "deg") if degrees else ("limits", "rad")
     wrong = f"{key} = {shown(given)} must be one pair [low, high], or a list of them, one for each crease"
     items = read_list(given, wrong)
-    rows: list[Any] = [
-        r if isinstance(r, str | int | float) else read_list(r, wrong) for r in items
-    ]
-    if not rows:
-        return ()
-    if not any(isinstance(row, list) for row in rows):
+    rows: list[Any] = [r if isinstance(r, str | Real) else read_list(r, wrong, 2) for r in items]
+    if len(rows) == 2 and not any(isinstance(row, list) for row in rows):
         rows = [rows] * degree
-    if len(rows) != degree or any(not isinstance(row, list) or len(row) != 2 for row in rows):
+    if len(rows) not in (0, degree) or not all(isinstance(row, list) for row in rows):
         raise SceneError(wrong)
     out = []
     for i, row in enumerate(rows, start=1):
         low, high = parse_angles(row, f"{key}[{i}]", degrees=degrees)
-        named = f"{key}[{i}] = [{', '.join(f'{a:.6g}' if isinstance(a, float | int) else str(a) for a in row)}]"
-        if max(abs(low), abs(high)) > math.pi * (1 + 4 * EPS):
-            raise SceneError(f"{named} {unit} is outside +-180 degrees: valley is positive")
+        beyond = max(abs(low), abs(high)) > math.pi * (1 + 4 * EPS)
         low, high = max(low, -math.pi), min(high, math.pi)
-        if high - low < RESOLVED:
+        if beyond or high - low < RESOLVED:
             raise SceneError(
-                f"{named} {unit} leaves the crease no room: the lower limit comes first, and is smaller; facets at a "
-                "crease that does not fold are one facet: merge them"
+                f"{key}[{i}] = {shown(row)} {unit} must be the lower and then the upper limit, within +-180 degrees, "
+                "valley positive, with room between"
             )
         out.append((_at_flat(low), _at_flat(high)))
     return () if all(pair == (-math.pi, math.pi) for pair in out) else tuple(out)
 
 
 def stated_limits(table: Mapping[str, Any], degree: int) -> dict[str, Any]:
-    """Read `LIMIT_KEYS` of a table: what a scene takes as `limits` and `panels`; nothing where none is given.
-
-    Parameters
-    ----------
-    table
-        Of a file.
-    degree
-        Number of creases N.
-
-    Returns
-    -------
-    dict
-        Limits (`read_limits`), and thickness and taper (`read_panels`).
-
-    Raises
-    ------
-    SceneError, AngleError
-        If they do not fit, or one is given twice.
-    """
+    """Read the keys of a table that state stops: ``limits`` and ``panels`` of a `Scene`."""
+    given = [key for key in LIMIT_KEYS if key in table]
+    if {*LIMIT_KEYS[:2]} <= {*given} or len({*given} & {*LIMIT_KEYS[2:]}) == 1:
+        which = "limits or limits_deg, and thickness_mm with taper_mm"
+        raise SceneError(f"[creases] has {', '.join(given)}: give {which}")
     out: dict[str, Any] = {}
-    given = [key for key in LIMIT_KEYS[:2] if key in table]
-    if len(given) == 2:
-        raise SceneError("limits and limits_deg are the same: give one of them")
     for key in given:
-        out["limits"] = read_limits(table[key], degree, degrees=key.endswith("_deg"))
-    thick = [key for key in LIMIT_KEYS[2:] if key in table]
-    if len(thick) == 1:
-        raise SceneError(
-            f"{thick[0]} = {shown(table[thick[0]])} stands alone: panels have a thickness_mm, and a taper_mm beside "
-            "their hinges, from which their stops follow; give both"
-        )
-    if thick:
-        out["panels"] = read_panels([table[key] for key in thick])
+        if key in LIMIT_KEYS[:2]:
+            out["limits"] = read_limits(table[key], degree, degrees=key.endswith("_deg"))
+        else:
+            out["panels"] = read_panels([table[each] for each in LIMIT_KEYS[2:]])
     return out
 
 

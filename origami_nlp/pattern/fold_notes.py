@@ -21,50 +21,31 @@ def once(
     pairs: np.ndarray, letters: list[str], angles: np.ndarray, notes: list[str]
 ) -> tuple[np.ndarray, list[int]]:
     """Return the edges to keep, each pair of vertices once, and which of them conflict with a copy."""
-    first: dict[tuple[int, int], int] = {}
-    keep, conflicts = [], []
-    for e, (a, b) in enumerate(np.sort(pairs, axis=1).tolist()):
-        if (a, b) not in first:
-            first[a, b] = e
-            keep.append(e)
-            continue
-        k = first[a, b]
-        same = letters[k] == letters[e] and (
-            angles[k] == angles[e] or (math.isnan(angles[k]) and math.isnan(angles[e]))
-        )
-        if same:
-            notes.append(f"edges {k} and {e} are the same line {a}-{b}: the second is left out")
-        else:
-            conflicts.append(k)
-            notes.append(
-                f"edges {k} ({letters[k]}) and {e} ({letters[e]}) are the same line {a}-{b} with "
-                "conflicting assignments or fold angles"
-            )
+    first: dict[tuple[int, ...], int] = {}
+    keep, twice, conflicts = list[int](), list[int](), list[int]()
+    for e, ends in enumerate(map(tuple, np.sort(pairs, axis=1).tolist())):
+        k = first.setdefault(ends, e)
+        alike = letters[k] == letters[e] and str(angles[k]) == str(angles[e])
+        (keep if k == e else twice if alike else conflicts).append(e if alike else k)
+    if twice:
+        notes.append(f"edges {listed(twice)} are the same lines as others: left out")
+    if conflicts:
+        notes.append(f"edges {listed(conflicts)} are stated twice with other letters or angles")
     return np.array(keep, dtype=int), conflicts
 
 
 def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> None:
-    """Note fold angles whose sign is not that of the assignment."""
-    wrong = [
-        e
-        for e, (letter, angle) in enumerate(zip(letters, angles, strict=True))
-        if (letter == "M" and angle > 0) or (letter == "V" and angle < 0)
-    ]
-    if wrong:
-        notes.append(
-            f"edges {listed(wrong)}: mountain with a positive fold angle, or valley with a negative one; "
-            "the angle is used"
-        )
+    """Note mountains with a positive fold angle and valleys with a negative one."""
+    each = enumerate(zip(letters, angles, strict=True))
+    if wrong := [e for e, (a, phi) in each if phi * {"M": -1, "V": 1}.get(a, 0) < 0]:
+        notes.append(f"edges {listed(wrong)}: the fold angle, not the letter M or V, is used")
 
 
 def note_small(angles: np.ndarray, notes: list[str]) -> None:
-    """Note fold angles [deg] that could be radians: a file whose largest fold is below 3.15 degrees is rare."""
+    """Note fold angles so small that they look like radians."""
     largest = float(np.nanmax(np.abs(angles), initial=0.0))
     if SMALLEST_FOLD <= largest <= math.pi + LOOKS_LIKE_PI:
-        notes.append(
-            f"edges_foldAngle: the largest is {largest:.6g}, read as degrees as FOLD says: if the file has radians, "
-            f"write {math.degrees(largest):.6g}"
-        )
+        notes.append(f"edges_foldAngle: {largest:.6g} at most, read as degrees: no radians?")
 
 
 def listed(items: Sequence[int], most: int = 8) -> str:

@@ -117,7 +117,7 @@ def scene_at(
     k, rest = asked.of(frame, at, np.array(v.fold_angles))
     if frame.loads and len(fold_vertices(frame)[0]) > 1:
         raise FoldFileError(
-            f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
+            f"{LOADS_KEY} are for one vertex, the frame has several: leave them out"
         )
     if not all(isinstance(load, Mapping) for load in frame.loads):
         raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
@@ -149,21 +149,14 @@ def _vertex_at(
 ) -> FoldVertex:
     """Return the interior vertex of that number, or the only one that can be analysed."""
     why = "" if found else "".join(f"; {note}" for note in notes)
+    if number is not None:
+        check_whole("number", number, 0)
+    here = [v for v in found if (v.number == number if number is not None else not v.reason)]
+    if len(here) == 1:
+        return here[0]
+    some = listed([v.number for v in (here or found)], 12) or "none"
     if number is None:
-        good = [v for v in found if not v.reason]
-        if len(good) == 1:
-            return good[0]
-        some = f" ({listed([v.number for v in good], 12)})" if good else ""
-        raise OptionError(
-            f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
-            f"origami-nlp inspect lists them{why}"
-        )
-    check_whole("number", number, 0)
-    here = next((v for v in found if v.number == number), None)
-    if here is None:
-        some = listed([v.number for v in found], 12) or "none"
-        raise FoldFileError(
-            f"--vertex {shown(number)} is no interior vertex with creases of frame {frame.number}: "
-            f"there {'is' if len(found) == 1 else 'are'} {some}{why}"
-        )
-    return here
+        many = f"{len(here)} interior vertices can be analysed ({some})"
+        raise OptionError(f"--vertex is needed: {many}; origami-nlp inspect lists them{why}")
+    there = f"interior vertex with creases of frame {frame.number}: there are {some}{why}"
+    raise FoldFileError(f"--vertex {shown(number)} is no {there}")

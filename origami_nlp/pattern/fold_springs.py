@@ -13,10 +13,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.pattern.fold_file import Frame
 from origami_nlp.pattern.fold_notes import listed
 
-LETTERS_ONLY = (
-    "M and V without angles: creases rest at -180 and +180 degrees, so that folded flat as drawn has U = 0; "
-    "--rest-angle 90 lets them rest half way"
-)
+LETTERS_ONLY = "M and V without angles rest at -180 and +180 degrees; --rest-angle 90: half way"
 
 APART = math.radians(1.0)
 """Measured and stated fold angles [rad] that differ by more are worth a word."""
@@ -48,15 +45,10 @@ class FoldSprings:
         check_number("stiffness", self.stiffness)
         check_number("rest_angle", self.rest_angle, 0.0, math.pi)
         if self.rest_from not in (None, "file", "measured"):
-            raise FoldFileError(
-                f"--rest-from = {shown(self.rest_from)} must be file or measured, the angles at which a folded form "
-                "rests; the size for creases without an angle is --rest-angle, in degrees"
-            )
+            raise FoldFileError(f"--rest-from = {shown(self.rest_from)} must be file or measured")
         if self.rest_from == "measured" and not frame.folded:
-            raise FoldFileError(
-                f"--rest-from measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
-                "--rest-angle gives the size for creases without an angle"
-            )
+            where = f"frame {frame.number} is a crease pattern, with no angle to measure"
+            raise FoldFileError(f"--rest-from measured: {where}; --rest-angle gives the size")
 
     def of(self, frame: Frame, edges: Any, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each.
@@ -77,23 +69,22 @@ class FoldSprings:
     def notes(self, frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
         """Say in a line each what was asked for that no crease got, and what letters alone mean; as for `of`."""
         at = np.asarray(edges, dtype=np.intp)
-        said = []
-        flat = replace(self, rest_angle=0.0)
-        if self.rest_angle != math.pi and np.array_equal(
-            self.of(frame, at, measured)[1], flat.of(frame, at, measured)[1]
-        ):
-            said.append(
-                f"--rest-angle {math.degrees(self.rest_angle):g} is not used: each mountain and valley has an angle, "
-                "stated or measured"
-            )
-        if self.stiffness != 1.0 and not np.isnan(frame.stiffness[at]).any():
-            said.append("--stiffness is not used: the file states the stiffness of each crease")
+        rest, flat = (
+            one.of(frame, at, measured)[1] for one in (self, replace(self, rest_angle=0.0))
+        )
+        idle = {
+            "--rest-angle": self.rest_angle != math.pi and np.array_equal(rest, flat),
+            "--stiffness": self.stiffness != 1.0 and not np.isnan(frame.stiffness[at]).any(),
+        }
+        said = [
+            f"{name} is not used: each crease has its own"
+            for name, is_idle in idle.items()
+            if is_idle
+        ]
         silent = (np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all()
         drawn = {frame.assignment[e] for e in at} & set("MV")
         letters = drawn and (not frame.folded or self.rest_from == "file")
-        if silent and letters and self.rest_angle == math.pi:
-            said.append(LETTERS_ONLY)
-        return said
+        return said + [LETTERS_ONLY] * bool(silent and letters and self.rest_angle == math.pi)
 
 
 def target_notes(frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
@@ -102,17 +93,16 @@ def target_notes(frame: Frame, edges: Any, measured: np.ndarray) -> list[str]:
     stated = frame.fold_angles[at]
     apart = np.nan_to_num(np.abs(measured - stated))
     if other := sorted(frame.numbers[at][apart > APART].tolist()):
-        return [
-            f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to "
-            f"{math.degrees(apart.max()):.3g} degrees): rest angles are those of the file, or with --rest-from "
-            "measured the others"
-        ]
+        most = f"by up to {math.degrees(apart.max()):.3g} degrees"
+        where = (
+            f"edges_foldAngle of edges {listed(other)} are not those of the coordinates ({most})"
+        )
+        return [f"{where}: creases rest at those of the file; --rest-from measured: at the others"]
     silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and silent.all() and np.abs(measured).max() < APART:
         return [
-            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
-            "and V"
+            "it lies flat, without fold angles: creases rest at 0; --rest-from file: by letters"
         ]
     return []
 

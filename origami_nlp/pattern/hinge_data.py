@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from itertools import pairwise
 from os import PathLike
@@ -11,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from origami_nlp.arguments import shown
 from origami_nlp.errors import SceneFileError
 from origami_nlp.io import ShortRepr, as_text, is_number, read_limited
 from origami_nlp.numerics import INPUT_TOL
@@ -86,14 +84,10 @@ class HingeData(ShortRepr):
             "weight": (w > 0) & np.isfinite(w),
         }.items():
             if not good.all():
-                raise self._wrong(
-                    f"the {what} of measurement {int(np.argmin(good)) + 1} does not fit: angles are within "
-                    "+-180 degrees, torques finite, weights positive"
-                )
+                where = f"the {what} of measurement {int(np.argmin(good)) + 1}"
+                raise self._wrong(f"{where} must be finite, angles to +-180 degrees, weights > 0")
         if len(np.unique(x)) < FEWEST_ROWS:
-            raise self._wrong(
-                f"{len(np.unique(x))} different angles: a law needs {FEWEST_ROWS} at least"
-            )
+            raise self._wrong(f"a law needs {FEWEST_ROWS} different angles at least")
         if not np.ptp(y) > 0:
             raise self._wrong("the torque is the same everywhere: that is a preload")
         for key, values in (("angle", x), ("torque", y), ("weight", w)):
@@ -130,7 +124,7 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
 
     Columns are separated by commas, semicolons, tabs or spaces; ``#`` begins a remark.  Without a line of names there
     are angles [deg] and torques [N m] alone.  Names may be angle_deg or angle_rad, torque_Nm or torque_Nmm, and
-    weight, also written ``Angle [deg]``.  Decimal commas are read where semicolons or tabs separate the columns.
+    weight.  Numbers have decimal points.
 
     Parameters
     ----------
@@ -149,84 +143,37 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
         look like radians.
     """
     name = "standard input" if str(source) == "-" else Path(source).name
-    text = as_text(
-        read_limited(source, LARGEST, "hinge data", SceneFileError),
-        f"hinge data {name!r}",
-        SceneFileError,
-    )
-    columns, rows = ["angle_deg", "torque_nm"], list[tuple[int, list[str]]]()
+    what = f"hinge data {name!r}"
+    raw = read_limited(source, LARGEST, "hinge data", SceneFileError)
+    columns, rows = ["angle_deg", "torque_nm"], list[list[float]]()
     first = True
-    for number, line in enumerate(text.splitlines(), start=1):
-        cells = _cells(line.partition("#")[0])
-        if not cells:
+    for number, line in enumerate(as_text(raw, what, SceneFileError).splitlines(), start=1):
+        if not (line := line.partition("#")[0].strip()):
             continue
-        if first and not is_number(cells[0].replace(",", ".")):
-            columns, first = [_column(cell) for cell in cells], False
-            _check_columns(columns, cells, name)
-            continue
+        cells = line.split(next((mark for mark in ";\t," if mark in line), None))
+        if first and not is_number(cells[0]):
+            columns = [cell.strip(' "').lower() for cell in cells]
+            _check_columns(columns, what)
+        else:
+            wrong = next((cell for cell in cells if not is_number(cell)), None)
+            if wrong is not None or len(cells) != len(columns):
+                row = f"{wrong!r} is no number" if wrong else f"{len(cells)} columns"
+                raise SceneFileError(f"{what}, line {number}: {row}; it has {', '.join(columns)}")
+            rows.append([float(cell) for cell in cells])
         first = False
-        if len(cells) != len(columns):
-            commas = (
-                "; weights need a line of names, decimal commas semicolons or tabs between columns"
-            )
-            raise SceneFileError(
-                f"hinge data {name!r}, line {number}: {len(cells)} columns, where {len(columns)} are expected: "
-                f"{', '.join(columns)}{commas * (len(columns) < len(cells) <= 2 * len(columns))}"
-            )
-        rows.append((number, cells))
-    values = np.array([_numbers(row, name) for row in _with_points(rows)]).reshape(-1, len(columns))
-    stated = dict(zip(columns, values.T, strict=True))
+    stated = dict(zip(columns, np.array(rows).reshape(-1, len(columns)).T, strict=True))
     if "angle_deg" in stated and 0 < np.abs(stated["angle_deg"]).max(initial=0.0) <= math.tau:
+        most = np.abs(stated["angle_deg"]).max()
         raise SceneFileError(
-            f"hinge data {name!r}: angles end at {np.abs(stated['angle_deg']).max():.4g} degrees: radians? name the "
-            "column angle_rad; a range as narrow as this in degrees is stated in radians too"
+            f"{what}: angles end at {most:.4g} degrees: radians? name it angle_rad"
         )
     read = {key.partition("_")[0]: UNITS[key] * column for key, column in stated.items()}
     return HingeData(read["angle"], read["torque"], read.get("weight", np.zeros(0)), name)
 
 
-def _column(cell: str) -> str:
-    """Return the name of a column, however it is written: ``Angle [deg]`` and ``torque (N mm)``, too."""
-    known = {key.replace("_", ""): key for key in UNITS}
-    return known.get(re.sub(r"[\W_]", "", cell.lower()), cell.lower())
-
-
-def _with_points(rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
-    """Return rows with decimal points for decimal commas, where these cannot part thousands."""
-    some = [cell for _, cells in rows for cell in cells if "," in cell]
-    if not some or any("." in cell for _, cells in rows for cell in cells):
-        return rows
-    if all(re.fullmatch(r"[+-]?[1-9]\d{0,2}(,\d{3})+", cell) for cell in some):
-        return rows
-    return [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
-
-
-def _numbers(row: tuple[int, list[str]], name: str) -> list[float]:
-    number, cells = row
-    for cell in cells:
-        if not is_number(cell):
-            raise SceneFileError(
-                f"hinge data {name!r}, line {number}: {shown(cell)} is not a number (no unit, no separator of "
-                "thousands, points or commas throughout)"
-            )
-    return [float(cell) for cell in cells]
-
-
-def _check_columns(columns: list[str], cells: list[str], name: str) -> None:
+def _check_columns(columns: list[str], what: str) -> None:
     kinds = [key.partition("_")[0] for key in columns]
-    if (
-        not set(columns) <= set(UNITS)
-        or len(set(kinds)) < len(kinds)
-        or not {"angle", "torque"} <= set(kinds)
-    ):
-        raise SceneFileError(
-            f"hinge data {name!r}: columns {', '.join(cells)}: name them angle_deg (or angle_rad), torque_Nm (or "
-            "torque_Nmm) and, if wanted, weight"
-        )
-
-
-def _cells(line: str) -> list[str]:
-    for separator in ";", "\t", ",":
-        if separator in line:
-            return [cell.strip().strip('"') for cell in line.split(separator)]
-    return line.split()
+    known = {*columns} <= {*UNITS} and len({*kinds}) == len(kinds)
+    if not known or not {"angle", "torque"} <= {*kinds}:
+        names = "angle_deg or angle_rad, torque_Nm or torque_Nmm, and weight if wanted"
+        raise SceneFileError(f"{what}: columns {', '.join(columns)}: name them {names}")

@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.pattern.hinge_data import HingeData
-from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinge_law import HingeLaw, law_of
 from origami_nlp.pattern.hinge_types import FEWEST_ROWS
 
 MOST_INTERVALS = 40
@@ -185,7 +185,7 @@ def fit_data(data: HingeData, name: str = "") -> LawFit:
     pieces = PPoly.from_spline((t, c[: mean + 3], 3))
     keep = np.diff(pieces.x) > 0
     breaks = np.append(pieces.x[:-1][keep], pieces.x[-1])
-    law = HingeLaw(tuple(breaks.tolist()), _rows(pieces.c[:, keep].T), name or data.name)
+    law = law_of(breaks, pieces.c[:, keep].T, name or data.name)
     bands = spread(value, factor[of_mean]), spread(slope, factor[of_mean])
     rms, worst = float(np.sqrt(np.mean(residuals**2))), float(np.abs(residuals).max())
     return LawFit(
@@ -209,21 +209,16 @@ def straight_on(law: HingeLaw, low: float, high: float) -> HingeLaw:
     HingeLaw
         Known there, and where it was.
     """
-    x, c = list(law.breaks), list(law.coefficients)
-    ends = np.array([x[0], x[-1]])
+    x, c = np.array(law.breaks), np.array(law.coefficients)
+    ends = x[[0, -1]]
     slope = law.slope(np.array([x[0], np.nextafter(x[-1], -math.inf)]))
     torque = law.torque(ends)
     if low < x[0]:
-        c.insert(0, (0.0, 0.0, float(slope[0]), float(torque[0] - slope[0] * (x[0] - low))))
-        x.insert(0, low)
+        c = np.vstack([[0.0, 0.0, slope[0], torque[0] - slope[0] * (x[0] - low)], c])
+        x = np.append(low, x)
     if high > x[-1]:
-        c.append((0.0, 0.0, float(slope[1]), float(torque[1])))
-        x.append(high)
-    return HingeLaw(tuple(map(float, x)), tuple(c), law.name)
-
-
-def _rows(c: np.ndarray) -> tuple[tuple[float, ...], ...]:
-    return tuple(map(tuple, c.tolist()))
+        c, x = np.vstack([c, [0.0, 0.0, slope[1], torque[1]]]), np.append(x, high)
+    return law_of(x, c, law.name)
 
 
 def _correlation(residuals: np.ndarray) -> float:

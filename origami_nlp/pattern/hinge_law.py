@@ -40,8 +40,6 @@ class HingeLaw(ShortRepr):
         What reports call it.
     made_from
         The law, the factor and the angle [rad] that `times` and `shifted` made it with.
-    stated
-        Its type and the numbers of that (`hinge_types`), or ``"sum"`` and the laws; None where pieces are all there is.
 
     Attributes
     ----------
@@ -62,31 +60,25 @@ class HingeLaw(ShortRepr):
     coefficients: tuple[tuple[float, ...], ...]
     name: str = "law"
     made_from: tuple[HingeLaw, float, float] | None = field(default=None, compare=False)
-    stated: tuple[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         if self.made_from:  # of one that was checked
             return
         x, c = np.array(self.breaks, float), np.array(self.coefficients, float)
         if x.ndim != 1 or len(x) < 2 or c.shape != (len(x) - 1, 4) or len(x) > MOST_PIECES:
-            raise SceneError(
-                f"hinge law {self.name!r}: give breaks [B + 1] and coefficients [B, 4], at most {MOST_PIECES} pieces"
-            )
+            what = f"breaks [B + 1] and coefficients [B, 4], at most {MOST_PIECES} pieces"
+            raise SceneError(f"hinge law {self.name!r}: give {what}")
         if not (np.isfinite(x).all() and np.isfinite(c).all() and (np.diff(x) > 0).all()):
-            raise SceneError(
-                f"hinge law {self.name!r}: breaks must increase, and all numbers be finite"
-            )
+            raise SceneError(f"hinge law {self.name!r}: breaks must increase, all be finite")
         steps = np.diff(x)[:-1]
         ends = np.polyval(c[:-1].T, steps)
         jump = np.abs(ends - c[1:, 3]).max(initial=0.0)
         largest = np.abs(c[:, 2:] * np.stack([np.diff(x), np.ones(len(c))], axis=1)).max()
         if jump > INPUT_TOL * max(largest, np.finfo(float).tiny):
-            raise SceneError(
-                f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m between two pieces"
-            )
+            raise SceneError(f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m")
         if not self.stiffness > 0:
             raise SceneError(
-                f"hinge law {self.name!r}: the torque is the same everywhere: that is a preload"
+                f"hinge law {self.name!r}: its torque never changes: that is a preload"
             )
 
     @cached_property
@@ -242,14 +234,14 @@ class HingeLaw(ShortRepr):
 
     def plus(self, torque: float) -> HingeLaw:
         """Return the law with a constant torque [N m] added, of whatever else acts on the hinge."""
-        pieces = tuple((*c[:3], c[3] + torque) for c in self.coefficients)
-        return HingeLaw(self.breaks, pieces, self.name)
+        pieces = np.add(self.coefficients, (0.0, 0.0, 0.0, torque))
+        return law_of(np.array(self.breaks), pieces, self.name)
 
     def turned(self) -> HingeLaw:
         """Return the law seen from the other side of the paper: U(-phi)."""
         x, c = np.array(self.breaks), np.array(self.coefficients)
         turned = moved_cubic(c.T, np.diff(x)).T[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
-        return HingeLaw(tuple((-x[::-1]).tolist()), tuple(map(tuple, turned.tolist())), self.name)
+        return law_of(-x[::-1], turned, self.name)
 
     def __str__(self) -> str:
         low, high = np.degrees([self.breaks[0], self.breaks[-1]])
@@ -280,3 +272,8 @@ def moved_cubic(p: np.ndarray, by: np.ndarray) -> np.ndarray:
     """
     a, b, c, _ = p
     return np.array([a, 3 * a * by + b, (3 * a * by + 2 * b) * by + c, np.polyval(p, by)])
+
+
+def law_of(x: np.ndarray, c: np.ndarray, name: str) -> HingeLaw:
+    """Return the law with breaks [B + 1] and coefficients [B, 4]."""
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, RESOLVED
-from origami_nlp.pattern.hinge_law import MOST_PIECES, HingeLaw, moved_cubic
+from origami_nlp.pattern.hinge_law import MOST_PIECES, HingeLaw, law_of, moved_cubic
 
 AS_STATED = 1e-6
 """Of the largest torque: what the pieces of a law that is stated by a formula may differ by."""
@@ -21,30 +20,16 @@ FEWEST_ROWS = 6
 """Of a table."""
 WIDTHS = 0.02, 10.0
 """Of wells [rad]."""
-
-
 Formula = tuple[np.ndarray, np.ndarray]
 """Torque and stiffness at fold angles."""
-
-
-def _law(x: np.ndarray, c: np.ndarray, name: str, stated: Any = None) -> HingeLaw:
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
-
-
-def hermite(x: np.ndarray, formula: Formula, name: str, stated: Any = None) -> HingeLaw:
-    """Return the law whose pieces have the torque and stiffness of a formula at their ends."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    c = CubicHermiteSpline(x, *formula).c.T
-    return _law(x, c, name, stated)
 
 
 def _linear(x: np.ndarray, stiffness: Any, rest: Any) -> Formula:
     return stiffness * (x - rest), stiffness * np.ones_like(x)
 
 
-def _polynomial(x: np.ndarray, rest: Any, **coefficients: Any) -> Formula:
-    p = np.polynomial.Polynomial([0.0, *coefficients.values()])
+def _polynomial(x: np.ndarray, rest: float, coefficients: Sequence[float]) -> Formula:
+    p = np.polynomial.Polynomial([0.0, *coefficients])
     return p(x - rest), p.deriv()(x - rest)
 
 
@@ -66,7 +51,7 @@ def _detent(x: np.ndarray, energy: Any, wells: int, centre: Any) -> Formula:
 
 def _one_sided(x: np.ndarray, stiffness: Any, start: float, width: float) -> Formula:
     side = math.copysign(1.0, start)
-    d = np.clip(side * np.real(x) - abs(start), 0.0, None)
+    d = np.clip(side * x - abs(start), 0.0, None)
     bent = np.where(d < width, 0.5 * d**2 / width, d - 0.5 * width)
     return side * stiffness * bent, stiffness * np.clip(d / width, 0.0, 1.0)
 
@@ -83,128 +68,68 @@ class Number:
         What it is where it is not stated; None: it must be.
     key
         Of an angle in files, where it is in degrees.
-    smooth
-        Whether its formula is analytic in it, so that states are followed over it: kinks move with others.
     """
 
     low: float = -math.inf
     high: float = math.inf
     usual: float | None = None
     key: str = ""
-    smooth: bool = True
 
-    def read(self, name: str, value: Any) -> float:
-        """Return the number, or raise an error by its name."""
+    def read(self, name: str, value: Any) -> Any:
+        """Return the number, or list of coefficients, or raise an error by its name."""
+        if name == "coefficients":
+            return [check_number(f"{name}[{i}]", v) for i, v in enumerate(value, start=1)]
         if isinstance(self.high, int):
             return check_whole(name, value, int(self.low), self.high)
         return check_number(name, value, self.low, self.high)
 
     def in_degrees(self, value: Any) -> float:
         """Return an angle [rad] that a file states in degrees."""
-        low, high = (
-            math.degrees(a) if math.isfinite(a) else math.copysign(180.0, a)
-            for a in (self.low, self.high)
-        )
-        return math.radians(check_number(self.key, value, low, high))
+        most = 180.0 if math.isinf(self.high) else math.degrees(self.high)
+        low = -180.0 if math.isinf(self.low) else math.degrees(self.low)
+        return math.radians(check_number(self.key, value, low, most))
 
 
 _SIZE, _AT = Number(0.0), Number(-math.pi, math.pi, key="at_deg")
 _REST, _CENTRE = (Number(usual=0.0, key=f"{name}_deg") for name in ("rest", "centre"))
 _APART, _WIDTH = Number(WIDTHS[0], math.pi, key="at_deg"), Number(*WIDTHS, key="width_deg")
-_START = Number(-math.pi, math.pi, key="from_deg", smooth=False)
-_BEND = Number(RESOLVED, 1.0, math.radians(2.0), "width_deg", smooth=False)
+_START = Number(-math.pi, math.pi, key="from_deg")
+_BEND = Number(RESOLVED, 1.0, math.radians(2.0), "width_deg")
 TYPES: dict[str, tuple[Callable[..., Formula], dict[str, Number]]] = {
     "linear": (_linear, {"stiffness": _SIZE, "rest": _REST}),
     "polynomial": (_polynomial, {"coefficients": Number(), "rest": _REST}),
     "well": (_well, {"energy": Number(), "at": _AT, "width": _WIDTH}),
     "double-well": (_double_well, {"energy": _SIZE, "at": _APART, "centre": _CENTRE}),
-    "detent": (_detent, {"energy": _SIZE, "wells": Number(1, 32, smooth=False), "centre": _CENTRE}),
+    "detent": (_detent, {"energy": _SIZE, "wells": Number(1, 32), "centre": _CENTRE}),
     "one-sided": (_one_sided, {"stiffness": _SIZE, "start": _START, "width": _BEND}),
 }
 """Torque and stiffness of each type, and its numbers."""
 
 
-def pieces_for(every: Sequence[Callable[[np.ndarray], Formula]], name: str, x: np.ndarray) -> Any:
-    """Return breaks within which cubics follow all formulas: pieces are halved that are not within `AS_STATED`.
+def of_type(kind: str, **numbers: Any) -> HingeLaw:
+    """Return a law of one of `TYPES`, of numbers in radians, J, N m: pieces that follow its formula to `AS_STATED`."""
+    from scipy.interpolate import CubicHermiteSpline
 
-    Parameters
-    ----------
-    every
-        Formulas.
-    name
-        Of the law.
-    x
-        Breaks to begin with [rad].
-
-    Returns
-    -------
-    numpy.ndarray
-        Breaks [B + 1] [rad].
-
-    Raises
-    ------
-    SceneError
-        If a torque is not finite, or there were too many.
-    """
-    while len(x) <= MOST_PIECES:
-        between = x[:-1, None] + np.array([0.2, 0.5, 0.7]) * np.diff(x)[:, None]
-        off = np.zeros(len(between), dtype=bool)
-        for formula in every:
-            exact = formula(between)[0]
-            if not np.isfinite(exact).all():
-                raise SceneError(f"hinge law {name!r}: its torque is not finite everywhere")
-            away = np.abs(hermite(x, formula(x), name).torque(between) - exact).max(axis=1)
-            off |= away > AS_STATED * np.abs(exact).max()
-        if not off.any():
-            return x
-        x = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])[off]]))
-    raise SceneError(f"hinge law {name!r} bends too sharply for {MOST_PIECES} pieces")
-
-
-def first_breaks(kind: str, numbers: Mapping[str, Any]) -> np.ndarray:
-    """Return equal pieces for what bends as fast as a law of a type, and where it has kinks, [B + 1]."""
-    width = {
-        "well": lambda: numbers["width"],
-        "detent": lambda: math.pi / numbers["wells"],
-    }.get(kind, lambda: math.tau)()
-    x = np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
-    if kind == "one-sided":
-        start = numbers["start"]
-        kinks = np.array([start, start + math.copysign(numbers["width"], start)])
-        x = np.unique([*x, *kinks[np.abs(kinks) < math.pi]])
-    return x
-
-
-def of_type(kind: str, numbers: Mapping[str, Any]) -> HingeLaw:
-    """Return the law of a type.
-
-    Parameters
-    ----------
-    kind
-        One of `TYPES`.
-    numbers
-        Its numbers by name; of a list each by itself, as ``coefficients[1]``.
-
-    Returns
-    -------
-    HingeLaw
-        Known from -180 to 180 degrees.
-
-    Raises
-    ------
-    SceneError, OptionError
-        If a number does not fit.
-    """
     formula, known = TYPES[kind]
-    usual = {name: n.usual for name, n in known.items() if n.usual is not None}
-    places = list(known)
-    given = sorted(
-        {**usual, **numbers}.items(), key=lambda one: places.index(one[0].partition("[")[0])
-    )
-    read = {name: known[name.partition("[")[0]].read(name, value) for name, value in given}
-    of = partial(formula, **read)
-    x = pieces_for([of], kind, first_breaks(kind, read))
-    return hermite(x, of(x), kind, (kind, read))
+    read = {name: n.read(name, numbers.get(name, n.usual)) for name, n in known.items()}
+    # begin with pieces no wider than what there is to see
+    wide = read.get("width", math.tau) if kind == "well" else math.pi / read.get("wells", 0.5)
+    x = np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / wide))) + 1)
+    if kind == "one-sided":
+        start = read["start"]
+        kinks = np.array([start, start + math.copysign(read["width"], start)])
+        x = np.unique([*x, *kinks[np.abs(kinks) < math.pi]])
+    while len(x) <= MOST_PIECES:
+        law = CubicHermiteSpline(x, *formula(x, **read))
+        between = x[:-1, None] + np.array([0.2, 0.5, 0.7]) * np.diff(x)[:, None]
+        exact = formula(between, **read)[0]
+        if not np.isfinite(exact).all():
+            raise SceneError(f"hinge law {kind!r}: its torque is not finite everywhere")
+        off = np.abs(law(between) - exact).max(axis=1) > AS_STATED * np.abs(exact).max()
+        if not off.any():
+            return law_of(x, law.c.T, kind)
+        x = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])[off]]))
+    raise SceneError(f"hinge law {kind!r} bends too sharply for {MOST_PIECES} pieces")
 
 
 def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
@@ -227,7 +152,7 @@ def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    return of_type("linear", {"stiffness": stiffness, "rest": rest})
+    return of_type("linear", stiffness=stiffness, rest=rest)
 
 
 def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
@@ -250,8 +175,7 @@ def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    each = {f"coefficients[{i}]": c for i, c in enumerate(coefficients, start=1)}
-    return of_type("polynomial", {"rest": rest, **each})
+    return of_type("polynomial", coefficients=coefficients, rest=rest)
 
 
 def well(energy: float, at: float, width: float) -> HingeLaw:
@@ -276,7 +200,7 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    return of_type("well", {"energy": energy, "at": at, "width": width})
+    return of_type("well", energy=energy, at=at, width=width)
 
 
 def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
@@ -301,7 +225,7 @@ def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    return of_type("double-well", {"energy": energy, "at": at, "centre": centre})
+    return of_type("double-well", energy=energy, at=at, centre=centre)
 
 
 def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
@@ -326,7 +250,7 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    return of_type("detent", {"energy": energy, "wells": wells, "centre": centre})
+    return of_type("detent", energy=energy, wells=wells, centre=centre)
 
 
 def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) -> HingeLaw:
@@ -351,7 +275,7 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
     SceneError, OptionError
         If a number does not fit.
     """
-    return of_type("one-sided", {"stiffness": stiffness, "start": start, "width": width})
+    return of_type("one-sided", stiffness=stiffness, start=start, width=width)
 
 
 def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") -> HingeLaw:
@@ -380,18 +304,13 @@ def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") 
 
     x, y = np.array(angle, float), np.array(torque, float)
     if x.ndim != 1 or x.shape != y.shape or len(x) < FEWEST_ROWS:
-        raise SceneError(
-            f"hinge law {name!r}: a table needs {FEWEST_ROWS} rows of angle and torque at least"
-        )
-    if not (np.isfinite(x).all() and np.isfinite(y).all()):
-        raise SceneError(f"hinge law {name!r}: angles and torques must be finite")
-    if not (np.diff(x) > 0).all():
-        row = int(np.argmin(np.diff(x) > 0)) + 2
-        raise SceneError(f"hinge law {name!r}: angles must increase: row {row} does not")
-    if np.abs(x).max() > math.pi * (1 + INPUT_TOL):
-        raise SceneError(f"hinge law {name!r}: angles are beyond +-180 degrees")
-    c = PchipInterpolator(x, y).c.T
-    return _law(x, c, name)
+        raise SceneError(f"hinge law {name!r}: give {FEWEST_ROWS} rows of angle and torque or more")
+    good = np.isfinite(x) & np.isfinite(y) & (np.abs(x) <= math.pi * (1 + INPUT_TOL))
+    good[1:] &= np.diff(x) > 0
+    if not good.all():
+        where = f"hinge law {name!r}, row {int(good.argmin()) + 1}"
+        raise SceneError(f"{where}: angles must increase within +-180 degrees, torques be finite")
+    return law_of(x, PchipInterpolator(x, y).c.T, name)
 
 
 def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
@@ -422,7 +341,6 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
     for law in laws:
         own = np.searchsorted(law.breaks, x[:-1], side="right") - 1
         own = np.clip(own, 0, len(law.coefficients) - 1)
-        starts = np.array(law.breaks)[own]
-        pieces = np.array(law.coefficients)[own]
+        starts, pieces = np.array(law.breaks)[own], np.array(law.coefficients)[own]
         c += moved_cubic(pieces.T, x[:-1] - starts).T
-    return _law(x, c, name, ("sum", tuple(laws)))
+    return law_of(x, c, name)

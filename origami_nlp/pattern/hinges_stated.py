@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,9 +12,16 @@ from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import FoldFileError, OptionError, OrigamiError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import OUTSIDE
-from origami_nlp.pattern.fold_limits import Limits, limit_words
+from origami_nlp.pattern.fold_limits import (
+    Limits,
+    limit_angles,
+    limit_words,
+    read_limits,
+    thick_limits,
+)
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
+from origami_nlp.pattern.numbers_read import check_range, read_numbers
 
 Laws = tuple[HingeLaw | None, ...]
 PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
@@ -22,77 +29,74 @@ PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
 
 
 def read_laws(given: object, degree: int) -> Laws:
-    """Read a law, or None, for each crease; () where all are None.
-
-    Raises
-    ------
-    SceneError
-        If there are not as many, or one is no law.
-    """
+    """Check hinge laws, one for each crease or None; () where all springs are linear."""
     laws = tuple(given) if isinstance(given, Iterable) else ()
     if not laws and given == ():
         return ()
     if len(laws) != degree or not all(law is None or isinstance(law, HingeLaw) for law in laws):
-        raise SceneError(
-            f"laws = {shown(given)} must be a HingeLaw or None for each of {degree} creases"
-        )
+        raise SceneError(f"laws = {shown(given)} must be HingeLaws or None, one for each crease")
     known: dict[HingeLaw, HingeLaw] = {}  # equal laws are one
     return tuple(law and known.setdefault(law, law) for law in laws) if any(laws) else ()
 
 
-def with_laws(values: Sequence[float], laws: Laws, what: str) -> tuple[float, ...]:
-    """Return stiffnesses, or rest angles, of creases, those of laws in place of what is stated."""
-    if not laws:
-        return tuple(values)
-    return tuple(
-        v if law is None else getattr(law, what) for v, law in zip(values, laws, strict=True)
-    )
+class Hinges(NamedTuple):
+    """Springs, stops and laws of n creases, as `Scene` and `Pattern` have them."""
+
+    stiffness: tuple[float, ...]
+    rest: tuple[float, ...]
+    limits: Limits
+    laws: Laws
 
 
-def check_laws(laws: Laws, limits: np.ndarray, contact: str) -> None:
-    """Raise an error unless laws are known between the fold limits [2, N].
+def read_hinges(
+    n: int,
+    stiffness: object,
+    rest: Iterable[float],
+    limits: object = (),
+    laws: object = (),
+    contact: str = "full",
+    panels: tuple[float, float] | None = None,
+) -> Hinges:
+    """Read what is stated of n creases; a law has its own stiffness and rest angle.
 
-    Raises
-    ------
-    SceneError
-        The message names the crease, and two cures.
+    rest: as `read_rest_angles` returns them, or beyond half a turn where a load winds the springs.
     """
-    if laws and contact == "none":
-        raise SceneError(
-            "laws are known between fold limits: contact = 'none' has none; use 'fold-limits' or 'full'"
-        )
+    own = read_laws(laws, n)
+    if contact == "none" and (own or limits):
+        raise SceneError("contact = 'none' has no limits, and no laws: use 'fold-limits' or 'full'")
+    k, phi = read_numbers(stiffness, "stiffness", n), tuple(rest)
+    if own:
+        each = [*zip(k, phi, own, strict=True)]
+        k = tuple(k if law is None else law.stiffness for k, _, law in each)
+        phi = tuple(a if law is None else law.rest for _, a, law in each)
+    check_range(k)
+    stops = thick_limits(read_limits(limits, n), n, panels)
+    check_laws(own, limit_angles(stops, n))
+    return Hinges(k, phi, stops, own)
+
+
+def check_laws(laws: Laws, limits: np.ndarray) -> None:
+    """Raise an error for a law that is not known on all of the fold limits [2, N] of its crease."""
     for i, (law, low, high) in enumerate(zip(laws, *limits, strict=True) if laws else (), start=1):
-        if law is None:
-            continue
-        if law.breaks[0] > low + OUTSIDE or law.breaks[-1] < high - OUTSIDE:
+        if law and (law.breaks[0] > low + OUTSIDE or law.breaks[-1] < high - OUTSIDE):
+            span = "[{:.4g}, {:.4g}] degrees"
             known, asked = (
-                "[" + ", ".join(f"{math.degrees(a):.4g}" for a in pair) + "]"
-                for pair in ((law.breaks[0], law.breaks[-1]), (low, high))
+                span.format(*np.degrees(p))
+                for p in (law.breaks[:: len(law.breaks) - 1], (low, high))
             )
             raise SceneError(
-                f"hinge law {law.name!r} of crease {i} is known on {known} degrees only, its fold limits are {asked}: "
-                f"give limits_deg within, or extrapolate = 'linear' in the law"
+                f"hinge law {law.name!r} of crease {i} is known on {known}, its fold limits are {asked}: give "
+                "limits_deg within, or extrapolate = 'linear' in the law"
             )
 
 
 def check_plain_hinges(laws: Laws, limits: Limits, what: str) -> None:
-    """Raise an error where there are laws, or limits, which `what` does not know.
-
-    Raises
-    ------
-    OptionError
-        With the first law, or the limits.
-    """
+    """Raise an error where there are hinge laws, or fold limits, which `what` does not know."""
     if laws:
-        law = next(law for law in laws if law is not None)
-        raise OptionError(
-            f"{what}: known for linear springs only, and crease {laws.index(law) + 1} has the hinge law {law.name!r}; "
-            "minima are searched for with laws"
-        )
+        i, law = next((i, law) for i, law in enumerate(laws, start=1) if law)
+        raise OptionError(f"{what} is for linear springs: crease {i} has the law {law.name!r}")
     if limits:
-        raise OptionError(
-            f"{what}: not decided with fold limits of their own ({limit_words(limits)}); minima are known there"
-        )
+        raise OptionError(f"{what} knows no fold limits of their own ({limit_words(limits)})")
 
 
 LAW_PLACES = ("law_scale", "law_shift")
@@ -140,14 +144,10 @@ def check_law_place(laws: Laws, what: str, entry: int | None = None) -> None:
     which = range(len(laws)) if entry is None else [entry]
     has = [i for i in which if laws and laws[i] is not None]
     if what in LAW_PLACES and len(has) < len(which):
-        missing = min(set(which) - set(has))
-        raise OptionError(f"{what}: crease {missing + 1} has no hinge law")
+        raise OptionError(f"{what}: crease {min({*which} - {*has}) + 1} has no hinge law")
     if what in ("ratio", "stiffness", "rest_angles") and has:
-        law = laws[has[0]]
-        raise OptionError(
-            f"{what}: crease {has[0] + 1} has the hinge law {law.name if law else ''!r} in place of a spring: its "
-            "numbers are law_scale[1] and law_shift[1]"
-        )
+        why = "has a hinge law in place of a spring: write law_scale[1], law_shift[1]"
+        raise OptionError(f"{what}: crease {has[0] + 1} {why}")
 
 
 LAW_KEY = "edges_origaminlp:law"
@@ -204,19 +204,16 @@ def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
     """
     if LAW_KEY not in frame:
         return ()
-    numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY)
-    if not isinstance(numbers, list) or len(numbers) != edges or not isinstance(stated, list):
-        raise FoldFileError(
-            f"{LAW_KEY} must be a list of {edges} numbers of laws, or null, and {LAWS_KEY} a list of the laws"
-        )
+    numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY, [])
+    tables = isinstance(stated, list) and all(isinstance(table, Mapping) for table in stated)
+    if not isinstance(numbers, list) or len(numbers) != edges or not tables:
+        many = f"{edges} numbers of laws, or null, and {LAWS_KEY} a list of tables"
+        raise FoldFileError(f"{LAW_KEY} must be a list of {many}")
     laws = []
     for k, table in enumerate(stated):
-        if not isinstance(table, Mapping):
-            raise FoldFileError(f"{LAWS_KEY}[{k}] must be an object with a type and its numbers")
-        name = table.get("name", f"law {k}")
         try:
             law = {key: value for key, value in table.items() if key != "name"}
-            laws.append(read_law(law, printable(str(name))))
+            laws.append(read_law(law, printable(str(table.get("name", f"law {k}")))))
         except OrigamiError as error:
             raise FoldFileError(f"{LAWS_KEY}[{k}]: {error}") from None
     for e, number in enumerate(numbers):
@@ -286,19 +283,17 @@ def read_torque_bounds(given: Any, creases: int, what: str) -> np.ndarray:
     OptionError
         If it is none of these, or a bound is not positive.
     """
-    out = np.full(creases, np.inf)
-    if isinstance(given, Mapping):
-        pairs = [(check_whole(f"{what}: crease", i, 1, creases) - 1, t) for i, t in given.items()]
-    elif isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
         if len(given) != creases:
-            raise OptionError(
-                f"{what} = {shown(given)} must be one number [N m], or one or None for each of {creases} creases"
-            )
-        pairs = [(i, t) for i, t in enumerate(given) if t is not None]
-    else:
-        pairs = [(i, given) for i in range(creases)]
-    for i, t in pairs:
-        out[i] = check_number(f"{what} of crease {i + 1}", t, 0.0)
+            each = f"one number [N m], or one or None for each of {creases} creases"
+            raise OptionError(f"{what} = {shown(given)} must be {each}")
+        given = {i: t for i, t in enumerate(given, start=1) if t is not None}
+    elif not isinstance(given, Mapping):
+        given = dict.fromkeys(range(1, creases + 1), given)
+    out = np.full(creases, np.inf)
+    for i, t in given.items():
+        at = check_whole(f"{what}: crease", i, 1, creases) - 1
+        out[at] = check_number(f"{what} of crease {i}", t, 0.0)
     return out
 
 
@@ -379,35 +374,6 @@ def energy_with_laws(
     energy = 0.5 * k * (phi - rest) ** 2
     for i, law in enumerate(laws):
         if law is not None:
-            energy[..., i] = (
-                law.energy(phi[..., i]) - (preload[i] if preload else 0.0) * phi[..., i]
-            )
+            x = phi[..., i]
+            energy[..., i] = law.energy(x) - (preload[i] if preload else 0.0) * x
     return np.asarray(energy.sum(axis=-1))
-
-
-def torque_with_laws(
-    phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws, preload: Sequence[float] = ()
-) -> np.ndarray:
-    """Return the torques of states, springs and laws, these less preload.
-
-    Parameters
-    ----------
-    phi
-        Fold angles of states [..., N] [rad].
-    k, rest
-        Of linear springs [N] [N m/rad, rad].
-    laws
-        In their place; none: ().
-    preload
-        Torques that act beside laws [N m], or ().
-
-    Returns
-    -------
-    numpy.ndarray
-        Torques [..., N] [N m].
-    """
-    torque = k * (phi - rest)
-    for i, law in enumerate(laws):
-        if law is not None:
-            torque[..., i] = law.torque(phi[..., i]) - (preload[i] if preload else 0.0)
-    return np.asarray(torque)

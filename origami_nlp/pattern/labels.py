@@ -10,6 +10,7 @@ import contextlib
 import itertools
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -77,25 +78,22 @@ class Relabelling:
 
     def relabelled(self, scene: Scene) -> Scene:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
+        creases, mean = self.creases, _mean(scene)
         sectors = np.array(scene.vertex.sector_angles)[self.facets]
-        creases = self.creases
         vertex = Vertex(tuple(sectors.tolist()), scene.vertex.flat)
-        # what the scene has decided stays decided: the same vertex, to the last bit
-        decided = replace(
-            scene.relations, sector_angles=vertex.sector_angles, made_exact=0, moved=0.0
-        )
+        known: Any = {"sector_angles": vertex.sector_angles, "made_exact": 0, "moved": 0.0}
+        preload = (self._turned(scene.preload) / mean).tolist() if scene.preload else ()
+        limits = map(tuple, self.limit_angles(scene).T.tolist()) if scene.limits else ()
         return Scene(
             vertex,
-            tuple((np.array(scene.stiffness)[creases] / _mean(scene)).tolist()),
+            tuple((np.array(scene.stiffness)[creases] / mean).tolist()),
             tuple(self._turned(scene.rest_angles).tolist()),
             symmetry="none",
             contact=scene.contact,
-            preload=tuple((self._turned(scene.preload) / _mean(scene)).tolist())
-            if scene.preload
-            else (),
-            limits=tuple(map(tuple, self.limit_angles(scene).T.tolist())) if scene.limits else (),
-            laws=self.laws(scene, 1 / _mean(scene)),
-            relations=decided,
+            preload=tuple(preload),
+            limits=tuple(limits),
+            laws=self.laws(scene, 1 / mean),
+            relations=replace(scene.relations, **known),
         )
 
 
@@ -186,8 +184,8 @@ def symmetries(scene: Scene) -> list[Relabelling]:
             labels.limit_angles(scene) - scene.limit_angles,
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
-        same = same and (not scene.laws or same_laws(labels.laws(scene), scene.laws))
-        return same and _keeps(scene, i)
+        laws = not scene.laws or same_laws(labels.laws(scene), scene.laws)
+        return same and laws and _keeps(scene, i)
 
     return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]
 
@@ -230,7 +228,5 @@ def with_symmetry_of(scene: Scene, other: Scene) -> Scene:
             made = replace(scene, symmetry=name, mirror=mirror, winding=None)
             if set(made.group.elements) == wanted:
                 return made
-    raise SymmetryError(
-        f"symmetry = {name!r} is kept by the other scenes, with other mirrors or not at all by this one, of group "
-        f'{scene.group.name}: state symmetry = "none"'
-    )
+    why = f"is kept by the other scenes, and not so by this one, of group {scene.group.name}"
+    raise SymmetryError(f'symmetry = {name!r} {why}: state symmetry = "none"')

@@ -44,9 +44,7 @@ def check_rolled(value: object, name: str = ROLLED_KEY) -> tuple[int, int] | Non
     pair = [n for n in given if isinstance(n, int) and not isinstance(n, bool)]
     good = len(pair) == len(given) == 2
     if not good or (any(pair) and not LEAST_ROUND <= max(map(abs, pair)) <= MOST_ROUND):
-        raise FoldFileError(
-            f"{name} = {shown(value)} must be the number of copies once round a tube, {LEAST_ROUND} to {MOST_ROUND}, "
-            "such as 6 along the first lattice vector, or [0, 6] along the second; 0: copies may curl"
-        )
+        span = f"{LEAST_ROUND} to {MOST_ROUND} copies once round a tube, such as 6 or [0, 6]; 0: they may curl"
+        raise FoldFileError(f"{name} = {shown(value)} must be {span}")
     p, q = pair
     return (-p, -q) if p < 0 or (p == 0 and q < 0) else (p, q)

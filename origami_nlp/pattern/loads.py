@@ -55,14 +55,14 @@ class Load:
     def __post_init__(self) -> None:
         given = {f.name for f in fields(self) if getattr(self, f.name) is not None}
         if given not in ({"crease", "distance", "force"}, {"facet", "point", "force"}):
-            raise SceneError(
-                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease, distance and force; "
-                "facet, point = [distance, angle] and force; a torque on a crease is preload"
-            )
-        force = _entries("force", self.force, 3)
+            ways = "crease, distance and force; or facet, point = [distance, angle] and force"
+            raise SceneError(f"a load has {', '.join(sorted(given)) or 'nothing'}: give {ways}")
+        wrong = f"force = {shown(self.force)} of a load must be a list of 3 numbers"
+        force = read_list(self.force, wrong, 3)
         object.__setattr__(self, "force", tuple(_number("force", f) for f in force))
         if self.point is not None:
-            far, angle = _entries("point", self.point, 2)
+            wrong = f"point = {shown(self.point)} of a load must be a list of 2 numbers"
+            far, angle = read_list(self.point, wrong, 2)
             at = _number("point", far), parse_angle(angle, "the angle of point")
             object.__setattr__(self, "point", at)
         else:
@@ -111,27 +111,19 @@ def read_loads(values: object, sector_angles: Sequence[float]) -> tuple[Load, ..
         if isinstance(value, Mapping):
             known = [f.name for f in fields(Load)]
             if unknown := value.keys() - set(known):
-                raise SceneError(
-                    f"loads[{i}]: unknown key {min(unknown)!r}; a load takes {', '.join(known)}; a torque on a crease "
-                    "is preload, and a moment that keeps its direction while the facet turns has no energy"
-                )
+                take = f"a load takes {', '.join(known)}; a torque on a crease is preload"
+                raise SceneError(f"loads[{i}]: unknown key {min(unknown)!r}; {take}")
             value = Load(**value)
         if not isinstance(value, Load):
             raise SceneError(f"loads[{i}] = {shown(value)} must be a Load")
         what = "facet" if value.facet is not None else "crease"
         check_whole(f"loads[{i}]: {what}", value.number, 1, len(sector_angles), SceneError)
         if value.facet is not None and not 0 <= value.place[1] <= sector_angles[value.facet - 1]:
-            raise SceneError(
-                f"loads[{i}]: the angle {format_angle(value.place[1])} of its point is not within facet {value.facet}, "
-                f"0 to {format_angle(sector_angles[value.facet - 1])}"
-            )
+            span = f"0 to {format_angle(sector_angles[value.facet - 1])}"
+            at = f"loads[{i}]: point angle {format_angle(value.place[1])}"
+            raise SceneError(f"{at} is not within facet {value.facet}, {span}")
         out.append(value)
     return tuple(out)
-
-
-def _entries(name: str, value: object, count: int) -> list[Any]:
-    wrong = f"{name} = {shown(value)} of a load must be a list of {count} numbers"
-    return read_list(value, wrong, count)
 
 
 def _number(name: str, value: object) -> float:
@@ -178,22 +170,14 @@ class DeadLoads:
         return replace(self, forces=factor * self.forces)
 
     def _each(self, sectors: np.ndarray) -> Iterator[tuple[list[int], np.ndarray, np.ndarray, Any]]:
-        """Go through loads: the creases (0-based) from the fixed facet on, their axes, the point, all flat; the force.
-
-        In the frame of the fixed facet, x along its first crease: axes [k, 3], point [3].
-        """
+        """Go through the forces: creases from the held facet on, axes and point unfolded, and the force."""
         n = len(sectors)
-        for facet, point, force in zip(self.facets, self.points, self.forces, strict=True):
+        for facet, (x, y), force in zip(self.facets, self.points, self.forces, strict=True):
             turns = [(self.held + 1 + i) % n for i in range((facet - self.held) % n)]
             azimuth = np.cumsum([0.0, *(sectors[c - 1] for c in turns)])
             c, s = np.cos(azimuth), np.sin(azimuth)
-            axes = np.column_stack([c, s, 0 * c])
-            yield (
-                turns,
-                axes[1:],
-                axes[-1] * point[0] + np.array([-s[-1], c[-1], 0]) * point[1],
-                force,
-            )
+            point = np.array([c[-1] * x - s[-1] * y, s[-1] * x + c[-1] * y, 0.0])
+            yield turns, np.column_stack([c, s, 0 * c])[1:], point, force
 
     def _folded(self, sectors: np.ndarray, x: np.ndarray) -> Iterator[tuple[Any, ...]]:
         """Go through loads at states [..., N]: the creases between, their axes [..., k, 3], the point, the force."""
@@ -276,13 +260,7 @@ def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | No
     """
     if not loads or fixed_facet is None:
         return None
-    points = [
-        (far * math.cos(angle), far * math.sin(angle))
-        for far, angle in (load.place for load in loads)
-    ]
-    return DeadLoads(
-        fixed_facet - 1,
-        tuple(load.number - 1 for load in loads),
-        np.array(points),
-        np.array([load.force for load in loads]),
-    )
+    places = [load.place for load in loads]
+    points = np.array([(far * math.cos(turn), far * math.sin(turn)) for far, turn in places])
+    facets = tuple(load.number - 1 for load in loads)
+    return DeadLoads(fixed_facet - 1, facets, points, np.array([load.force for load in loads]))

@@ -15,8 +15,8 @@ from origami_nlp.numerics import EPS, INPUT_TOL
 
 _NUMBER = r"(?:\d+\.?\d*(?:[eE][-+]?\d{1,3})?|\.\d+(?:[eE][-+]?\d{1,3})?)"
 _ANGLE = re.compile(
-    rf"\s*(?P<sign>[-+]?)\s*(?:(?P<factor>{_NUMBER})\s*(?P<times>\*?)\s*)?(?P<pi>pi|π)?"
-    rf"\s*(?:/\s*(?P<divisor>{_NUMBER}))?\s*(?P<degrees>deg)?\s*"
+    rf"\s*(?P<sign>[-+]?)\s*(?:(?:(?P<times>{_NUMBER})\s*\*?\s*)?(?P<pi>pi|π)|(?P<factor>{_NUMBER}))"
+    rf"\s*(?:/\s*(?P<divisor>{_NUMBER}))?\s*(?(pi)|(?P<degrees>deg)?)\s*"
 )
 _LONGEST = 64
 _HOW = 'write radians as a number, a multiple of pi such as "-3*pi/4", or degrees such as "45deg"'
@@ -49,33 +49,16 @@ def parse_angle(value: object, field: str = "angle") -> float:
     0.7853981633974483
     """
     if isinstance(value, Real) and not isinstance(value, bool):
-        try:
-            angle = float(value)
-        except OverflowError:
-            angle = math.inf
-    elif isinstance(value, str):
-        match = _ANGLE.fullmatch(value) if len(value) <= _LONGEST else None
-        if (
-            match is None
-            or (match["factor"] is None and match["pi"] is None)
-            or (match["times"] and match["pi"] is None)
-            or (match["degrees"] and match["pi"])
-        ):
-            cut = value if len(value) <= _LONGEST else value[:_LONGEST] + "..."
-            raise AngleError(f"{field} = {cut!r} is not an angle: {_HOW}")
-        divisor = float(match["divisor"] or 1)
-        if divisor == 0:
-            raise AngleError(f"{field} = {value!r} divides by zero: {_HOW}")
-        angle = float(match["factor"] or 1) * (math.pi if match["pi"] else 1) / divisor
-        if match["degrees"]:
-            angle = math.radians(angle)
-        if match["sign"] == "-":
-            angle = -angle
-    else:
+        return check_number(field, value, error=AngleError)
+    short = isinstance(value, str) and len(value) <= _LONGEST
+    match = _ANGLE.fullmatch(value) if short else None  # type: ignore[call-overload]
+    divisor = float(match["divisor"] or 1) if match else 0.0
+    if match is None or divisor == 0:
         raise AngleError(f"{field} = {shown(value)} is not an angle: {_HOW}")
-    if not math.isfinite(angle):
-        raise AngleError(f"{field} = {shown(value)} is not finite: {_HOW}")
-    return angle
+    unit = math.pi if match["pi"] else 1
+    angle = float(match["times"] or match["factor"] or 1) * unit / divisor
+    angle = math.radians(angle) if match["degrees"] else angle
+    return check_number(field, -angle if match["sign"] == "-" else angle, error=AngleError)
 
 
 def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[float, ...]:
@@ -102,14 +85,10 @@ def parse_angles(values: object, field: str, *, degrees: bool = False) -> tuple[
     """
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise AngleError(f"{field} must be a list of angles, one for each crease")
-    out: list[float] = []
-    for i, value in enumerate(values, start=1):
-        if degrees:
-            number = check_number(f"{field}[{i}] [deg]", value, error=AngleError)
-            out.append(math.radians(number))
-        else:
-            out.append(parse_angle(value, f"{field}[{i}]"))
-    return tuple(out)
+    named = ((f"{field}[{i}]", value) for i, value in enumerate(values, start=1))
+    if not degrees:
+        return tuple(parse_angle(value, name) for name, value in named)
+    return tuple(math.radians(check_number(f"{n} [deg]", v, error=AngleError)) for n, v in named)
 
 
 def format_angle(angle: float) -> str:
@@ -154,28 +133,23 @@ def check_range(stiffness: Sequence[float]) -> None:
     """Raise an error for stiffnesses that cannot be computed with, or not together."""
     for i, k in enumerate(stiffness, start=1):
         if not SMALLEST <= k <= LARGEST:
-            raise SceneError(
-                f"stiffness[{i}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g} N m/rad"
-            )
-    soft, stiff = min(stiffness), max(stiffness)
-    i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
+            span = f"{SMALLEST:g} to {LARGEST:g} N m/rad"
+            raise SceneError(f"stiffness[{i}] = {k:.6g} is not within {span}")
+    soft, stiff = min(stiffness, default=1.0), max(stiffness, default=1.0)
     if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
-        raise SceneError(
-            f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
-            f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
-            "the facets at the stiff crease"
-        )
+        i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
+        of = f"more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}"
+        cure = "soft springs are lost in rounding: merge the facets at the stiff crease"
+        raise SceneError(f"stiffness[{j}] = {stiff:.6g} is {of}: {cure}")
 
 
 def read_rest_angles(values: object, degree: int) -> tuple[float, ...]:
-    """Read rest angles [rad]; degrees and texts as `parse_angles`."""
+    """Read rest angles [rad]; texts as `parse_angles`."""
     rest = check_length(parse_angles(values, "rest_angles"), "rest_angles", degree)
     for i, a in enumerate(rest, start=1):
         if abs(a) > math.pi * (1 + 4 * EPS):
-            raise SceneError(
-                f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi]: fold angles are radians, valley positive "
-                "(degrees: rest_angles_deg); a torque beyond is stated as preload"
-            )
+            span = "outside [-pi, pi] radians (degrees: rest_angles_deg; beyond: preload)"
+            raise SceneError(f"rest_angles[{i}] = {a:.6g} is {span}")
     return rest
 
 
@@ -188,37 +162,29 @@ def read_preload(
     preload = read_numbers(values, "preload", len(stiffness))
     for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
         if abs(a + m / k) > MOST_WOUND:
-            raise SceneError(
-                f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
-                f"{MOST_WOUND:g} rad, beyond which energies lose digits"
-            )
+            wound = f"winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad"
+            raise SceneError(f"preload[{i}] = {m:.6g} N m {wound}: at most {MOST_WOUND:g} rad")
     return preload if any(preload) else ()
 
 
 def check_length(values: tuple[float, ...], name: str, degree: int) -> tuple[float, ...]:
     """Return values, of which there must be one for each crease."""
     if len(values) != degree:
-        raise SceneError(
-            f"{name} has {len(values)} entries, but the vertex has {degree} creases: give one each"
-        )
+        raise SceneError(f"{name} has {len(values)} entries: give one for each of {degree} creases")
     return values
 
 
 def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
     """Read `degree` floats, or raise an error about field `name`."""
-    items = read_list(
-        values, f"{name} = {shown(values)} must be a list of numbers, one for each crease"
-    )
+    items = read_list(values, f"{name} = {shown(values)} must be numbers, one for each crease")
     numbers = (check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, 1))
     return check_length(tuple(numbers), name, degree)
 
 
 def read_list(values: object, wrong: str, count: int | None = None) -> list[Any]:
     """Return the entries of a list, so many if a number is given, or raise an error."""
-    try:
-        items = None if isinstance(values, str | bytes) else list(values)  # type: ignore[call-overload]
-    except TypeError:
-        items = None
-    if items is None or len(items) != (len(items) if count is None else count):
+    listed = isinstance(values, Iterable) and not isinstance(values, str | bytes)
+    items = list(values) if listed else None  # type: ignore[call-overload]
+    if items is None or count not in (None, len(items)):
         raise SceneError(wrong)
     return items

@@ -103,9 +103,8 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
 
     Examples
     --------
-    >>> import json
     >>> from origami_nlp.pattern import examples, frame_pattern, parse_fold
-    >>> (frame,) = parse_fold(json.dumps(examples.crease_pattern("squaretwist")))
+    >>> (frame,) = parse_fold(examples.crease_pattern("squaretwist"))
     >>> len(frame_pattern(frame).vertices)
     4
     """
@@ -114,10 +113,8 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
     asked.check(frame)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
-        raise FoldFileError(
-            f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]: a pattern of many vertices has no preload, leave it out and "
-            "give the angle to which the spring is wound as rest angle"
-        )
+        where = f"{PRELOAD_KEY}[{frame.numbers[wound[0]]}]"
+        raise FoldFileError(f"{where}: give many vertices no preload but other rest angles")
     if snap is not None:
         check_number("snap", snap, 0.0, LARGEST_SNAP)
     sheet = _Sheet(frame, snap)
@@ -156,24 +153,10 @@ def frame_pattern(frame: Frame, *, snap: float | None = None, **springs: Any) ->
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
-    return replace(made, source=frame.source, notes=(*made.notes, *_locked(made)))
-
-
-def _locked(p: Pattern) -> Iterator[str]:
-    """Name creases that join the same two facets and run in no one line: they cannot fold."""
-    along: dict[Side, list[int]] = {}
-    for c, pair in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
-        along.setdefault(side(*pair), []).append(c)
-    for creases in along.values() if p.is_flat and p.cell is None else ():
-        first, *others = creases
-        x = p.corners[p.ends[others]].reshape(-1, 3) - p.corners[p.ends[first, 0]]
-        off = float(np.linalg.norm(np.cross(x, p.directions[first]), axis=1).max(initial=0.0))
-        if off > NOISE * float(np.ptp(p.corners, axis=0).max()):
-            numbers = ", ".join(map(str, p.numbers[creases]))
-            yield (
-                f"edges {numbers} join the same two facets along lines {off:.2g} apart: none of them folds; draw them "
-                "in one line"
-            )
+    return replace(
+        made,
+        source=frame.source,
+    )
 
 
 class _Sheet:
@@ -189,10 +172,8 @@ class _Sheet:
         if frame.conflicts:
             k = min(frame.conflicts)
             a, b = map(frame.place, frame.edges[k].tolist())
-            raise FoldFileError(
-                f"edges_vertices[{frame.numbers[k]}] from {a} to {b} is stated twice with different assignments or "
-                "fold angles: keep one"
-            )
+            twice = "is stated twice, with other assignments or fold angles: keep one"
+            raise FoldFileError(f"edges_vertices[{frame.numbers[k]}] from {a} to {b} {twice}")
         self.number = frame.edge_of
         self.orders: list[tuple[int, int, int]] = []
         self.polygons = self._faces() if frame.faces else self._walked()
@@ -222,71 +203,54 @@ class _Sheet:
 
     def _faces(self) -> list[tuple[int, ...]]:
         """Return the faces that the file states, all of one sense."""
-        faces, against = oriented(self.frame.faces)
-        x = self.frame.coords
+        frame, x = self.frame, self.frame.coords
+        faces, against = oriented(frame.faces)
         for f, face in enumerate(faces):
             if len(set(face)) < len(face):
                 raise FoldFileError(f"faces_vertices[{f}] comes to a vertex twice: split the face")
         check_sides(faces)
-        if not self.frame.folded:
-            if sum(area(x[list(face), :2]) for face in faces) < 0:
-                faces = [face[::-1] for face in faces]
-                against = len(faces) - against
-            wrong = [f for f, face in enumerate(faces) if area(x[list(face), :2]) < 0]
-            if wrong:
-                raise FoldFileError(
-                    f"faces_vertices[{wrong[0]}] lies upside down in a flat sheet: it overlaps its neighbour, or its "
-                    "vertices are in the wrong order"
-                )
-        elif 2 * against > len(faces):
+        areas = [0.0 if frame.folded else area(x[list(face), :2]) for face in faces]
+        if sum(areas) < 0 or (frame.folded and 2 * against > len(faces)):
             faces, against = [face[::-1] for face in faces], len(faces) - against
+            areas = [-a for a in areas]
+        for f in (f for f, a in enumerate(areas) if a < 0):
+            why = "it overlaps its neighbour, or its vertices are in the wrong order"
+            raise FoldFileError(f"faces_vertices[{f}] lies upside down: {why}")
         if 0 < against < len(faces):
             self.notes.append(f"{against} faces were turned over to orient all alike")
-        for f, g, s in self.frame.face_orders:
-            turned = faces[g] != self.frame.faces[g]
-            self.orders.append((f, g, -s if turned else s))
+        for f, g, s in frame.face_orders:
+            self.orders.append((f, g, s if faces[g] == frame.faces[g] else -s))
         return faces
 
     def _walked(self) -> list[tuple[int, ...]]:
         """Return the faces of a planar drawing but those outside, and holes."""
         frame = self.frame
         if frame.folded:
-            raise FoldFileError(
-                "faces_vertices is missing: a folded form needs it, to say what is paper"
-            )
+            raise FoldFileError("faces_vertices is missing: say what of a folded form is paper")
         check_drawing(frame)
         faces, holes = [], 0
         for walk in face_walks(frame):
-            ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
-            if ends:
-                v = walk[ends[0] - 1]
-                e = self.number[side(v, walk[ends[0]])]
-                raise FoldFileError(
-                    f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v} {frame.place(v)}: it "
-                    "cannot fold. Carry it on to another crease or to the border, or leave it out"
-                )
+            for i in (i for i, v in enumerate(walk) if walk[i - 2] == v):
+                v = walk[i - 1]
+                e = self.number[side(v, walk[i])]
+                where = f"edges_vertices[{frame.numbers[e]}] ends within a facet"
+                cure = "carry it on to a crease or the border, or leave it out"
+                raise FoldFileError(f"{where}, at vertex {v} {frame.place(v)}: {cure}")
             if len(set(walk)) < len(walk):
                 v = Counter(walk).most_common(1)[0][0]
-                raise FoldFileError(
-                    f"a facet comes to vertex {v} {frame.place(v)} twice: join what is inside it to its "
-                    "outline by a crease, or give faces_vertices"
-                )
-            letters = {
-                frame.assignment[self.number[side(walk[i - 1], v)]] for i, v in enumerate(walk)
-            }
-            if letters <= set("BC"):
+                cure = "join what is inside it to its outline by a crease, or give faces_vertices"
+                raise FoldFileError(f"a facet comes to vertex {v} {frame.place(v)} twice: {cure}")
+            sides = (self.number[side(walk[i - 1], v)] for i, v in enumerate(walk))
+            if {frame.assignment[e] for e in sides} <= set("BC"):
                 holes += 1
             else:
                 faces.append(walk)
         if holes:
             self.notes.append(f"{holes} faces with a border all around are holes")
         if not faces:
-            raise FoldFileError(
-                "edges_vertices: a face with a border (B, C) all around is a hole, and there is no other: say in "
-                "faces_vertices what is paper"
-                if holes
-                else 'edges_vertices encloses no facet: add the outline of the paper, edges with assignment "B"'
-            )
+            cure = 'add the outline of the paper, edges with assignment "B"'
+            cure = "all round are holes: say in faces_vertices what is paper" if holes else cure
+            raise FoldFileError(f"edges_vertices encloses no facet: {cure}")
         return faces
 
     def _cut(self) -> None:
@@ -294,116 +258,102 @@ class _Sheet:
         letters = self.frame.assignment
         places = [(p, v) for p, polygon in enumerate(self.polygons) for v in polygon]
         place = {key: k for k, key in enumerate(places)}
-        cuts, slit, joined = 0, set(), []
-        for ends, polygons in sides_of(self.polygons).items():
+        cuts, slit, joined = 0, set[int](), []
+        for ends, (first, *others) in sides_of(self.polygons).items():
             known = self.number.get(ends)
-            if known is not None and letters[known] in "BC" and len(polygons) > 1:
+            if known is not None and letters[known] in "BC" and others:
                 cuts += 1
                 slit |= {*ends}
-                continue
-            joined += [
-                (place[polygons[0], v], place[other, v]) for other in polygons[1:] for v in ends
-            ]
+            else:
+                joined += [(place[first, v], place[other, v]) for other in others for v in ends]
         piece = groups(len(places), joined).tolist()
         self.origin = list(range(len(self.frame.coords)))
-        number: dict[int, int] = {}
-        taken: set[int] = set()
+        number, taken = dict[int, int](), set[int]()
         for (_, v), one in zip(places, piece, strict=True):
             if one not in number:
                 number[one] = v if v not in taken else len(self.origin)
                 self.origin += [v] * (v in taken)
                 taken.add(v)
-        self.polygons = [
-            tuple(number[piece[place[p, v]]] for v in q) for p, q in enumerate(self.polygons)
-        ]
+        corner = {key: number[one] for key, one in zip(places, piece, strict=True)}
+        self.polygons = [tuple(corner[p, v] for v in q) for p, q in enumerate(self.polygons)]
         self.corners = self.frame.coords[self.origin]
         if cuts:
             self.notes.append(f"{cuts} edges B or C with facets on both sides are cuts")
-        points = sorted({*self.origin[len(self.frame.coords) :]} - slit)
-        if points:
-            self.notes.append(
-                f"paper meets in points at vertices {listed(points)}: it is not joined there"
-            )
+        if points := sorted({*self.origin[len(self.frame.coords) :]} - slit):
+            self.notes.append(f"paper meets in points, and is not joined, at {listed(points)}")
 
     def _make_exact(self) -> None:
+        """Move corners by what their digits leave open, or by the snap that was asked for."""
         snap = (self.snap or 0.0) * float(np.ptp(self.corners, axis=0).max())
         made = made_exact(self.corners, self.polygons, self.joins, self.frame.unit, snap)
-        before, self.corners = self.corners, made.corners
+        moves = np.linalg.norm(made.corners - self.corners, axis=1)
+        self.corners = made.corners
         if made.misses and self.snap is None and not self.frame.folded:
+            miss = f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees"
             self.notes.append(
-                f"vertices miss folding flat by up to {math.degrees(made.misses):.2g} degrees, as those of a drawing "
-                "do: --snap 1e-3 moves corners by at most that share of the sheet so that they fold; --bend K lets "
-                "facets bend"
+                f"{miss}: --snap 1e-3 moves corners so that they fold; --bend K bends"
             )
         if not made.moved:
             if self.snap is not None:
                 self.notes.append(
-                    f"--snap {self.snap:g}: nothing is to be moved, or more than that: corners stay where they are"
+                    f"--snap {self.snap:g}: nothing is to be moved, or more than that"
                 )
             return
         what = "faces are plane"
         if made.relations:
             what = f"{made.relations} relations between sectors (equal, in a line, Kawasaki) hold"
-            what += " and faces are plane" if self.frame.folded else ""
-        moves = np.linalg.norm(made.corners - before, axis=1)
-        most = ", ".join(f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
-        self.notes.append(
-            f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
-            + f"; most: vertices {most}" * (self.snap is not None)
-        )
+            what += " and faces are plane" * self.frame.folded
+        said = f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
+        if self.snap is not None:
+            most = (f"{v} ({moves[v]:.2g})" for v in np.argsort(-moves)[:NAMED].tolist())
+            said += f"; most: vertices {', '.join(most)}"
+        self.notes.append(said)
 
     def _note_borders(self, sides: dict[Side, list[int]]) -> None:
+        """Note folds along borders, and refuse those that are sides of no face."""
+        frame = self.frame
         alone = [e for s, n in sides.items() if len(n) == 1 and (e := self._edge(s)) is not None]
-        drawn = sorted(
-            int(self.frame.numbers[e]) for e in alone if self.frame.assignment[e] in "MV"
-        )
+        drawn = sorted(int(frame.numbers[e]) for e in alone if frame.assignment[e] in "MV")
         if drawn:
             self.notes.append(
-                f"edges {listed(drawn)} lie on the border but are drawn as folds: read as borders"
+                f"edges {listed(drawn)} are drawn as folds on the border: read as borders"
             )
         used = {*self.edge.values(), *alone}
-        for e in (e for e, a in enumerate(self.frame.assignment) if a in "MV" and e not in used):
-            ends = self.frame.edges[e].tolist()
-            bare = "B" not in self.frame.assignment and not self.frame.faces
-            way_on = (
-                "no border is drawn, add the outline of the paper"
-                if bare
-                else "give its faces in faces_vertices, or leave it out"
-            )
-            raise FoldFileError(
-                f"edges_vertices[{self.frame.numbers[e]}] from {' to '.join(map(self.frame.place, ends))} is a fold "
-                f"but the side of no face: {coincident(self.frame, ends) or way_on}"
-            )
+        for e in (e for e, a in enumerate(frame.assignment) if a in "MV" and e not in used):
+            ends = frame.edges[e].tolist()
+            cure = coincident(frame, ends) or "give its faces in faces_vertices, or leave it out"
+            if "B" not in frame.assignment and not frame.faces:
+                cure = "no border is drawn, add the outline of the paper"
+            where = f"edges_vertices[{frame.numbers[e]}] from {' to '.join(map(frame.place, ends))}"
+            raise FoldFileError(f"{where} is a fold but the side of no face: {cure}")
 
     def measured(self) -> tuple[dict[Side, float], float]:
-        """Measure the fold angles of a folded form; and whether they agree with the file (> 0) or not (< 0)."""
-        frame = self.frame
+        """Measure fold angles in the coordinates, and whether the file's letters speak for the side that is up."""
+        frame, x = self.frame, self.corners
         if not frame.folded:
             return {}, 0.0
-        x = self.corners
         left = {(p[i - 1], v): k for k, p in enumerate(self.polygons) for i, v in enumerate(p)}
         normals = np.array([unit_normals(x[list(p)]) for p in self.polygons])
         phi, votes, unsure = {}, 0.0, []
         joined = set(self.joins)
         lies = {side(f, g): float(s) for f, g, s in self.orders}
         for ends, e in self.edge.items():
-            if ends in joined or ends not in left or ends[::-1] not in left:
+            if ends in joined or not {ends, ends[::-1]} <= left.keys():
                 continue
-            a, b = normals[left[ends[::-1]]], normals[left[ends]]
-            angle = fold_between(x[ends[1]] - x[ends[0]], a, b)
+            over, under = left[ends], left[ends[::-1]]
+            angle = fold_between(x[ends[1]] - x[ends[0]], normals[under], normals[over])
             sign = stated_sign(frame, e)
             if math.pi - abs(angle) < PLACES:
-                # facets of a valley lie on the sides of each other's normals
-                lie = lies.get(side(left[ends], left[ends[::-1]]), 0.0)
+                # the normal of g says which side is up: s > 0 says that f lies above, a valley where g is on the other
+                lie = lies.get(side(over, under), 0.0)
                 votes += sign * lie
                 sign = sign or lie
-                if not sign:
-                    unsure.append(int(frame.numbers[e]))
+                unsure += [] if sign else [int(frame.numbers[e])]
                 angle = math.copysign(math.pi, sign or 1.0)
             elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[ends] = angle
-        note = f"fully folded creases {listed(unsure)} without assignment or fold angle: taken for valleys"
+        note = f"fully folded creases {listed(unsure)}, not assigned, are taken for valleys"
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes
@@ -426,9 +376,8 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
     """
     from shapely import LinearRing
 
-    x = frame.coords
     for f, face in enumerate(polygons):
-        p = x[list(face)] - x[face[0]]
+        p = frame.coords[list(face)] - frame.coords[face[0]]
         _, extent, axes = np.linalg.svd(p, full_matrices=False)
         name = f"faces_vertices[{f}]" if frame.faces else f"the facet at vertices {face}"
         at = tuple(face), (), (f,) if frame.faces else ()
@@ -436,11 +385,9 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
             yield Oddity(f"{name} has no area: leave it out, or move a vertex", *at)
         elif len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
             yield Oddity(
-                f"{name} comes back to or crosses its own outline: put its vertices in the order of the outline",
-                *at,
+                f"{name} crosses or meets its own outline: order its vertices along it", *at
             )
         elif len(extent) > 2 and extent[2] > NOISE * extent[0]:
             off = float(extent[2] / extent[0])
-            yield Oddity(
-                f"{name} is not flat (by {off:.2g} of its size): split it along a crease", *at, off
-            )
+            text = f"{name} is not flat (by {off:.2g} of its size): split it along a crease"
+            yield Oddity(text, *at, off)

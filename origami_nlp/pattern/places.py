@@ -78,27 +78,23 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
     for name, value in values.items():
         match = PLACE.fullmatch(name) if is_place(name) else None
         if match is None:
-            raise OptionError(
-                f"{name!r} is no place of a pattern: write creases.stiffness, mountains.rest_angles, "
-                "creases.stiffness[3] or vertices.x[0]"
-            )
+            how = "creases.stiffness, mountains.rest_angles, creases.stiffness[3] or vertices.x[0]"
+            raise OptionError(f"{name!r} is no place of a pattern: write {how}")
         if match["axis"]:
             corners = _moved(pattern, corners, match, value)
             continue
-        which = _creases(pattern, match)
+        which, what = _creases(pattern, match), match["what"]
         for i in which.tolist():
-            check_law_place(pattern.laws, match["what"], i)
-            of_laws[i, match["what"]] = value
-        if match["what"] in LAW_PLACES:
-            continue
-        if match["what"] == "stiffness":
+            check_law_place(pattern.laws, what, i)
+        if what in LAW_PLACES:
+            of_laws |= {(i, what): value for i in which.tolist()}
+        elif what == "stiffness":
             k[which] = value
         else:
             sized = match["which"] == "creases" and match["crease"] is None
             rest[which] = value * pattern.signs[which] if sized else value
     for (i, what), value in of_laws.items():
-        if what in LAW_PLACES:
-            laws[i] = law_at(laws[i], what, value)
+        laws[i] = law_at(laws[i], what, value)
     sprung = pattern.with_springs(k.tolist(), rest.tolist())
     sprung = sprung.with_laws(laws) if laws else sprung
     return sprung if corners is pattern.corners else replace(sprung, corners=corners)
@@ -109,9 +105,7 @@ def _creases(pattern: Pattern, match: re.Match[str]) -> np.ndarray:
     if match["crease"] is not None:
         number = int(match["crease"])
         if match["which"] not in (None, "creases") or not 1 <= number <= pattern.creases:
-            raise OptionError(
-                f"{match[0]!r}: write creases.{match['what']}[1] to [{pattern.creases}]"
-            )
+            raise OptionError(f"{match[0]!r}: write {match['what']}[1] to [{pattern.creases}]")
         return np.array([number - 1])
     sign = {"mountains": -1.0, "valleys": 1.0}.get(match["which"])
     every = np.arange(pattern.creases)
@@ -123,11 +117,9 @@ def _creases(pattern: Pattern, match: re.Match[str]) -> np.ndarray:
 
 def _moved(pattern: Pattern, corners: np.ndarray, match: re.Match[str], value: float) -> np.ndarray:
     """Return corners with a coordinate of one of them changed."""
-    if not pattern.is_flat or np.ptp(corners[:, 2]):
-        raise OptionError(
-            f"{match[0]!r}: vertices are moved in the plane z = 0 of flat paper alone"
-        )
     number = int(match["vertex"])
+    if not pattern.is_flat or np.ptp(corners[:, 2]):
+        raise OptionError(f"{match[0]!r}: vertices are moved in the plane z = 0 of flat paper")
     if number >= len(corners):
         raise OptionError(f"{match[0]!r}: vertices are numbered from 0 to {len(corners) - 1}")
     out = corners.copy()

@@ -143,13 +143,10 @@ def check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, lo
     parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
     if parts != 1:
         raise FoldFileError(
-            f"the facets fall into {parts} parts that no crease joins: give each a file of its own (convert --part K), "
-            "or vertices in common where they touch"
+            f"the facets are {parts} parts that no crease joins: --part K, or a file each, or vertices in common"
             if parts
             else "there are no facets: give faces_vertices, or edges that enclose some"
         )
     if len(left) - facets + 1 > loops:
-        raise FoldFileError(
-            f"the surface has handles ({len(left)} creases, {facets} facets, {loops} vertices and holes): "
-            "only sheets with holes, and closed surfaces without handles, are modelled"
-        )
+        has = f"{len(left)} creases, {facets} facets, {loops} vertices and holes"
+        raise FoldFileError(f"the surface has handles ({has}): these are not modelled")

@@ -18,23 +18,17 @@ from origami_nlp.pattern.fold_limits import (
     limit_words,
     read_limits,
     read_panels,
-    thick_limits,
 )
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
-    check_laws,
     check_plain_hinges,
     energy_with_laws,
     law_numbers,
-    read_laws,
-    torque_with_laws,
-    with_laws,
+    read_hinges,
 )
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import (
-    check_range,
     format_angle,
-    read_numbers,
     read_preload,
     read_rest_angles,
 )
@@ -158,37 +152,24 @@ class Scene(PrettyRepr):
             raise SceneError(f"vertex = {shown(self.vertex)} must be a Vertex")
         n = self.vertex.degree
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
-            raise SceneError(
-                f"contact = {shown(self.contact)} is unknown: use one of {', '.join(get_args(Contact))}"
-            )
+            known = ", ".join(get_args(Contact))
+            raise SceneError(f"contact = {shown(self.contact)} is unknown: use one of {known}")
         if n > (MOST_PAIRED if self.contact == "full" else MOST_CREASES):
-            raise SceneError(
-                f"vertex has {n} creases: at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full', which keeps "
-                "every two facets apart; use contact = 'fold-limits'"
-            )
+            most = f"at most {MOST_CREASES}, and {MOST_PAIRED} with contact = 'full'"
+            raise SceneError(f"vertex has {n} creases: {most}; use contact = 'fold-limits'")
         narrow = min(self.vertex.sector_angles)
         if self.contact == "full" and narrow < NARROW:
-            raise SceneError(
-                f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g} is narrower than "
-                f"{NARROW:g} rad: contact at so narrow a facet is below the accuracy of contacts; use contact = "
-                "'fold-limits', or merge its creases"
-            )
+            where = f"sector_angles[{self.vertex.sector_angles.index(narrow) + 1}] = {narrow:.6g}"
+            cure = "use contact = 'fold-limits', or merge its creases"
+            raise SceneError(f"{where} is narrower than {NARROW:g} rad, as contact needs: {cure}")
         if self.name is not None and not (isinstance(self.name, str) and is_unicode(self.name)):
-            raise SceneError(
-                f"name = {shown(self.name)} must be text, without half surrogate pairs"
-            )
+            raise SceneError(f"name = {shown(self.name)} must be text, without half surrogates")
         check_number("symmetry_tolerance", self.symmetry_tolerance, INPUT_TOL, 0.1, SceneError)
-        self._set(laws=read_laws(self.laws, n), panels=read_panels(self.panels))
-        stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
-        check_range(stiffness)
-        rest = with_laws(read_rest_angles(self.rest_angles, n), self.laws, "rest")
-        limits = thick_limits(read_limits(self.limits, n), n, self.panels)
-        self._set(stiffness=stiffness, rest_angles=rest, limits=limits)
-        check_laws(self.laws, self.limit_angles, self.contact)
-        if self.limits and self.contact == "none":
-            raise SceneError(
-                "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
-            )
+        self._set(panels=read_panels(self.panels))
+        rest = read_rest_angles(self.rest_angles, n)
+        stated = self.stiffness, rest, self.limits, self.laws
+        stiffness, rest, limits, laws = read_hinges(n, *stated, self.contact, self.panels)
+        self._set(stiffness=stiffness, rest_angles=rest, limits=limits, laws=laws)
         self._set(loads=read_loads(self.loads, self.vertex.sector_angles))
         self._set(preload=read_preload(self.preload, stiffness, rest))
         if self.fixed_facet is not None or self.loads:
@@ -227,20 +208,14 @@ class Scene(PrettyRepr):
     def _find_symmetry(self) -> Symmetry:
         """Find the symmetry that geometry and mechanics share; forces keep none."""
         wanted = self.symmetry
-        if self.loads and wanted not in ("auto", "none"):
-            raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by loads with facet {self.fixed_facet} fixed: use "
-                "none or auto"
-            )
+        if self.loads:
+            if wanted not in ("auto", "none"):
+                what = f"symmetry = {shown(wanted)} is not shared by loads: use none or auto"
+                raise SymmetryError(what)
+            wanted = "none"
         angles = [self.rest_angles, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
-        return find_symmetry(
-            self.vertex,
-            self.stiffness,
-            angles,
-            "none" if self.loads else wanted,
-            self.mirror,
-            self.symmetry_tolerance,
-        )
+        how = wanted, self.mirror, self.symmetry_tolerance
+        return find_symmetry(self.vertex, self.stiffness, angles, *how)
 
     def _make_symmetric(self) -> None:
         """Average what is equal only up to `symmetry_tolerance`, until the group finds nothing left to average."""
@@ -248,20 +223,17 @@ class Scene(PrettyRepr):
         while True:
             elements = self.group.elements
             sectors = averaged(self.vertex.sector_angles, elements, facets=True)
+            own = self.rest_angles, self.stiffness, self.preload, *self.limit_angles
             rest, k, preload, *stops = (
-                averaged(values, elements, facets=False) if len(values) else ()
-                for values in (self.rest_angles, self.stiffness, self.preload, *self.limit_angles)
+                averaged(values, elements, facets=False) if len(values) else () for values in own
             )
             wound = np.divide(preload, k) if preload else ()
             made = [sectors, rest, wound, *(stops if self.limits else ()), k]
             if _change(made, self._numbers) <= SUMMED:
                 return
             vertex = self.vertex.with_angles(sectors)
-            found = replace(
-                self.relations,
-                sector_angles=vertex.sector_angles,
-                exact=find_relations(vertex.sector_angles).exact,
-            )
+            exact = find_relations(vertex.sector_angles).exact
+            found = replace(self.relations, sector_angles=vertex.sector_angles, exact=exact)
             limits = read_limits(tuple(zip(*stops, strict=True)), len(k)) if self.limits else ()
             self._set(adjusted=_change(made, stated), vertex=vertex, relations=found, limits=limits)
             self._set(stiffness=k, rest_angles=rest, preload=preload)
@@ -353,33 +325,23 @@ class Scene(PrettyRepr):
             If the scene has such loads.
         """
         if self.loads:
-            raise OptionError(
-                f"{what}: not decided for scenes with dead loads ({self.loads[0].words}); torques on creases, "
-                "as preload, are known there"
-            )
+            why = f"not decided with dead loads ({self.loads[0].words}), but with preload"
+            raise OptionError(f"{what}: {why}")
 
     @property
     def load_lines(self) -> list[str]:
-        """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
+        """What reports say of preload and forces."""
         lines = []
         if self.preload:
-            laws = self.laws or (None,) * self.degree
-            wound = enumerate(zip(self.preload, self.wound_angles, laws, strict=True), start=1)
-            at = [
-                f"crease {i} {m:g} N m ({f'beside {law.name}' if law else f'{w:.6g} rad'})"
-                for i, (m, w, law) in wound
-                if m
-            ]
-            lines = [
-                "preload (and the angle to which it winds the spring): " + ", ".join(at),
-                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2"
-                + ", of a law U - preload phi" * any(self.laws),
-            ]
+            each = enumerate(zip(self.preload, self.wound_angles, strict=True), start=1)
+            at = [f"crease {i} {m:g} N m (spring wound to {w:.6g} rad)" for i, (m, w) in each if m]
+            law = ", of a law U - preload phi" * any(self.laws)
+            lines = [f"preload: {', '.join(at)}", f"U = sum k/2 (phi - phi0 - preload/k)^2{law}"]
         if self.loads:
             lines += [load.words for load in self.loads]
+            axes = f"x along crease {self.fixed_facet}, z its normal"
             lines.append(
-                f"facet {self.fixed_facet} is fixed: x along crease {self.fixed_facet}, z its normal (creases run "
-                "counter-clockwise seen from there); energies are U - sum force . position"
+                f"facet {self.fixed_facet} is fixed: {axes}; energies less force . position"
             )
         return lines
 
@@ -425,30 +387,27 @@ class Scene(PrettyRepr):
         numpy.ndarray
             [..., N] [N m].
         """
-        k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws, self.preload)
+        phi = np.asarray(fold_angles, float)
+        out = np.array(self.stiffness) * (phi - self.wound_angles)
+        for i, law in enumerate(self.laws):
+            if law is not None:
+                out[..., i] = law.torque(phi[..., i]) - (self.preload[i] if self.preload else 0.0)
+        return out
 
     def __repr__(self) -> str:
         who = self.label or f"{self.vertex!r}"
         return f"Scene({who}: degree {self.degree}, symmetry {self.group.name}, contact {self.contact})"
 
     def __str__(self) -> str:
-        k = ", ".join(f"{v:.6g}" for v in self.stiffness)
+        k, preload = (", ".join(f"{v:.6g}" for v in own) for own in (self.stiffness, self.preload))
         rest = ", ".join(format_angle(a) for a in self.rest_angles)
-        title = f"{self.label}: " if self.label else ""
-        preload = ", ".join(f"{v:.6g}" for v in self.preload)
-        return (
-            f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
-            + (f"\n  preload=[{preload}] N m," if preload else "")
-            + "".join(
-                f"\n  law of crease {i}: {law}," for i, law in enumerate(self.laws, start=1) if law
-            )
-            + (f"\n  limits: {limit_words(self.limits)}," if self.limits else "")
-            + "".join(
-                f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads
-            )
-            + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
-        )
+        parts = [f"{self.vertex}", f"stiffness=[{k}] N m/rad", f"rest_angles=[{rest}] rad"]
+        parts += [f"preload=[{preload}] N m"] * bool(preload)
+        parts += [f"law of crease {i}: {law}" for i, law in enumerate(self.laws, start=1) if law]
+        parts += [f"limits: {limit_words(self.limits)}"] * bool(self.limits)
+        parts += [f"load: {load.words}, facet {self.fixed_facet} fixed" for load in self.loads]
+        parts += [f"symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r}"]
+        return f"Scene({self.label and self.label + ': '}" + ",\n  ".join(parts) + ")"
 
 
 def _change(new: Sequence[Any], old: Sequence[Any]) -> float:

@@ -26,13 +26,8 @@ _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "flat", "normalize"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload", *LIMIT_KEYS, "law"),
     "model": (
-        "symmetry",
-        "contact",
-        "mirror",
-        "name",
+        *("symmetry", "contact", "mirror", "name", "fixed_facet", "winding"),
         "symmetry_tolerance",
-        "fixed_facet",
-        "winding",
     ),
     "loads": (),
 }
@@ -93,9 +88,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
     if len(raw) > _LARGEST:
         raise SceneFileError(f"scene {name!r} is larger than 1 MB: not a scene file")
     if is_json(raw):
-        raise SceneFileError(
-            f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
-        )
+        raise SceneFileError(f"scene {name!r} is JSON: `read_fold_scene` reads FOLD files")
     where = f"scene {name!r}"
     tables = parse_toml(as_text(raw, where, SceneFileError), where, SceneFileError)
     return scene_from_dict(tables, "standard input" if name == "-" else name)
@@ -180,28 +173,22 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     data = dict(data)
     of_laws = data.pop("laws", {})
     if "yield_torque" in (data.get("creases") or ()):
-        raise SceneFileError(
-            "[creases] yield_torque: what has yielded hangs on the path of loads, not on a state; give it to "
-            "a load path: load --yield"
-        )
+        raise SceneFileError("[creases] yield_torque is of a path: give it to load --yield")
     check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
     vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
-    rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
-    in_degrees = rest_key.endswith("_deg")
-    rest = parse_angles(creases[rest_key], rest_key, degrees=in_degrees)
-    for i, stated in enumerate(creases[rest_key] if in_degrees else (), start=1):
-        check_number(f"{rest_key}[{i}]", stated, -180.0, 180.0, SceneFileError)
+    key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
+    in_degrees = key.endswith("_deg")
+    rest = parse_angles(creases[key], key, degrees=in_degrees)
+    for i, stated in enumerate(creases[key] if in_degrees else (), start=1):
+        check_number(f"{key}[{i}]", stated, -180.0, 180.0, SceneFileError)
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
-    more: dict[str, Any] = {"preload": creases["preload"]} if "preload" in creases else {}
-    more |= stated_limits(creases, vertex.degree)
+    more = stated_limits(creases, vertex.degree)
     if "law" in creases:
         more["laws"] = _laws(creases["law"], of_laws, vertex.degree, source)
     elif of_laws:
-        raise SceneFileError(
-            '[laws] is not used: name one for each crease in [creases], law = [...], "" for a spring'
-        )
-    more |= {"loads": data["loads"]} if "loads" in data else {}
+        raise SceneFileError("[laws] is not used: name one for each crease, [creases] law = [...]")
+    more |= {k: table[k] for table, k in ((creases, "preload"), (data, "loads")) if k in table}
     more |= dict(data.get("model", {}))
     return Scene(vertex, creases["stiffness"], rest, source=source, **more)
 
@@ -210,10 +197,10 @@ def _laws(named: object, stated: object, degree: int, source: str) -> tuple[Hing
     """Read the laws of the creases by their names."""
     names = [named] * degree if isinstance(named, str) else named
     if not isinstance(names, list) or len(names) != degree or not isinstance(stated, Mapping):
-        raise SceneFileError(
-            f"[creases] law = {shown(named)} must be the name of a table [laws.NAME], or one for each of {degree} "
-            'creases, "" for a linear spring'
+        each = (
+            f'the name of a table [laws.NAME], or one for each of {degree} creases, "" for a spring'
         )
+        raise SceneFileError(f"[creases] law = {shown(named)} must be {each}")
     laws = {name: read_law(table, str(name), Path(source).parent) for name, table in stated.items()}
     if unknown := [name for name in names if name and name not in laws]:
         raise SceneFileError(f"[creases] law: there is no table [laws.{unknown[0]}]")
@@ -262,32 +249,30 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
         If `scene` is no scene.
     """
     check_type("scene", scene, Scene)
-    model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
-    own = {key: getattr(scene, key) for key in ("mirror", "name", "fixed_facet", "winding")}
-    model |= {key: value for key, value in own.items() if value is not None}
-    if scene.symmetry_tolerance != INPUT_TOL:
-        model["symmetry_tolerance"] = scene.symmetry_tolerance
-    vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
-    if not scene.vertex.flat:
-        vertex["flat"] = False
+    own = {key: getattr(scene, key) for key in _KEYS["model"]}
+    if scene.symmetry_tolerance == INPUT_TOL:
+        del own["symmetry_tolerance"]
     names: dict[HingeLaw, str] = {}
     for law in filter(None, scene.laws):
         taken = [name for other, name in names.items() if other != law]
         names[law] = law.name if law.name not in taken else f"{law.name}-{len(names) + 1}"
-    return {
-        "vertex": vertex,
-        "creases": {
-            "stiffness": list(scene.stiffness),
-            "rest_angles": [_exact(a) for a in scene.rest_angles],
-            **({"preload": list(scene.preload)} if scene.preload else {}),
-            **(dict(zip(LIMIT_KEYS[2:], scene.panels, strict=True)) if scene.panels else {}),
-            **({"law": [names[law] if law else "" for law in scene.laws]} if names else {}),
-            **({"limits": [[_exact(a) for a in p] for p in scene.limits]} if scene.limits else {}),
-        },
-        "model": model,
-        **({"laws": {name: law_to_dict(law) for law, name in names.items()}} if names else {}),
-        **({"loads": [load.to_dict() for load in scene.loads]} if scene.loads else {}),
+    creases = {
+        "stiffness": list(scene.stiffness),
+        "rest_angles": [_exact(a) for a in scene.rest_angles],
+        "preload": list(scene.preload),
+        **dict(zip(LIMIT_KEYS[2:], scene.panels or (), strict=False)),
+        "law": [names[law] if law else "" for law in scene.laws],
+        "limits": [[_exact(a) for a in p] for p in scene.limits],
     }
+    flat = {} if scene.vertex.flat else {"flat": False}
+    tables = {
+        "vertex": {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles], **flat},
+        "creases": {key: value for key, value in creases.items() if value not in ([], ())},
+        "model": {key: value for key, value in own.items() if value is not None},
+        "laws": {name: law_to_dict(law) for law, name in names.items()},
+        "loads": [load.to_dict() for load in scene.loads],
+    }
+    return {name: table for name, table in tables.items() if table}
 
 
 def format_scene(scene: Scene) -> str:

@@ -15,22 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import NARROW, energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinges_stated import (
+    Hinges,
     Laws,
-    check_laws,
     check_plain_hinges,
     energy_with_laws,
-    read_laws,
-    with_laws,
+    read_hinges,
 )
-from origami_nlp.pattern.numbers_read import check_range
-from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, sides_of
+from origami_nlp.pattern.numbers_read import check_range, read_numbers, read_rest_angles
+from origami_nlp.pattern.polygons import Loop, Loops, Side, check_topology, side, sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""
@@ -215,26 +214,22 @@ class Pattern:
         SceneError
             If a value does not fit.
         """
-        k = np.array(self.stiffness if stiffness is None else stiffness, float)
-        if k.shape not in ((), (self.creases,)) or not (np.isfinite(k) & (k > 0)).all():
-            raise SceneError(
-                f"stiffness = {shown(stiffness)} must be positive and finite [N m/rad], one or {self.creases} of them"
-            )
-        k = np.broadcast_to(k, self.creases) * (self.lengths if per_length else 1.0)
-        if len(k):
-            check_range(k.tolist())
-        if rest_angles is None:
-            phi = self.rest
-        elif np.ndim(rest_angles) == 0:
-            phi = check_number("rest_angles", rest_angles, 0.0, math.pi) * self.signs
-        else:
-            phi = np.array(rest_angles, float)
-            if phi.shape != (self.creases,) or not (np.abs(phi) <= math.pi).all():
-                raise SceneError(
-                    f"rest_angles has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
-                )
-        made = replace(self, stiffness=np.array(k), rest=np.array(phi))
-        return made.with_laws(self.laws) if self.laws else made
+        k = self.stiffness if stiffness is None else stiffness
+        if np.ndim(k) == 0:
+            k = np.full(self.creases, check_number("stiffness", k, 0.0, error=SceneError))
+        if per_length:
+            k = np.array(read_numbers(k, "stiffness", self.creases)) * self.lengths
+        phi = self.rest if rest_angles is None else rest_angles
+        if np.ndim(phi) == 0:
+            phi = check_number("rest_angles", phi, 0.0, math.pi) * self.signs
+        return self._with_hinges(stiffness=k, rest=read_rest_angles(phi, self.creases))
+
+    def _with_hinges(self, **changed: Any) -> Pattern:
+        """Return the pattern with other stiffness, rest angles, limits or laws, all read together."""
+        own = {key: getattr(self, key) for key in Hinges._fields}
+        read = read_hinges(self.creases, **own | changed)
+        k, rest = np.array(read.stiffness), np.array(read.rest)
+        return replace(self, stiffness=k, rest=rest, limits=read.limits, laws=read.laws)
 
     @property
     def limit_angles(self) -> np.ndarray:
@@ -261,9 +256,7 @@ class Pattern:
         SceneError, AngleError
             If they do not fit.
         """
-        made = replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
-        check_laws(made.laws, made.limit_angles, "full")
-        return made
+        return self._with_hinges(limits=read_limits(limits, self.creases, degrees=degrees))
 
     def with_laws(self, laws: HingeLaw | Sequence[HingeLaw | None]) -> Pattern:
         """Return the same pattern with hinge laws in place of linear springs.
@@ -283,13 +276,8 @@ class Pattern:
         SceneError
             If one is not known between the fold limits.
         """
-        given = [laws] * self.creases if isinstance(laws, HingeLaw) else list(laws)
-        read = read_laws(tuple(given), self.creases)
-        check_laws(read, self.limit_angles, "full")
-        k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
-        check_range(k.tolist())
-        rest = np.array(with_laws(self.rest.tolist(), read, "rest"))
-        return replace(self, stiffness=k, rest=rest, laws=read)
+        each = [laws] * self.creases if isinstance(laws, HingeLaw) else laws
+        return self._with_hinges(laws=tuple(each))
 
     def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
         """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.
@@ -323,10 +311,7 @@ class Pattern:
             If it is.
         """
         if self.cell:
-            raise OptionError(
-                f"pattern = {self.title} is a cell that repeats: {what} is for sheets by themselves, such as some "
-                "cells beside each other"
-            )
+            raise OptionError(f"{self.title} is a cell that repeats: {what} is for sheets alone")
 
     def check_wide(self) -> None:
         """Raise an error where a corner of a facet is too narrow for contact.
@@ -339,15 +324,14 @@ class Pattern:
         for facet, ring in zip(self.facet_of.tolist(), self.polygons, strict=True):
             x = self.corners[list(ring)]
             ahead, back = np.roll(x, -1, axis=0) - x, np.roll(x, 1, axis=0) - x
-            wide = np.arctan2(
-                np.linalg.norm(np.cross(ahead, back), axis=1), np.einsum("ki,ki->k", ahead, back)
-            )
+            across = np.linalg.norm(np.cross(ahead, back), axis=1)
+            wide = np.arctan2(across, np.einsum("ki,ki->k", ahead, back))
             narrow = int(wide.argmin())
             if wide[narrow] < NARROW:
+                where = f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}"
+                cure = "use contact = 'fold-limits', or join it to its neighbour (assignment J)"
                 raise OptionError(
-                    f"facet {facet + 1} is {wide[narrow]:.3g} rad wide at vertex {ring[narrow]}: contact at a corner "
-                    f"narrower than {NARROW:g} rad is below the accuracy of contacts; use contact = 'fold-limits', or "
-                    "join the facet to its neighbour (assignment J)"
+                    f"{where}, narrower than the {NARROW:g} that contact needs: {cure}"
                 )
 
     @cached_property
@@ -374,14 +358,15 @@ class Pattern:
         return energy_or_zero(energy, self.stiffness)
 
     def __repr__(self) -> str:
-        many, cell = len(self.holes), self.cell is not None
+        """Return counts; the arrays would fill pages."""
+        cell, many = self.cell is not None, len(self.holes)
         holes = f", {many} hole{'s' * (many > 1)}" if many else ""
         if cell and self.cell.rolled:
             p, q = self.cell.rolled
-            holes = f", round a tube by {p} and {q} copies" if any((p, q)) else ", free to curl"
-        facets = f"{'cell of ' * cell}{self.facets} facets, {self.creases} creases"
-        inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices"
-        return f"Pattern({self.name!r}: {facets}, {inside}{holes})"
+            holes = f", round a tube by {p} and {q} copies" if p or q else ", free to curl"
+        inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices{holes}"
+        facets = f"{'cell of ' * cell}{self.facets} facets"
+        return f"Pattern({self.name!r}: {facets}, {self.creases} creases, {inside})"
 
 
 def make_pattern(
@@ -434,36 +419,26 @@ def make_pattern(
         raise FoldFileError(f"the pattern has {len(polygons):,} facets: at most {MOST_FACETS:,}")
     left_of: dict[tuple[int, int], int] = {}
     for p, polygon in enumerate(polygons):
-        for i, b in enumerate(polygon):
-            a = polygon[i - 1]
-            if (a, b) in left_of:
-                raise FoldFileError(
-                    f"facets {left_of[a, b] + 1} and {p + 1} lie on the same side of the edge between vertices {a} "
-                    f"and {b}: a sheet has one facet on each side"
-                )
-            left_of[a, b] = p
-    whole = [(left_of[s], left_of[s[::-1]]) for s in joins if {s, s[::-1]} <= left_of.keys()]
-    facet_of = groups(len(polygons), whole)
+        for a, b in zip([*polygon[-1:], *polygon], polygon, strict=False):
+            if left_of.setdefault((a, b), p) != p:
+                two = f"facets {left_of[a, b] + 1} and {p + 1}"
+                raise FoldFileError(f"{two} lie on one side of the edge of vertices {a} and {b}")
+    together = {side(*s) for s in joins}
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
-    together = {tuple(sorted(s)) for s in joins}
+    both = {s: (left_of[s], left_of[s[::-1]]) for s in inner}
+    facet_of = groups(len(polygons), [both[s] for s in inner if s in together])
+    # in the order of their numbers, if they have some, else of their corners
     order = of_sides.get("numbers") or {}
     sides = sorted((s for s in inner if s not in together), key=lambda s: (order.get(s, -1), s))
-    for a, b in sides:
-        if facet_of[left_of[a, b]] == facet_of[left_of[b, a]]:
-            raise FoldFileError(
-                f"the crease between vertices {a} and {b} ends within a facet: it cannot fold. Carry it on to another "
-                "crease or to the border, or give it assignment F"
-            )
-    index = {s: c for c, s in enumerate(sides)}
-
-    loops = Loops(polygons, left_of, index)
+    left, right = facet_of[np.array([both[s] for s in sides], int).reshape(-1, 2)].T
+    for a, b in (s for s, f, g in zip(sides, left, right, strict=True) if f == g):
+        where = f"the crease between vertices {a} and {b} ends within a facet"
+        raise FoldFileError(f"{where}: carry it on to a crease or the border, or make it F")
+    loops = Loops(polygons, left_of, {s: c for c, s in enumerate(sides)})
     vertices, holes = loops.vertices(), loops.holes(corners)
-    left = np.array([facet_of[left_of[s]] for s in sides], int)
-    right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
     check_topology(facet_of, left, right, len(vertices) + len(holes))
     arrays = of_creases(sides, of_sides)
-    if sides:
-        check_range(arrays["stiffness"].tolist())
+    check_range(arrays["stiffness"].tolist())
     return Pattern(
         corners,
         tuple(tuple(map(int, p)) for p in polygons),
@@ -483,19 +458,17 @@ def make_pattern(
 def of_creases(sides: Sequence[Side], stated: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a pattern has of each crease, of values by the sides that have one, or one value for all."""
     usual = {"fold_angles": 0.0, "stiffness": 1.0, "rest": 0.0, "file_angles": math.nan}
-    names = dict(zip(usual, ("reference", "stiffness", "rest", "file_angles"), strict=True))
     if unknown := stated.keys() - {*usual, "assignment", "numbers"}:
         raise TypeError(f"{min(unknown)}: sides have {', '.join(usual)}, assignment, numbers")
     letters, numbers = (stated.get(key) or {} for key in ("assignment", "numbers"))
-    found = {"ends": np.array(sides, int).reshape(-1, 2)}
+    found: dict[str, Any] = {"ends": np.array(sides, int).reshape(-1, 2)}
     for what, default in usual.items():
         of = stated.get(what, default)
         each = [of.get(s, default) for s in sides] if isinstance(of, dict) else [of] * len(sides)
-        found[names[what]] = np.array(each, float)
-    return found | {
-        "assignment": "".join(letters.get(s, "U") for s in sides),
-        "numbers": np.array([numbers.get(s, c) for c, s in enumerate(sides)], int),
-    }
+        found["reference" if what == "fold_angles" else what] = np.array(each, float)
+    found["assignment"] = "".join(letters.get(s, "U") for s in sides)
+    found["numbers"] = np.array([numbers.get(s, c) for c, s in enumerate(sides)], int)
+    return found
 
 
 def in_plane(pattern: Pattern) -> np.ndarray:

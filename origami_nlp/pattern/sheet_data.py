@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
 from origami_nlp.pattern.cells import make_sheet
-from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws, laws_to_fold
+from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, edge_laws, laws_to_fold
 from origami_nlp.pattern.sheet import Pattern
 
 T = TypeVar("T")
@@ -102,10 +102,8 @@ def pattern_from_dict(data: Any) -> Pattern:
         return dict(zip(said.creases, values, strict=True))
 
     try:
-        laws: Laws = ()
-        if said.law:
-            stated = {LAW_KEY: list(said.law), LAWS_KEY: list(said.laws)}
-            laws = edge_laws(stated, len(said.creases), np.arange(len(said.creases)))
+        stated = {LAW_KEY: list(said.law), LAWS_KEY: list(said.laws)} if said.law else {}
+        laws = edge_laws(stated, len(said.creases), np.arange(len(said.creases)))
         made = make_sheet(
             said.corners,
             list(said.polygons),
@@ -118,7 +116,7 @@ def pattern_from_dict(data: Any) -> Pattern:
             numbers=of(said.numbers),
             stiffness=of(said.stiffness),
             rest=of(said.rest_angles),
-            file_angles={s: a for s, a in of(said.file_angles).items() if not np.isnan(a)},
+            file_angles=of(said.file_angles),
             name=said.name,
             notes=said.notes,
             orders=list(said.orders),

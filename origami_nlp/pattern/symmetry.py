@@ -101,16 +101,13 @@ def find_symmetry(
     if kind == "auto":
         kind, order = ("D", len(shifts)) if mirrors else ("C", len(shifts))
     if len(shifts) % order or (kind == "D" and not mirrors):
-        raise SymmetryError(
-            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
-            f"fold limits: the largest common group is {'D' if mirrors else 'C'}{len(shifts)}"
-        )
+        largest = f"{'D' if mirrors else 'C'}{len(shifts)}"
+        by = f"by springs, preload and fold limits: the largest common group is {largest}"
+        raise SymmetryError(f"symmetry = {shown(wanted)} is not shared {by}")
     if kind == "D":
         return _wedge(vertex, order, mirrors, mirror, tolerance)
     if mirror is not None:
-        raise SymmetryError(
-            f"mirror = {shown(mirror)} needs symmetry = 'D<n>', not {shown(wanted)}"
-        )
+        raise SymmetryError(f"mirror = {shown(mirror)} is for symmetry = 'D<n>' alone")
     return _period(vertex, order)
 
 
@@ -130,32 +127,21 @@ def shared_symmetries(
         s such that crease i -> s - i (0-based, modulo N) is a reflection.
     """
     n = vertex.degree
-    a = np.array(vertex.sector_angles)
-    k = np.array(stiffness)
-    rest = np.array(rest_angles, dtype=float)
-    i = np.arange(n)
+    a, k = np.array(vertex.sector_angles), np.array(stiffness)
+    rest, i = np.array(rest_angles, dtype=float), np.arange(n)
 
-    def mechanics(j: np.ndarray) -> bool:
+    def alike(facets: np.ndarray, creases: np.ndarray) -> bool:
+        f, c = facets % n, creases % n
         return bool(
-            np.all(np.abs(k[j] - k) <= tolerance * np.maximum(k[j], k))
-            and np.all(np.abs(rest[..., j] - rest) <= tolerance)
+            np.all(np.abs(a[f] - a) <= tolerance)
+            and np.all(np.abs(k[c] - k) <= tolerance * np.maximum(k[c], k))
+            and np.all(np.abs(rest[..., c] - rest) <= tolerance)
         )
 
-    near = {
-        s
-        for s in range(n)
-        if np.all(np.abs(a[(i + s) % n] - a) <= tolerance) and mechanics((i + s) % n)
-    }
-    # with a tolerance two shifts may be near and their sum not: only a whole group counts
+    near = {s for s in range(n) if alike(i + s, i + s)}
+    # those that are a group: multiples of a divisor of n, all of them within the tolerance
     step = next(g for g in range(1, n + 1) if n % g == 0 and near.issuperset(range(0, n, g)))
-    shifts = list(range(0, n, step))
-    # crease i -> s - i sends the facet (i, i+1) to (s - i - 1, s - i)
-    mirrors = [
-        s
-        for s in range(n)
-        if np.all(np.abs(a[(s - i - 1) % n] - a) <= tolerance) and mechanics((s - i) % n)
-    ]
-    return shifts, mirrors
+    return list(range(0, n, step)), [s for s in range(n) if alike(s - i - 1, s - i)]
 
 
 def averaged(values: Sequence[float], elements: Elements, *, facets: bool) -> tuple[float, ...]:
@@ -178,11 +164,10 @@ def _parse(wanted: object) -> tuple[str, int]:
 def _made(kind: str, order: int, n: int, rays: Sequence[Ray], elements: Elements) -> Symmetry:
     """Return a group; of each crease the ray whose crease is one of its images."""
     place = {ray.crease: r for r, ray in enumerate(rays)}
-    orbit = tuple(
-        next(place[j] for j in images if j in place)
-        for i in range(n)
-        for images in [[((s - i) if mirrored else (i + s)) % n for s, mirrored in elements]]
-    )
+    images = [
+        [((s - i) if mirrored else (i + s)) % n for s, mirrored in elements] for i in range(n)
+    ]
+    orbit = tuple(next(place[j] for j in own if j in place) for own in images)
     return Symmetry(kind, order, tuple(rays), orbit, tuple(elements))
 
 
@@ -298,7 +283,5 @@ def check_winding(winding: object, group: Symmetry, contact: str) -> None:
     """
     known = windings_of(group, contact)
     if winding is not None and (isinstance(winding, bool) or winding not in known):
-        raise SceneError(
-            f"winding = {shown(winding)} must be one of {', '.join(map(str, known))}: symmetry {group.name}, "
-            f"contact = {contact!r}"
-        )
+        which = f"{', '.join(map(str, known))}: symmetry {group.name}, contact = {contact!r}"
+        raise SceneError(f"winding = {shown(winding)} must be one of {which}")

@@ -78,16 +78,12 @@ class Vertex(PrettyRepr):
         unit = DEGREES if degrees else RADIANS  # errors are in what was stated
         angles = parse_angles(self.sector_angles, unit.field, degrees=degrees)
         if len(angles) < 3:
-            raise VertexError(
-                f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
-            )
+            raise VertexError(f"sector_angles has {len(angles)} entries: a vertex needs 3 at least")
         for name in ("flat", "normalize"):
             if not isinstance(getattr(self, name), bool):
                 raise VertexError(f"{name} = {shown(getattr(self, name))} must be true or false")
         if self.normalize and not self.flat:
-            raise VertexError(
-                "normalize = true is for a sheet that lies flat: leave out flat = false"
-            )
+            raise VertexError("normalize = true is for a flat sheet: leave out flat = false")
         total = math.fsum(angles)
         unit.check_each(angles)
         if self.flat:
@@ -104,7 +100,7 @@ class Vertex(PrettyRepr):
                 angles = tuple(a * (2 * math.pi / total) for a in angles)
         elif abs(total - 2 * math.pi) <= RESOLVED:
             raise VertexError(
-                f"sector_angles sum to 2 pi within {RESOLVED:g} rad: this sheet lies flat, leave out flat = false"
+                "sector_angles sum to 2 pi: the sheet lies flat, leave out flat = false"
             )
         else:
             _check_closes(angles, unit)
@@ -214,18 +210,15 @@ class _Unit:
                 )
 
     def of_sum(self, angles: Sequence[float], total: float) -> str:
-        """Say by how much the sum misses a full turn, and what cures it."""
+        """Describe the sum of sectors that do not add to a full turn: what is missing, and what to write."""
         missing = 2 * math.pi - total
         cure = self.other(angles) or "a sector is missing or wrong"
         if abs(missing) <= MOST_SPREAD:
-            each = self.show(missing / len(angles), 3)
-            cure = f"correct them, or add normalize = true (each changes by {each})"
-            cure += '; exact multiples are written "pi/3"' * (self.scale == 1.0)
-        which = "missing" if missing > 0 else "too much"
-        return (
-            f"{self.field} sum to {self.show(total, 9)}, not {self.show(2 * math.pi, 9)}: "
-            f"{self.show(abs(missing), 4)} {which}; {cure}"
-        )
+            each = f"add normalize = true (each changes by {self.show(missing / len(angles), 3)})"
+            cure = f"correct them, or {each}" + '; multiples are "pi/3"' * (self.scale == 1.0)
+        much = f"{self.show(abs(missing), 4)} {'missing' if missing > 0 else 'too much'}"
+        whole = f"{self.show(total, 9)}, not {self.show(2 * math.pi, 9)}"
+        return f"{self.field} sum to {whole}: {much}; {cure}"
 
     def other(self, angles: Sequence[float]) -> str:
         """Say that angles are those of the other unit, if they are."""
@@ -250,7 +243,5 @@ def _check_closes(angles: Sequence[float], unit: _Unit) -> None:
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
         if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
-            raise VertexError(
-                f"{unit.field} cannot close around a vertex: the {size} largest sum to {unit.show(chosen)}, too much "
-                "for the others to bring back"
-            )
+            many = f"the {size} largest sum to {unit.show(chosen)}, too much for the others"
+            raise VertexError(f"{unit.field} cannot close around a vertex: {many}")

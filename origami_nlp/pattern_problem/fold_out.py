@@ -75,8 +75,22 @@ def states_to_fold(
     """
     p = _paper(origami)
     others = p.other_sides
-    none = [None] * len(others)
+
+    def each(values: Iterable[Any]) -> list[Any]:
+        return [*values, *[None] * len(others)]
+
     kind, attribute = ("creasePattern", "2D") if p.is_flat else ("foldedForm", "3D")
+    seldom: dict[str, Any] = {
+        "faceOrders": not p.is_flat and [list(o) for o in p.orders],
+        LIMITS_KEY: p.limits and each(np.degrees(p.limits).tolist()),
+        LATTICE_KEY: p.cell and p.cell.lattice[:, :2].tolist(),
+        ROLLED_KEY: p.cell and p.cell.rolled is not None and list(p.cell.rolled),
+    }
+    if isinstance(origami, Scene):
+        seldom |= {f"origaminlp:{key}": getattr(origami, key) for key in ("symmetry", "contact")}
+        seldom[PRELOAD_KEY] = origami.preload and each(origami.preload)
+        seldom[LOADS_KEY] = [load.to_dict() for load in origami.loads]
+        seldom[FIXED_KEY] = origami.loads and origami.fixed_facet
     return {
         "file_spec": 1.1,
         "file_creator": f"origami_nlp {__version__}",
@@ -89,14 +103,10 @@ def states_to_fold(
         "edges_assignment": [*p.assignment, *_letters(p)],
         "edges_foldAngle": _degrees(p.rest if p.is_flat else p.reference, len(others)),
         "faces_vertices": [list(q) for q in p.polygons],
-        **({} if p.is_flat or not p.orders else {"faceOrders": [list(o) for o in p.orders]}),
-        STIFFNESS_KEY: [*p.stiffness.tolist(), *none],
-        REST_KEY: [*np.degrees(p.rest).tolist(), *none],
+        STIFFNESS_KEY: each(p.stiffness.tolist()),
+        REST_KEY: each(np.degrees(p.rest).tolist()),
         **laws_to_fold(p.laws, len(others)),
-        **({LIMITS_KEY: [*np.degrees(p.limits).tolist(), *none]} if p.limits else {}),
-        **({LATTICE_KEY: p.cell.lattice[:, :2].tolist()} if p.cell else {}),
-        **({ROLLED_KEY: list(p.cell.rolled)} if p.cell and p.cell.rolled is not None else {}),
-        **(_of_scene(origami) if isinstance(origami, Scene) else {}),
+        **{key: value for key, value in seldom.items() if value},
         "file_frames": list(frames),
     }
 
@@ -110,21 +120,6 @@ def _paper(origami: Scene | Pattern) -> Pattern:
     reference = np.remainder(paper.reference + math.pi, 2 * math.pi) - math.pi
     shown = rest if paper.is_flat else reference
     return replace(paper, rest=rest, reference=reference, assignment="".join(_signed(shown)))
-
-
-def _of_scene(scene: Scene) -> dict[str, Any]:
-    out: dict[str, Any] = {
-        "origaminlp:symmetry": scene.symmetry,
-        "origaminlp:contact": scene.contact,
-    }
-    if scene.preload:
-        out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
-    if scene.limits:
-        out[LIMITS_KEY] = [*np.degrees(scene.limits).tolist(), *[None] * scene.degree]
-    if scene.loads:
-        out[LOADS_KEY] = [load.to_dict() for load in scene.loads]
-        out[FIXED_KEY] = scene.fixed_facet
-    return out
 
 
 def state_frame(
@@ -199,15 +194,11 @@ def path_frames(
     shown = np.unique([*np.clip(wanted, 0, len(states) - 1), int(np.argmax(energies))])
     if len(states) <= MOST_FRAMES:
         shown = np.arange(len(states))
-    return [
-        frame(
-            states[k],
-            f"{title}, {number} of {len(shown)}: {energies[k]:.6g} J",
-            energy=float(energies[k]),
-            path=title,
-        )
-        for number, k in enumerate(shown.tolist(), start=1)
-    ]
+    out = []
+    for number, k in enumerate(shown.tolist(), start=1):
+        name = f"{title}, {number} of {len(shown)}: {energies[k]:.6g} J"
+        out.append(frame(states[k], name, energy=float(energies[k]), path=title))
+    return out
 
 
 def pattern_corners(pattern: Pattern, fold_angles: Sequence[float] | np.ndarray) -> np.ndarray:

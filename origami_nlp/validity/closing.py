@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import NOISE, PLACES, quaternion
-from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.pattern import Loop, Pattern, listed
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.faults import CLOSES, CROSSINGS, MILLI, Findings
 from origami_nlp.validity.geometry import is_coarse
@@ -23,35 +23,32 @@ def check_closure(
     p, begin = problem.pattern, 0
     values = problem.closure.values(phi)
     digits = math.radians(MILLI) if is_coarse(phi) else PLACES
+    open_ = []
     for loop in (*p.vertices, *p.holes):
         own = values[begin : begin + (3 if loop.vertex >= 0 else 6)]
         begin += len(own)
-        if np.linalg.norm(own) <= 0.5 * digits * len(loop.creases) + NOISE * 0.1:
-            continue
-        miss = 2 * math.asin(min(float(np.linalg.norm(own[:3])), 1.0))
-        where, apart = f"round vertex {loop.vertex}", ""
-        if loop.vertex < 0:
-            where = "round a hole"
-            apart = f", and ends are {np.linalg.norm(own[3:]):.1e} of the sheet apart"
-        text = f"{where} fold angles do not close: {math.degrees(miss):.3g} degrees are left{apart}"
-        _fault(f, p, loop, text, miss)
-    if p.vertices and sum(bool(one.vertices) for one in f.of(CLOSES)) == len(p.vertices):
-        f.faults = [one for one in f.faults if one.test != CLOSES]
+        if np.linalg.norm(own) > 0.5 * digits * len(loop.creases) + NOISE * 0.1:
+            open_.append((loop, 2 * math.asin(min(float(np.linalg.norm(own[:3])), 1.0)), own[3:]))
+    if p.vertices and sum(loop.vertex >= 0 for loop, *_ in open_) == len(p.vertices):
         why = "fold angles close round no vertex: targets of springs"
         f.skip(CLOSES, why if beside_folded else f"{why}, or no state", undecided=not beside_folded)
         return None
-    if not f.of(CLOSES) and not problem.closure.lifts_to_one(phi):
-        over = "folds turn the sheet over once more than paper allows (q = -1)"
-        for loop in p.vertices:
-            if _turn(p, loop, phi) < 0:
-                text = f"round vertex {loop.vertex} {over}: a mountain and a valley are exchanged"
-                _fault(f, p, loop, text)
+    for loop, miss, shift in open_:
+        text = f"fold angles do not close: {math.degrees(miss):.3g} degrees are left"
+        apart = f", and ends are {np.linalg.norm(shift):.1e} of the sheet apart" * bool(len(shift))
+        _fault(f, p, loop, text + apart, miss)
+    if not open_ and not problem.closure.lifts_to_one(phi):
+        for loop in (loop for loop in p.vertices if _turn(p, loop, phi) < 0):
+            text = "folds turn the sheet over once more than paper allows (q = -1): a mountain and a valley are"
+            _fault(f, p, loop, f"{text} exchanged")
     return f.settle(CLOSES, f"{len(p.vertices)} vertices, {len(p.holes)} holes")
 
 
 def _fault(f: Findings, p: Pattern, loop: Loop, text: str, size: float | None = None) -> None:
     vertices = [loop.vertex] if loop.vertex >= 0 else []
-    f.fault(CLOSES, text, size, vertices=vertices, edges=p.numbers[list(loop.creases)].tolist())
+    where = f"round vertex {loop.vertex}" if vertices else "round a hole"
+    edges = p.numbers[list(loop.creases)].tolist()
+    f.fault(CLOSES, f"{where} {text}", size, vertices=vertices, edges=edges)
 
 
 def _turn(p: Pattern, loop: Loop, phi: np.ndarray) -> float:
@@ -80,11 +77,5 @@ def face_words(f: Findings, p: Pattern, *which: int) -> str:
     """Name polygons: faces of the file by their numbers, others by their vertices."""
     s = "s" * (len(which) > 1)
     if f.frame.faces:
-        return f"face{s} {listed_words([str(k) for k in which])}"
-    names = ["-".join(map(str, p.polygons[k])) for k in which]
-    return f"the face{s} at vertices {listed_words(names)}"
-
-
-def listed_words(names: list[str]) -> str:
-    """Join names by commas and an 'and'."""
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
+        return f"face{s} {listed(which)}"
+    return f"the face{s} at vertices {', '.join('-'.join(map(str, p.polygons[k])) for k in which)}"

@@ -31,7 +31,7 @@ GUESSES = 20_000
 """Of the search in each part."""
 WIDENED = 4.0
 """Over how far facets miss each other, the distance up to which they lie on each other."""
-MOST_PIECES, MOST_LAYERS = 5_000, 50_000
+MOST_LAYERS = 50_000
 """Facets, and pairs of layers, whose order is asked: 30 kB a pair."""
 UNCLEAR = "facets are closer than can be resolved, but not on each other"
 
@@ -131,17 +131,13 @@ class LayerOrders(Report):
         yield record_table(self.components, self.verdict) if self.components else self.verdict
         if not self.reason:
             left = self.pairs - sum(c.pairs for c in self.components)
-            yield (
-                f"{self.pairs:,} pairs of layers, {left:,} of them in the same order in all; "
-                f"listed: {len(self.orders):,} (JSON, FOLD)"
-            )
+            same = f"{self.pairs:,} pairs of layers, {left:,} of them in the same order in all"
+            yield f"{same}; listed: {len(self.orders):,} (JSON, FOLD)"
         if self.unassigned:
-            yield f"{self.unassigned} creases are unassigned: mountain or valley, as the order of layers has it"
+            yield f"{self.unassigned} creases are unassigned: mountain or valley, as the layers have it"
         if self.misses:
-            yield (
-                f"as drawn, facets miss each other by up to {self.misses:.1e} of the sheet: what is nearer than "
-                f"{WIDENED:g} times that lies on each other"
-            )
+            near = f"what is nearer than {WIDENED:g} times that lies on each other"
+            yield f"as drawn, facets miss each other by up to {self.misses:.1e} of the sheet: {near}"
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD: the crease pattern, and a frame with faceOrders for each order that is listed."""
@@ -230,11 +226,9 @@ def count_orders(
     guesses: int = GUESSES,
 ) -> LayerOrders:
     """Count the layer orders of a state; a drawing may miss closure by its noise."""
-    pattern = problem.pattern
     misses = problem.crossings.poses.apart(phi) / problem.crossings.size
     # what rounding leaves is no noise
     misses = misses if misses > 10 * CLOSURE_TOL else 0.0
-
     found, pairs, written = Counted(), 0, list[Any]()
     if max(misses, problem.residual(phi)) > 10 * NOISE:
         why = f"the state does not close: facets miss each other by {misses:.1e} of the sheet"
@@ -246,11 +240,11 @@ def count_orders(
         near = max(INSIDE, WIDENED * misses)
         stack, orders = posed_orders(problem, phi, near, unassigned, guesses)
         found, pairs = count_posed(orders, guesses), len(stack.pairs) if stack else 0
-        if stack and found.orders is not None and not found.reason and most:
+        if stack and found.orders is not None and not found.reason:
             written = [*itertools.islice(_listed(stack, found, most), most)]
     parts = tuple(LayerComponent(len(part), many, whole) for part, many, whole in found.parts)
     told = (tuple(written), found.reason, found.decided, len(unassigned), misses)
-    return LayerOrders(pattern, phi, pairs, parts, *told)
+    return LayerOrders(problem.pattern, phi, pairs, parts, *told)
 
 
 def _listed(stack: Stack, found: Counted, most: int) -> Iterator[tuple[tuple[int, int, int], ...]]:
@@ -280,13 +274,9 @@ def posed_orders(
     unassigned: Container[int] = (),
     guesses: int = GUESSES,
 ) -> tuple[Stack | None, Orders | Counted]:
-    """Return what lies on each other, nearer than a share of the sheet, and its orders; or why there are none.
-
-    What creases force is settled.
-    """
-    if (pieces := len(problem.crossings.facet)) > MOST_PIECES:
-        why = f"{pieces:,} facets: layers of more than {MOST_PIECES:,} are not ordered"
-        return None, Counted(reason=why, decided=False)
+    """Pose the layers of a state; the stack, and its orders or why there is none; no stack where there are too many."""
+    if (facets := len(problem.crossings.facet)) > MOST_LAYERS / 10:
+        return None, Counted(reason=f"layers of {facets:,} facets are not ordered", decided=False)
     stack = Stack(problem.crossings, phi, near=near)
     if (many := len(stack.pairs)) > MOST_LAYERS:
         why = f"{many:,} pairs of layers: more than {MOST_LAYERS:,} are not ordered"

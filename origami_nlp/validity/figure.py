@@ -1,28 +1,24 @@
-"""The frames of a check drawn with their faults marked."""
+"""A frame of a check drawn with its faults marked."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 
 from origami_nlp.display import WARNING, draw_pattern, draw_state, pattern_view
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.pattern import Frame, frame_pattern
-from origami_nlp.validity.faults import Fault, Findings
-from origami_nlp.validity.geometry import is_same_sheet
+from origami_nlp.validity.faults import Fault
 from origami_nlp.validity.result import Validity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST_PANELS = 4
-"""Frames that are drawn: those with faults first."""
 MOST_LINES = 14
 """Faults that are written below."""
 LETTERS = 84
@@ -32,7 +28,7 @@ WIDTH = 5.2
 
 
 def draw_validity(result: Validity) -> Figure:
-    """Draw the frames of a file with numbers at its faults, and what each number says.
+    """Draw the first frame that has faults, with numbers at these, and what each number says.
 
     Parameters
     ----------
@@ -58,71 +54,46 @@ def draw_validity(result: Validity) -> Figure:
     """
     if not result.frames:
         raise OptionError("result was read from a file without its frames: check the origami anew")
-    faulty = {one.frame for one in result.faults}
-    order = sorted(result.frames, key=lambda one: (one.number not in faulty, one.number))
-    shown = sorted(order[:MOST_PANELS], key=lambda one: one.number)
-    lines = [f"{k}  {one.text}" for k, one in enumerate(result.faults[:MOST_LINES], start=1)]
-    if len(result.faults) > MOST_LINES:
-        lines.append(f"... and {len(result.faults) - MOST_LINES} more")
-    columns = min(len(shown), 2)
-    most = LETTERS * columns
-    lines = [line if len(line) <= most else line[: most - 3] + "..." for line in lines]
-    rows = -(-len(shown) // columns)
-    size = (WIDTH * columns, WIDTH * rows + 0.19 * len(lines))
-    figure = Figure(figsize=size, layout="constrained")
+    first = result.faults[0].frame if result.faults else result.frames[0].number
+    frame = next(one for one in result.frames if one.number == first)
+    faults = [(k, one) for k, one in enumerate(result.faults, start=1) if one.frame == first]
+    lines = [shorten(f"{k}  {one.text}", LETTERS) for k, one in faults[:MOST_LINES]]
+    lines += [f"... {len(result.faults) - len(lines)} more"] * (len(result.faults) > len(lines))
+    figure = Figure((WIDTH, WIDTH + 0.19 * len(lines)), layout="constrained")
     text: dict[str, Any] = {"parse_math": False, "x": 0.02, "ha": "left"}
-    figure.suptitle(result.sentence, fontsize=11, **text)
+    figure.suptitle(f"{result.sentence}; frame {first}", fontsize=11, **text)
     figure.supxlabel("\n".join(lines), fontsize=8, **text)
-    for axes in (grid := figure.subplots(rows, columns, squeeze=False)).flat[len(shown) :]:
-        axes.axis("off")
-    for axes, frame in zip(grid.flat, shown, strict=False):
-        kind = "folded form" if frame.folded else "crease pattern"
-        if len(result.frames) > 1:
-            axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
-        _draw(axes, frame, [*_faults_of(result, frame)])
+    _draw(figure.add_subplot(), frame, faults)
     return figure
 
 
-def _faults_of(result: Validity, frame: Frame) -> Iterator[tuple[int, Fault]]:
-    """Go through the faults of a frame with their numbers; on a crease pattern also those of its folded forms."""
-    frames = {one.number: one for one in result.frames}
-    for number, one in enumerate(result.faults, start=1):
-        if one.frame == frame.number:
-            yield number, one
-        elif not frame.folded and is_same_sheet(frames[one.frame], frame):
-            place = Findings(frame).middle(one.vertices, one.edges, one.faces)
-            yield number, replace(one, place=tuple(place.tolist()))
-
-
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:
-    """Draw a frame into axes, with the numbers of faults."""
-    view = np.eye(3)
-    if frame.folded:
+    """Draw a frame and what is wrong with it: edges thick, places as circles with the numbers of faults."""
+    view, x = np.eye(3), frame.coords
+    if not frame.folded:
+        draw_pattern(frame, axes=axes)
+    else:
         try:
             pattern = frame_pattern(frame)
             view = pattern_view([pattern.corners[list(p)] for p in pattern.polygons])
             draw_state(axes, pattern, pattern.reference)
         except OrigamiError:  # no sheet: its edges alone
-            view = pattern_view([frame.coords[list(face)] for face in frame.faces])
-            lines = (frame.coords @ view.T)[frame.edges][:, :, :2]
-            axes.add_collection(LineCollection(list(lines), colors="#555555", linewidths=0.8))
-            axes.autoscale_view()
-    else:
-        draw_pattern(frame, axes=axes)
+            view = pattern_view([x[list(face)] for face in frame.faces])
+            lines = [*(x @ view.T)[frame.edges][:, :, :2]]
+            axes.add_collection(LineCollection(lines, colors="#555555", linewidths=0.8))
+    x = x @ view.T
     axes.set_aspect("equal")
     axes.axis("off")
-    edges = np.isin(frame.numbers, [e for _, one in faults for e in one.edges])
-    wrong = (frame.coords @ view.T)[frame.edges[edges]][:, :, :2]
+    wrong = frame.edges[np.isin(frame.numbers, [e for _, one in faults for e in one.edges])]
     look: dict[str, Any] = {"colors": WARNING, "linewidths": 4.0, "alpha": 0.45, "zorder": 5}
-    axes.add_collection(LineCollection(list(wrong), **look))
+    axes.add_collection(LineCollection([*x[wrong][:, :, :2]], **look))
     places: dict[tuple[float, ...], list[str]] = {}
     for k, one in faults:
         if one.place:
-            x = view @ np.array([*one.place, 0.0][:3])
-            places.setdefault(tuple(np.round(x[:2], 9)), []).append(str(k))
-    look = {"fontsize": 9, "fontweight": "bold", "color": WARNING, "zorder": 7}
-    look["path_effects"] = [withStroke(linewidth=2.5, foreground="white")]
-    for (x, y), which in places.items():
+            at = view @ np.array([*one.place, 0.0][:3])
+            places.setdefault(tuple(np.round(at[:2], 9)), []).append(str(k))
+    for (px, py), which in places.items():
         text = ", ".join(which[:3]) + ", ..." * (len(which) > 3)
-        axes.plot(x, y, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
-        axes.annotate(text, (x, y), (7, 7), textcoords="offset points", **look)
+        axes.plot(px, py, "o", ms=11, mfc="none", mec=WARNING, mew=1.8, zorder=6)
+        axes.annotate(text, (px, py), (7, 7), textcoords="offset points", color=WARNING, zorder=7)
+    axes.autoscale_view()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,10 +17,9 @@ from origami_nlp.pattern import (
     LATTICE_KEY,
     Frame,
     Pattern,
-    examples,
     frame_pattern,
-    parse_fold,
-    read_fold,
+    frames_of,
+    listed,
 )
 from origami_nlp.pattern_problem import PatternProblem, states_to_fold
 from origami_nlp.validity.closing import check_closure, check_crossings
@@ -99,12 +96,10 @@ def check(
         check_whole("frame", frame, 0)
     name, frames = _read(source)
     if any(one.lattice is not None for one in frames):
-        raise OptionError(
-            f"{LATTICE_KEY}: a cell that repeats is not checked; leave the key out to check the cell as a sheet"
-        )
+        raise OptionError(f"{LATTICE_KEY}: a cell that repeats is not checked, a sheet is")
     chosen = [one for one in frames if frame in (None, one.number)]
     if not chosen:
-        known = ", ".join(str(one.number) for one in frames[:12])
+        known = listed([one.number for one in frames], 12)
         raise OptionError(f"frame = {frame} is no frame with geometry: there is {known}")
     flat = [one for one in frames if not one.folded]
     folded = any(one.folded for one in chosen)
@@ -115,30 +110,19 @@ def check(
         else:
             _check_pattern(f, beside_folded=folded)
     kinds = tuple((one.number, "folded form" if one.folded else "crease pattern") for one in chosen)
+    tests = tuple(t for f in seen for t in f.tests)
+    faults = tuple(fault for f in seen for fault in f.in_order())
     notes = dict.fromkeys(note for f in seen for note in (*f.frame.notes, *f.notes))
-    others = [one for one in flat if folded and one not in chosen]
-    return Validity(
-        name,
-        kinds,
-        tuple(t for f in seen for t in f.tests),
-        tuple(fault for f in seen for fault in f.in_order()),
-        tuple(notes),
-        (*chosen, *others),
-    )
+    return Validity(name, kinds, tests, faults, tuple(notes), tuple(chosen))
 
 
 def _read(source: str | PathLike[str] | Pattern | Mapping[str, Any]) -> tuple[str, list[Frame]]:
-    """Return what it is called, and its frames."""
+    """Return the title and the frames with geometry."""
     if isinstance(source, Pattern):
         source.check_alone("a check")
-        return source.title, list(parse_fold(json.dumps(states_to_fold(source))))
-    if isinstance(source, Mapping):
-        title = source.get("file_title")
-        return str(title or "FOLD data"), list(parse_fold(json.dumps(source)))
-    text = str(source)
-    if not Path(text).exists() and examples.is_example(text):
-        return text, list(parse_fold(json.dumps(examples.crease_pattern(text))))
-    return "standard input" if text == "-" else text, list(read_fold(text))
+        return source.title, list(frames_of(states_to_fold(source)))
+    title = source.get("file_title") if isinstance(source, Mapping) else str(source)
+    return "standard input" if title == "-" else str(title or "FOLD data"), list(frames_of(source))
 
 
 def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:

@@ -48,18 +48,18 @@ def folds_flat(v: FoldVertex) -> bool | None:
     """
     if v.reason or v.maekawa is None:
         return None
-    if v.maekawa or v.kawasaki is None:
+    if v.maekawa or v.kawasaki is None or (v.kawasaki >= NOISE / 2 and not explained(v)):
         return False
-    if explained(v):
-        return _within_error(v)
-    if v.kawasaki >= NOISE / 2:
-        return False
-    total = math.fsum(v.sector_angles)
-    if abs(total - 2 * math.pi) < NOISE / 2:
-        answer = crimped(v.sector_angles, v.assignment)
-        if answer is not None:
-            return answer
-    return _ordered(_alike(np.array(v.sector_angles), NOISE), v.assignment)
+    error = v.kawasaki_error if explained(v) else NOISE
+    a = _balanced(np.array(v.sector_angles))
+    if a.min() <= 0:
+        return None
+    answer = crimped(tuple(a.tolist()), v.assignment, error)
+    if answer is not None:
+        return answer
+    answer = _ordered(_alike(a, error), v.assignment)
+    # within what the error leaves open, no order of the nearest vertex is no proof
+    return answer or (None if explained(v) else answer)
 
 
 def explained(v: FoldVertex) -> bool:
@@ -78,18 +78,6 @@ def explained(v: FoldVertex) -> bool:
     return v.kawasaki is not None and NOISE / 2 <= v.kawasaki <= v.kawasaki_error
 
 
-def _within_error(v: FoldVertex) -> bool | None:
-    """Judge the nearest vertex that Kawasaki's condition holds for; None where sectors are too alike for that."""
-    a = _balanced(np.array(v.sector_angles))
-    if a.min() <= 0:
-        return None
-    answer = crimped(tuple(a.tolist()), v.assignment, v.kawasaki_error)
-    if answer is not None:
-        return answer
-    # an order there is one of a vertex within the error
-    return _ordered(_alike(a, v.kawasaki_error), v.assignment) or None
-
-
 def _balanced(a: np.ndarray) -> np.ndarray:
     """Return sectors whose alternating sums are equal, each moved alike."""
     signs = np.where(np.arange(len(a)) % 2, -1.0, 1.0)
@@ -98,9 +86,7 @@ def _balanced(a: np.ndarray) -> np.ndarray:
 
 
 def _alike(a: np.ndarray, error: float) -> tuple[float, ...]:
-    """Return sectors so that creases that may lie on each other when all are folded do."""
-    a = _balanced(a)
-    # where creases lie along the line on which the folded sectors run to and fro
+    """Return the sectors of a vertex whose creases, folded flat, coincide exactly where they do to the error."""
     at = np.cumsum(np.where(np.arange(len(a)) % 2, -a, a))
     order = np.argsort(at, kind="stable")
     for alike in np.split(order, np.flatnonzero(np.diff(at[order]) > error) + 1):

@@ -36,7 +36,7 @@ from origami_nlp.validity.faults import (
     Findings,
 )
 
-ODD = ("border", "cuts", "turned over", "in points", "few digits", "folding flat", "same two")
+ODD = ("border", "cuts", "turned over", "in points", "few digits", "folding flat")
 """Words of the notes of a pattern that are about the sheet, not its springs."""
 MOST_SIDES = 40
 """Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
@@ -63,19 +63,16 @@ def check_sheet(f: Findings) -> Pattern | None:
             f.fault("drawing", o.text, vertices=o.vertices, edges=o.edges)
         f.settle("drawing", f"{len(frame.edges)} edges")
     for e in sorted(int(frame.numbers[k]) for k in frame.conflicts):
-        text = f"edge {e} is stated twice with different assignments or fold angles"
-        f.fault(name, text, edges=[e])
+        f.fault(name, f"edge {e} is stated twice with other letters or fold angles", edges=[e])
     if frame.conflicts:
         f.settle(name)
     if frame.faces:
         for o in face_oddities(frame, frame.faces):
             f.fault(PLANES, o.text, o.size, unit="", vertices=o.vertices, faces=o.faces)
         known = {face for one in f.of(PLANES) for face in one.faces}
-        # off by more than the digits of the file, but less than the reader refuses
         for k, face in enumerate(frame.faces):
             x = frame.coords[list(face)] - frame.coords[list(face)].mean(axis=0)
-            normal = np.linalg.svd(x, full_matrices=False)[2][-1] if len(face) > 3 else np.zeros(3)
-            off = float(np.abs(x @ normal).max())
+            off = float(np.abs(x @ np.linalg.svd(x)[2][-1]).max()) * (len(face) > 3)
             if off > f.lengths() and k not in known:
                 text = f"face {k} is off a plane by {off / f.size:.1e} of the sheet"
                 f.fault(PLANES, text, off, faces=[k])
@@ -121,16 +118,15 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
     if even and len(ends):
         text = f"all lengths are {scale:.6g} times those of the crease pattern: the state is scaled"
         f.fault(LENGTHS, text, abs(scale - 1), unit="", place=f.frame.coords.mean(axis=0))
-    else:
-        for k in wrong.tolist():
-            e, by = int(f.frame.numbers[k]), now[k] - was[k]
-            much = f"{_percent(by, was[k])} {'longer' if by > 0 else 'shorter'}"
-            text = f"edge {e} is {much} than in the crease pattern"
-            f.fault(LENGTHS, text, abs(by), vertices=ends[k].tolist(), edges=[e])
+    for k in wrong.tolist() if not even else ():
+        e, by = int(f.frame.numbers[k]), now[k] - was[k]
+        much = f"{_percent(by, was[k])} {'longer' if by > 0 else 'shorter'}"
+        text = f"edge {e} is {much} than in the crease pattern"
+        f.fault(LENGTHS, text, abs(by), vertices=ends[k].tolist(), edges=[e])
+    if not even:
         _sheared(f, flat, most, {side(*e) for e in ends[wrong].tolist()})
     faults = f.of(LENGTHS)
-    moved = moved_vertices(faults)
-    at = ""
+    moved, at = moved_vertices(faults), ""
     if 2 * len(moved) <= len(faults) and not even:
         at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
     f.settle(LENGTHS, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
@@ -138,18 +134,17 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
 
 
 def _check_cuts(f: Findings, flat: Frame) -> None:
-    """Check that paper is cut where the crease pattern is: by edges B or C with faces on both sides."""
+    """Check that paper is cut where the crease pattern is."""
     name, sides = "cuts as in the crease pattern", sides_of(f.frame.faces)
     one, other = (
         {side(*ab) for ab, a in zip(x.edges.tolist(), x.assignment, strict=True) if a in "BC"}
         for x in (f.frame, flat)
     )
-    for s in sorted(one ^ other):
-        if len(sides.get(s, ())) > 1:
-            edge = int(f.frame.numbers[f.frame.edge_of[s]])
-            here, there = ("a cut" if s in one else "no cut"), ("one" if s in other else "none")
-            text = f"edge {edge} is {here}, in the crease pattern it is {there}"
-            f.fault(name, text, vertices=s, edges=[edge])
+    for s in (s for s in sorted(one ^ other) if len(sides.get(s, ())) > 1):
+        edge = int(f.frame.numbers[f.frame.edge_of[s]])
+        here, there = ("cut", "not cut")[:: 1 if s in one else -1]
+        text = f"edge {edge} is {here}, in the crease pattern it is {there}"
+        f.fault(name, text, vertices=s, edges=[edge])
     if f.of(name):
         f.settle(name)
 
@@ -202,27 +197,26 @@ def _check_developable(f: Findings) -> None:
 def check_fold_angles(f: Findings, p: Pattern) -> None:
     """Check fold angles that the file states, and letters, against those of the coordinates."""
     noise = _crease_noise(f, p)
-    # beside faces that are out of shape the angles follow from that
+    # facets that the coordinates of a moved vertex spoil; their angles are no fault of their own
     off_shape = [one for one in f.faults if one.unit == "length" or one.test == PLANES]
     spoilt = {*moved_vertices(off_shape)}
-    beside = np.zeros(p.facets, bool)
-    for q, facet in zip(p.polygons, p.facet_of, strict=True):
-        beside[facet] |= bool(spoilt & {*q})
+    each = zip(p.polygons, p.facet_of.tolist(), strict=True)
+    beside = np.isin(np.arange(p.facets), [facet for q, facet in each if spoilt & {*q}])
     out = beside[p.left] | beside[p.right]
+    stated = ~np.isnan(p.file_angles)
     off = np.abs(p.file_angles - p.reference)
-    # at +-pi the coordinates have no sign
     off = np.where(np.abs(p.reference) == math.pi, np.abs(np.abs(p.file_angles) - math.pi), off)
-    if np.isnan(p.file_angles).all():
+    if not stated.any():
         f.skip(ANGLES, "the file states no fold angles")
     else:
         for c in np.flatnonzero((np.nan_to_num(off) > noise) & ~out).tolist():
             said, found = (f"{math.degrees(a[c]):.6g}" for a in (p.file_angles, p.reference))
-            folded = f"its coordinates are folded by {found} degrees"
-            text = f"edge {p.numbers[c]}: edges_foldAngle is {said}, {folded}"
+            text = (
+                f"edge {p.numbers[c]}: edges_foldAngle is {said}, that of its coordinates {found}"
+            )
             f.fault(ANGLES, text, off[c], vertices=p.ends[c].tolist(), edges=[p.numbers[c]])
         apart = f", {out.sum()} of them beside faces that are out of shape" if out.any() else ""
-        stated = int((~np.isnan(p.file_angles)).sum())
-        f.settle(ANGLES, f"{stated} of {p.creases} creases{apart}")
+        f.settle(ANGLES, f"{stated.sum()} of {p.creases} creases{apart}")
     check_letters(f, p, np.where(np.abs(p.reference) > noise, p.reference, 0.0))
     _flat_edges(f, p)
     f.settle(FLAT, "edges F and J, and sides that are no edges")
@@ -249,22 +243,18 @@ def measured_on(sheet: Pattern, folded: Frame) -> Pattern:
 
 def check_letters(f: Findings, p: Pattern, measured: np.ndarray) -> None:
     """Check letters against the signs of fold angles, measured ones [n] and those of the file."""
-    for c in range(p.creases):
-        # fully folded, coordinates have no sign
+    for c, sign in enumerate(p.signs.tolist()):
         shown = measured[c] if abs(measured[c]) < math.pi else 0.0
         for phi, what in ((shown, "is folded by"), (p.file_angles[c], "has edges_foldAngle")):
-            if p.signs[c] * phi < -PLACES:
-                letter = "a mountain" if p.signs[c] < 0 else "a valley"
-                text = (
-                    f"edge {p.numbers[c]} is {letter} and {what} {math.degrees(phi):+.6g} degrees"
-                )
+            if sign * phi < -PLACES:
+                letter = f"edge {p.numbers[c]} is a {'mountain' if sign < 0 else 'valley'}"
+                text = f"{letter} and {what} {math.degrees(phi):+.6g} degrees"
                 f.fault(LETTERS, text, abs(phi), edges=[p.numbers[c]])
                 break
-    given = int((p.signs != 0).sum())
-    if not given:
-        f.skip(LETTERS, "no edge is a mountain or a valley")
-    else:
+    if given := int((p.signs != 0).sum()):
         f.settle(LETTERS, f"{given} of {p.creases} creases")
+    else:
+        f.skip(LETTERS, "no edge is a mountain or a valley")
 
 
 def is_coarse(phi: np.ndarray) -> bool:

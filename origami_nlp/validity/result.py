@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from origami_nlp.display import Cell, Details, Report, Section, Table, record_table
+from origami_nlp.display import Details, Report, Section, record_table
 from origami_nlp.io import printable
 from origami_nlp.pattern import Frame
 from origami_nlp.validity.faults import Fault, Test
@@ -66,35 +66,26 @@ class Validity(Report):
 
     @property
     def sentence(self) -> str:
-        """The answer in words."""
-        name = printable(self.source)
-        if self.faults:
-            many = len(self.faults)
+        """The verdict, in a sentence."""
+        name, many = printable(self.source), len(self.faults)
+        if many:
             return f"{name}: {many} fault{'s' if many > 1 else ''}"
-        doubts = [t for t in self.tests if t.status == "not decided"]
-        if doubts:
-            return f"{name}: not decided: {doubts[0].name}: {doubts[0].text}"
+        for doubt in (t for t in self.tests if t.status == "not decided"):
+            return f"{name}: not decided: {doubt.name}: {doubt.text}"
         folded = sum(kind == "folded form" for _, kind in self.kinds)
-        asked = sum(t.status == "ok" for t in self.tests)
         what = f"{folded} folded state{'s' if folded > 1 else ''}" if folded else "crease pattern"
-        return f"{name}: valid: {what}, {asked} tests"
+        return f"{name}: valid: {what}, {sum(t.status == 'ok' for t in self.tests)} tests"
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the verdict over the tests, then the faults."""
+        """Return the verdict over the tests, of many frames those that do not hold, then the faults."""
         open_ = tuple(t for t in self.tests if t.status not in ("ok", "does not apply"))
         told = self.tests if len(self.kinds) <= MOST_FRAMES else open_
         names = () if len(self.kinds) > 1 else ("name", "status", "text")
         yield record_table(told, self.sentence, names) if told else self.sentence
         yield from map(self._words, self.faults[:MOST_FAULTS])
-        for note in self.notes:
-            yield f"note: {note}"
-        rest = self.faults[MOST_FAULTS:]
-        pieces: list[Table | Cell] = [*map(self._words, rest)]
-        if len(told) < len(self.tests):
-            pieces.append(record_table(self.tests, "all tests"))
-        if pieces:
-            title = f"{len(rest)} more faults" if rest else "All tests of all frames"
-            yield Details(pieces, title)
+        yield from (f"note: {note}" for note in self.notes)
+        if rest := self.faults[MOST_FAULTS:]:
+            yield Details([*map(self._words, rest)], f"{len(rest)} more faults")
 
     def _words(self, one: Fault) -> str:
         where = f"frame {one.frame}: " if len(self.kinds) > 1 else ""

@@ -28,7 +28,7 @@ Order = tuple[int, int, int]
 
 
 def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
-    """Check the order of layers of a state in which no faces pass through each other."""
+    """Check the order of layers of a closed state [n] without crossings, stated or not."""
     stated = problem.pattern.orders
     near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, MILLI))
     stack, orders = posed_orders(problem, phi, near)
@@ -52,15 +52,15 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
 def _check_stated(
     f: Findings, stack: Stack, orders: Orders | Counted, stated: Sequence[Order]
 ) -> bool:
-    """Check what the file states of each pair, against itself, the creases and the rules of paper; whether it holds."""
-    shown = dict(zip(stated, f.frame.face_orders, strict=True))
+    """Check faceOrders with each other, with the creases and with the rules of paper; whether they are right."""
+    shown = {one: [*as_read] for one, as_read in zip(stated, f.frame.face_orders, strict=True)}
     said, wrong = dict[int, tuple[bool, Order]](), set[Order]()
     for order in stated:
         for unknown, value in stack.states(order):
             was, by = said.setdefault(unknown, (value, order))
             if was != value and not {order, by} <= wrong:
                 wrong |= {order, by}
-                text = f"{[*shown[by]]} and {[*shown[order]]} say the opposite of each other"
+                text = f"{shown[by]} and {shown[order]} say the opposite of each other"
                 f.fault(STATED, text, faces=shown[order][:2], place=_place(stack, unknown))
     f.settle(STATED, f"{len(stated)} stated")
     values = {unknown: value for unknown, (value, by) in said.items() if by not in wrong}
@@ -68,18 +68,17 @@ def _check_stated(
     for unknown, value, crease in known:
         if values.setdefault(unknown, value) != value:
             del values[unknown]
-            _, by = said[unknown]
+            by = said[unknown][1]
             edge = int(stack.crossings.pattern.numbers[crease])
             kinds = ("valley", "mountain")[:: 1 if stack.phi[crease] > 0 else -1]
-            text = f"edge {edge} is folded as a {kinds[0]}, but {[*shown[by]]} says {kinds[1]}"
-            place = _place(stack, unknown)
-            f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=place)
+            text = f"edge {edge} is folded as a {kinds[0]}, but {shown[by]} says {kinds[1]}"
+            at = _place(stack, unknown)
+            f.fault(CREASES, text, edges=[edge], faces=shown[by][:2], place=at)
     f.settle(CREASES, f"{len(known)} creases folded flat")
     _check_rules(f, stack, values)
     if isinstance(orders, Orders) and not any(map(f.of, (STATED, CREASES, RULES))):
-        core, _ = conflict(stack, orders, stated)
-        if core:
-            words = " and ".join(str([*shown[one]]) for one in core)
+        if core := conflict(stack, orders, stated)[0]:
+            words = " and ".join(str(shown[one]) for one in core)
             faces = sorted({face for one in core for face in shown[one][:2]})
             f.fault(RULES, f"{words} contradict each other, by what follows from them", faces=faces)
     f.settle(RULES, f"{len(stack.ruled[1]):,} rules")
@@ -93,40 +92,20 @@ def _check_rules(f: Findings, stack: Stack, values: dict[int, bool]) -> None:
         known = [values.get(u) for u in unknowns]
         if any(all(k in (None, v) for k, v in zip(known, fit, strict=True)) for fit in allowed):
             continue
-        text = _broken(f, stack, allowed == TRANSITIVE, pieces)
-        if text not in seen:
+        which = stack.crossings.polygon[list(pieces)].tolist()
+        words = face_words(f, stack.crossings.pattern, *sorted({*which}))
+        kind = "transitivity"
+        if allowed != TRANSITIVE:  # creases that join two pieces which lie on each other are tacos
+            a, b, c, d = pieces
+            tacos = _on_each_other(stack, a, b) + (c != d and _on_each_other(stack, c, d))
+            kind = ("tortilla-tortilla", "taco-tortilla", "taco-taco")[tacos]
+        if (text := f"{words} pass through each other ({kind})") not in seen:
             seen.add(text)
             place = _place(stack, unknowns[0]) if unknowns else stack.x[pieces[0]].mean(axis=0)
-            which = stack.crossings.polygon[list(pieces)].tolist()
             f.fault(RULES, text, faces=sorted({*which}) if f.frame.faces else [], place=place)
 
 
-def _broken(f: Findings, stack: Stack, transitive: bool, pieces: tuple[int, ...]) -> str:
-    """Say which rule is not obeyed, and by what."""
-    pattern = stack.crossings.pattern
-    faces = [int(stack.crossings.polygon[p]) for p in pieces]
-    if transitive:
-        words = face_words(f, pattern, *sorted(faces))
-        return f"{words} lie on each other in a circle (transitivity)"
-    a, b, c, d = pieces
-    tacos = _is_taco(stack, a, b) + (c != d and _is_taco(stack, c, d))
-    kind = ("tortilla-tortilla", "taco-tortilla", "taco-taco")[tacos]
-    one = f"{_edge(stack, a, b)} between {face_words(f, pattern, *faces[:2])}"
-    if c == d:
-        return f"{face_words(f, pattern, faces[2])} passes through {one} ({kind})"
-    other = f"{_edge(stack, c, d)} between {face_words(f, pattern, *faces[2:])}"
-    return f"{one} and {other} pass through each other ({kind})"
-
-
-def _edge(stack: Stack, a: int, b: int) -> str:
-    """Name the edge over which two pieces hang together."""
-    bends = stack.bends
-    at = np.isin(bends.left, (a, b)) & np.isin(bends.right, (a, b)) & (bends.crease >= 0)
-    creases = bends.crease[at & (bends.left != bends.right)]
-    return f"edge {stack.crossings.pattern.numbers[creases[0]]}" if len(creases) else "the edge"
-
-
-def _is_taco(stack: Stack, a: int, b: int) -> bool:
+def _on_each_other(stack: Stack, a: int, b: int) -> bool:
     return (min(a, b), max(a, b)) in stack.unknown
 
 
@@ -145,20 +124,20 @@ def _check_whole(f: Findings, stack: Stack, orders: Orders) -> None:
 
 def _check_exists(f: Findings, stack: Stack, found: Counted, stated: bool) -> None:
     """Check that the layers have an order (with what is stated)."""
+    pattern, polygon = stack.crossings.pattern, stack.crossings.polygon
     for part in (part for part, many, whole in found.parts if whole and not many):
-        which = sorted({*stack.crossings.polygon[stack.pairs[list(part)]].ravel().tolist()})
-        words = face_words(f, stack.crossings.pattern, *which[:6]) if part else "the faces"
+        which = np.unique(polygon[stack.pairs[list(part)]]).tolist()
+        words = face_words(f, pattern, *which[:6]) if part else "the faces"
         more = f", ... ({len(which)})" if len(which) > 6 else ""
         text = f"{words}{more} have no order in which they do not pass through each other"
         place = _place(stack, part[0]) if part else None
         f.fault(EXISTS, text, faces=which if f.frame.faces else [], place=place)
     if found.reason and found.decided and not f.of(EXISTS):
         f.fault(EXISTS, found.reason)
-    total = math.prod(many for _, many, _ in found.parts)
-    whole = all(one for *_, one in found.parts)
+    total, whole = math.prod(many for _, many, _ in found.parts), all(w for *_, w in found.parts)
     said = f"{'' if whole else 'at least '}{total:,} order{'' if total == 1 and whole else 's'}"
-    said += " with what is stated" if stated else ""
-    f.settle(EXISTS, "" if f.of(EXISTS) else said, "" if found.decided else found.reason)
+    said = "" if f.of(EXISTS) else said + " with what is stated" * stated
+    f.settle(EXISTS, said, "" if found.decided else found.reason)
 
 
 def _place(stack: Stack, unknown: int) -> np.ndarray:

@@ -23,16 +23,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 SCHEMA = "origami-nlp/pattern/2"
-HEADS = (
-    "vertex",
-    "degree",
-    "M/V",
-    "sector angles [deg]",
-    "Kawasaki [deg]",
-    "Maekawa",
-    "folds flat",
-    "analysis",
-)
+HEADS = (*"vertex degree M/V".split(), "sector angles [deg]", "Kawasaki [deg]", "Maekawa")
+HEADS += ("folds flat", "analysis")
 
 
 @dataclass(frozen=True)
@@ -58,13 +50,10 @@ class VertexList:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data: one entry of ``frames`` of the schema."""
-        each = zip(self.vertices, self.flat, strict=True)
-        vertices = [
-            {**to_plain(v), "folds_flat": folds, "can_be_analysed": not v.reason}
-            for v, folds in each
-        ]
+        each = zip(map(to_plain, self.vertices), self.flat, strict=True)
+        own = [v | {"folds_flat": flat, "can_be_analysed": not v["reason"]} for v, flat in each]
         frame = pick(self.frame, "frame=number", "title", "folded")
-        return {**frame, "notes": list(self.notes), "vertices": vertices}
+        return {**frame, "notes": list(self.notes), "vertices": own}
 
 
 def list_vertices(frame: Frame) -> VertexList:
@@ -123,17 +112,15 @@ def print_vertices(lists: Sequence[VertexList], console: Console) -> None:
         Where to.
     """
     for one in lists:
-        frame = one.frame
+        frame, many = one.frame, len(one.vertices)
         kind = "folded form" if frame.folded else "crease pattern"
         name = Path(frame.source).name or "frame 0"
         name += f", frame {frame.number}" * bool(frame.number)
         title = f"{name} ({kind}){': ' + frame.title if frame.title else ''}"
-        many = len(one.vertices)
-        title += f": {many} interior {'vertex' if many == 1 else 'vertices'} with creases"
         rows = [HEADS, *map(_row, one.vertices, one.flat)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         # a table of rich takes 20 times as long, of 10,000 vertices
-        said = [title]
+        said = [f"{title}: {many} interior vert{'ex' if many == 1 else 'ices'} with creases"]
         said += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         said += [f"note: {note}" for note in one.notes]
         said += [f"vertex {v.number}: {note}" for v in one.vertices for note in v.notes]

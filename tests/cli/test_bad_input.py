@@ -1,7 +1,6 @@
 """Bad input gets one clear line that names the field, and exit code 2; nothing is written."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -48,7 +47,7 @@ BAD = [
     ("vertex = 3", "table"),
     (text("[vertx]\na = 1"), "vertx"),
     (text("colour = 1"), "colour"),
-    (text("contakt = 'full'"), "did you mean contact?"),
+    (text("contakt = 'full'"), "it takes symmetry, contact"),
     (instead("stiffness", "rest_angles_deg = [0, 0, 0, 0, 0, 0]"), "exactly one"),
     (instead("stiffness", ""), "stiffness"),
     (sectors('["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'), "0.7854 rad"),
@@ -125,7 +124,7 @@ landscape scene.toml -o a.txt: must end in one of .json
 landscape scene.toml -o a.bmp: -o
 paper cone phase --degree 7: degree
 paper cone phase --degree 8 --rest mine: rest
-minima scene.toml -o a.png -o a.png: is given twice
+minima scene.toml -o a.png -o a.png: is the file of -o too
 minima scene.toml -o -.png: only text goes to standard output
 load scene.toml: --crease K is missing
 load scene.toml --crease 1 --fixed-facet 2: --fixed-facet = 2
@@ -175,14 +174,6 @@ def test_bad_call_is_one_line_and_exit_code_2(line, tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == [SCENE]
 
 
-def test_what_is_far_from_all_names_gets_no_question(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / SCENE).write_text(text())
-    for parameter in ("colour=1:5", "stiffness[99]=1:5"):
-        code, _, err = run("follow", SCENE, "--parameter", parameter)
-        assert code == 2 and "did you mean" not in err
-
-
 def test_bad_outputs_are_refused_before_the_search(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(text())
@@ -196,31 +187,3 @@ def test_bad_outputs_are_refused_before_the_search(tmp_path):
         code, _, err = run("minima", path, *arguments)
         assert code == 2 and err.count("\n") == 1 and word in err
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_binary_and_huge_files_are_refused(tmp_path):
-    for content, word in ((b"\xff\xfe\x00", "UTF-8"), (b"#" * 2_000_000, "1 MB")):
-        path = tmp_path / "scene.toml"
-        path.write_bytes(content)
-        code, _, err = run("minima", path)
-        assert code == 2 and word in err
-
-
-@pytest.mark.parametrize(
-    ("name", "command"),
-    [
-        ("a.toml", ("minima",)),
-        ("a.fold", ("minima",)),
-        ("a.json", ("inspect",)),
-        ("a.toml", ("design",)),
-        ("a.toml", ("sweep", "--folder", "out")),
-        ("a.json", ("check-proof",)),
-    ],
-)
-def test_an_empty_or_broken_file_is_named(name, command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    for content, said in ((b" \n", "is empty"), (b"\xff\xfe\x00x", ""), (b"[[[", "")):
-        Path(name).write_bytes(content)
-        code, _, err = run(command[0], name, *command[1:])
-        assert code == 2 and err.count("\n") == 1 and repr(name) in err and said in err, err
-    assert [p.name for p in tmp_path.iterdir()] == [name]

@@ -37,7 +37,7 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
         ([good, tmp_path / "none" / "a.csv"], "does not exist"),
         ([good, tmp_path / "a.gif"], "must end in one of .json, .png"),
         ([good, tmp_path / "a"], "must end in one of .json, .png"),
-        ([good, good], "is given twice"),
+        ([good, good], "is the file of -o too"),
         (["-.png"], "only text goes to standard output"),
     ):
         with pytest.raises(origami_nlp.OrigamiError, match=word):

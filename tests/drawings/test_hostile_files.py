@@ -1,6 +1,5 @@
 """Drawings that want to take time, memory or a stack: read or refused soon; and what is said of odd ones."""
 
-import io
 import math
 import time
 import tracemalloc
@@ -63,48 +62,6 @@ def test_text_of_a_drawing_is_read_in_time_that_grows_with_its_length(text):
     begin = time.process_time()
     made = read_drawing(f"<svg>{text}</svg>".encode(), ".svg")
     assert len(made.edges) == 1 and time.process_time() - begin < 2.0
-
-
-def blocks(kind):
-    """A DXF drawing whose blocks hold each other, themselves, or nothing but each other."""
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
-    first = document.blocks.new("B0")
-    if kind == "bomb":
-        first.add_line((0, 0), (1, 1))
-    if kind == "itself":
-        first.add_blockref("B0", (0, 0))
-    for k in range(1, 9):
-        block = document.blocks.new(f"B{k}")
-        for _ in range(10):
-            block.add_blockref(f"B{k - 1}", (0, 0))
-    document.modelspace().add_blockref("B8", (0, 0))
-    out = io.StringIO()
-    document.write(out)
-    return out.getvalue()
-
-
-@pytest.mark.parametrize("kind", ["bomb", "empty", "itself"])
-def test_blocks_are_not_opened(kind):
-    raw, begin = blocks(kind).encode(), time.process_time()
-    with pytest.raises(DrawingError, match=r"no lines.*1 INSERT left out"):
-        read_drawing(raw, ".dxf")
-    assert time.process_time() - begin < 5.0
-
-
-def test_creases_that_end_in_the_open_are_no_border():
-    made = read_drawing(b"2 0 0 1 1\n3 0 1 1 0\n2 0.5 1 0.5 0\n3 0 0.5 1 0.5", ".cp")
-    assert set(made.letters) == {"M", "V"}
-    assert any("add the outline" in note for note in made.notes)
-    # an outline of creases is one
-    outline = read_drawing(SQUARE.replace("1 ", "2 ", 4).encode(), ".cp")
-    assert "B" in outline.letters
-
-
-def test_a_line_drawn_as_mountain_and_valley_is_named_by_its_place():
-    text = (SQUARE + "2 0 0 4 4\n3 0 0 4 4\n").encode()
-    with pytest.raises(FoldFileError, match=r"from \(0, 0\) to \(4, 4\) is stated twice"):
-        frame_pattern(parse_fold(text, source="a.cp")[0])
 
 
 def test_several_sheets_of_a_drawing_name_what_takes_one():

@@ -53,11 +53,11 @@ def test_the_border_wins_then_cuts_then_folds_then_the_unassigned():
 def test_a_mountain_on_a_valley_is_a_fault_with_its_place():
     found = made(*square(), ("M", 0, 0, 4, 4), ("V", 2, 2, 4, 4))
     assert Counter(found.letters) == {"B": 4, "M": 2, "V": 1}
-    assert any("(4, 4) to (2, 2)" in note for note in found.notes)
+    assert any("drawn twice" in note and "(3, 3)" in note for note in found.notes)
     turned = made(
         *square(), ("M", 0, 0, 4, 4), ("M", 0, 0, 4, 4), angles=[math.nan] * 4 + [-90, -45]
     )
-    assert any("is drawn twice" in note for note in turned.notes)
+    assert any("drawn twice" in note for note in turned.notes)
 
 
 def test_a_line_that_another_covers_in_part_is_one_line_again():
@@ -159,8 +159,3 @@ def test_ends_that_all_but_meet_are_one_point():
     )  # fmt: skip
     assert Counter(found.letters) == {"B": 8, "M": 3, "V": 1}
     assert len(found.points) == 9 and found.tolerance == 1e-6
-
-
-def test_a_line_drawn_in_two_colours_makes_no_tolerance_coarser():
-    found = made(*square(), ("M", 0, 0, 4, 4), ("V", 0, 0, 4, 4))
-    assert found.tolerance == RUNGS[0] and Counter(found.letters) == {"B": 4, "M": 1, "V": 1}

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.drawings import WriteOptions, read_drawing, write_drawing
-from origami_nlp.pattern import examples, frame_drawing, parse_fold, read_fold
-from tests.command_line import run
+from origami_nlp.drawings import WriteOptions, read_drawing
+from origami_nlp.pattern import examples, parse_fold, read_fold
 
 NAMES = ("miura:4x4", "waterbomb:3x3", "squaretwist", "yoshimura:3x3")
 ENDINGS = (".svg", ".cp", ".dxf")
@@ -75,23 +74,6 @@ def test_fold_angles_come_back_from_opacity_alone(tmp_path):
         made = read_drawing(drawn.encode(), ".svg")
         got = sorted(a for a in made.angles if not math.isnan(a))
         np.testing.assert_allclose(got, sorted(a for a in phi if a), atol=1e-9)
-
-
-@pytest.mark.parametrize("options", [{"scale": 1.0, "size": 2.0}, {"scale": -1.0}])
-def test_what_cannot_be_written_is_refused(options):
-    drawing = frame_drawing(flat("miura:2x2"))
-    with pytest.raises(o.OrigamiError):
-        write_drawing(drawing, ".svg", WriteOptions(**options))
-    with pytest.raises(o.OrigamiError):
-        write_drawing(drawing, ".txt")
-
-
-def test_the_command_writes_and_says_what_it_did(tmp_path):
-    done = run("convert", "miura:3x3", tmp_path / "a.svg")
-    assert done.code == 0 and "written:" in done.out
-    assert run("convert", tmp_path / "a.svg", tmp_path / "b.dxf", "--colour", "red").code == 2
-    assert run("convert", tmp_path / "a.svg", tmp_path / "b.cp", "--colour", "red=V").code == 0
-    assert run("convert", tmp_path / "a.svg", tmp_path / "b.txt").code == 2
 
 
 def test_dxf_states_millimetres_and_its_extents(tmp_path):

@@ -14,9 +14,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.io import (
     OneBased,
     Unbounded,
-    check_schema,
     from_plain,
-    pick,
     read_json,
     to_plain,
 )
@@ -144,25 +142,6 @@ def test_what_is_wrong_is_told_with_its_path_and_its_value(case):
     with pytest.raises(OptionError, match=message) as reported:
         from_plain(Outer, wrong, "'a.json'")
     assert str(reported.value).startswith("'a.json': ") and "\n" not in str(reported.value)
-
-
-@pytest.mark.parametrize("whole", [[], 3, None, "x"])
-def test_data_that_are_no_object(whole):
-    with pytest.raises(OptionError, match=r"data = .* must be an object"):
-        from_plain(Outer, whole)
-
-
-def test_picked_entries_keep_their_order_and_names():
-    found = pick(OUTER, "number=count", "value", "first", "inner", first=2, more=math.inf)
-    assert list(found) == ["number", "value", "first", "inner", "more"]
-    assert found["number"] == 3 and found["first"] == 2 and found["more"] is None
-
-
-@pytest.mark.parametrize("found", [{"schema": "a/2"}, {}, [], "a/1", None])
-def test_another_schema_is_named(found):
-    check_schema({"schema": "a/1"}, "a/1")
-    with pytest.raises(OptionError, match=r"'b.json': schema = .*a/1"):
-        check_schema(found, "a/1", "'b.json'")
 
 
 @pytest.mark.parametrize(

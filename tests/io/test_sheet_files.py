@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,17 +10,14 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.display import BORDER, MOUNTAIN, Poser, draw_state
-from origami_nlp.minima import write_parts
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import (
     PatternProblem,
     Poses,
     state_frame,
-    state_parts,
     states_to_fold,
 )
 from origami_nlp.pattern_states import analyze_mobility, find_motion
-from tests.patterns import miura, miura_angles
 
 
 def read(data):
@@ -49,15 +45,6 @@ def test_frames_read_back_are_the_same_states(name):
         assert np.abs(one.reference - phi).max() < 1e-12
     x = np.array(data["file_frames"][0]["vertices_coords"])
     assert np.abs(sides(x, p) - sides(p.corners, p)).max() < 1e-12  # facets are rigid
-
-
-def test_a_folded_reference_is_written_as_one():
-    p = o.examples.pattern("miura", 2, 2)
-    data = states_to_fold(p, [state_frame(p, analyze_mobility(p).folded, "folded")])
-    folded = read(data)[1]
-    (again,) = read(states_to_fold(folded))
-    assert not again.is_flat and np.abs(again.reference - folded.reference).max() < 1e-12
-    assert np.abs(again.rest - p.rest).max() < 1e-12
 
 
 def test_the_motion_of_a_miura_is_its_law():
@@ -100,14 +87,6 @@ def test_a_motion_ends_where_facets_touch():
     assert apart < 0.05 * problem.crossings.size
 
 
-def test_what_does_not_move_is_refused():
-    corner = np.array([(0.0, 0.0), (1.0, 0.0), (-0.5, 0.8), (-0.5, -0.8)])
-    with pytest.raises(o.OrigamiError, match="no folded state"):
-        find_motion(make_pattern(corner, [(0, 1, 2), (0, 2, 3), (0, 3, 1)]))
-    with pytest.raises(o.OrigamiError, match="traced up to"):
-        find_motion(o.examples.pattern("miura", 20, 20))
-
-
 def test_a_page_has_every_facet_and_both_sides_of_each_crease():
     p = o.examples.pattern("waterbomb", 2, 2)
     phi = analyze_mobility(p).folded
@@ -125,22 +104,6 @@ def test_a_page_has_every_facet_and_both_sides_of_each_crease():
         assert math.atan2(turn, normals[0] @ normals[1]) == pytest.approx(angle, abs=1e-12)
 
 
-def test_states_and_motions_are_drawn_and_turned(tmp_path):
-    found, motion = o.find_minima("metasheet:2x2", starts=0), o.find_motion("metasheet:2x2")
-    assert len(found.draw().axes) == len(found.minima) > 1
-    shown, moving = found.view_content(), motion.view_content()
-    assert [s.title for s in shown.stations] == [
-        f"{k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
-    ]
-    assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.fold_angles)
-    found.view().save(tmp_path / "a.html")
-    assert (tmp_path / "a.html").stat().st_size > 5e5
-    nothing = replace(found, minima=())
-    for show in (nothing.draw, nothing.view):
-        with pytest.raises(o.OrigamiError, match="no stable state was found"):
-            show()
-
-
 @pytest.mark.parametrize("sign", [1, -1])
 def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
     """A pleat of three: its outer facets are longer, so that one of its two creases is out of sight."""
@@ -156,20 +119,6 @@ def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
     shades = axes.images[0].get_array()
     red, _, blue, _ = shades[shades[..., 3] > 0].T
     assert (red > blue).mean() > 0.999  # the upper side
-
-
-def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
-    """As glTF says: header, lengths, bounds; areas are those of the flat sheet."""
-    pytest.importorskip("trimesh", reason="trimesh is not installed: extra mesh")
-    pattern = miura(2, 3)
-    phi = miura_angles(pattern, 3, 1.0)
-    write_parts(state_parts(pattern, [0 * phi, phi]), tmp_path / "a.glb")
-    import trimesh
-
-    (mesh,) = trimesh.load(tmp_path / "a.glb", process=False).geometry.values()
-    assert mesh.visual.material.doubleSided
-    assert len(mesh.area_faces) == 2 * 6 * 2  # states, facets, triangles
-    assert mesh.area_faces == pytest.approx(np.full(24, 0.5 * math.sin(math.pi / 3)), abs=1e-6)
 
 
 def test_layers_of_a_flat_folded_end_come_back():

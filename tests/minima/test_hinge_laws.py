@@ -280,7 +280,7 @@ def test_files_keep_laws(tmp_path):
     [
         ([0, 1], [], ":law"),
         ([5], [], r"law\[0\] = 5"),
-        ([None], [3], r"laws\[0\]"),
+        ([None], [3], "laws a list of tables"),
         ([None], [{"type": "tabel"}], r"laws\[0\]"),
         ([None], None, "origaminlp:laws"),
     ],

@@ -117,8 +117,8 @@ def test_files_keep_stops(tmp_path):
 @pytest.mark.parametrize(
     ("limits", "why"),
     [
-        ((1.0, -1.0), "no room"),
-        ((-4.0, 1.0), "outside"),
+        ((1.0, -1.0), "with room"),
+        ((-4.0, 1.0), "within"),
         ([(-1, 1)] * 3, "one for each crease"),
         ("-1..1", "one pair"),
         ((-1, 1, 2), "one pair"),

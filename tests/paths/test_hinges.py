@@ -125,7 +125,7 @@ def test_stops_along_a_path_and_what_is_refused():
         assert min(near) < 1e-3
     law = double_well(1.0, 1.0)
     for what, why in {
-        "stiffness[1]=1:2": "hinge law 'double-well' in place of a spring",
+        "stiffness[1]=1:2": "hinge law in place of a spring",
         "rest_angles[1]=0:1": "hinge law",
         "law_scale[2]=1:2": "crease 2 has no hinge law",
         "law_shift[1]=-1:1": "known on",

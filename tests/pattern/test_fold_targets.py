@@ -6,12 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import OrigamiError
 from origami_nlp.pattern import (
     REST_KEY,
-    STIFFNESS_KEY,
     fold_vertices,
-    frame_pattern,
     parse_fold,
     scene_at,
 )
@@ -80,56 +77,3 @@ def test_rest_angles_of_the_namespace_come_first():
     )
     measured = scene_at(one, 0, symmetry="none", rest_from="measured").rest_angles
     assert by_edge(one, measured) == pytest.approx([0] * 4)
-
-
-def test_a_flat_form_with_letters_alone_says_what_it_rests_at():
-    one = frame(simulator_export(None))
-    (v,) = fold_vertices(one)[0]
-    assert v.notes
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx([0] * 4)
-    rest = scene_at(one, 0, symmetry="none", rest_from="file").rest_angles
-    assert by_edge(one, rest) == pytest.approx([-180, 180, 180, 180])
-
-
-@pytest.mark.parametrize("data", [disc(SECTORS, "MVVV", angles=TARGETS), simulator_export()])
-def test_choices_that_cannot_be_are_refused(data):
-    for choice in ("measured" if data.get("frame_classes") != ["foldedForm"] else "both", "90"):
-        with pytest.raises(OrigamiError, match="--rest-from"):
-            scene_at(frame(data), 0, rest_from=choice)
-
-
-FEW = [-90, 3, 2, 1]
-HALF = [-1.5, 1.5, 0.75, 1.5]
-
-
-@pytest.mark.parametrize(
-    ("data", "rest"),
-    [
-        (disc(SECTORS, "MVVV", angles=FEW), FEW),
-        (disc(SECTORS, "MVVV", angles=HALF), HALF),  # degrees, though they look like radians
-    ],
-)
-def test_fold_angles_are_degrees(data, rest):
-    one = frame(data)
-    assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(rest)
-
-
-@pytest.mark.parametrize("edges", [4, 6])
-def test_a_pattern_without_its_whole_outline_has_no_vertex_and_says_so(edges):
-    data = disc(SECTORS, "MVVV")
-    for key in ("edges_vertices", "edges_assignment"):
-        data[key] = data[key][:edges]
-    found, notes = fold_vertices(frame(data))
-    assert not found and notes
-    assert not fold_vertices(frame(disc(SECTORS, "MVVV")))[1]
-
-
-def test_springs_that_were_asked_for_and_not_used_are_named():
-    angles = [-60, 60, 60, 60]
-    stated = disc(SECTORS, "MVVV", angles=angles) | {STIFFNESS_KEY: [0.02] * 8}
-    ask = {"stiffness": 0.01, "rest_angle": math.pi / 2}
-    for data, many in ((disc(SECTORS, "MVVV"), 0), (stated, 2)):
-        said = []
-        scene_at(frame(data), 0, on_note=said.append, **ask)
-        for notes in (said, frame_pattern(frame(data), **ask).notes):
-            assert sum("is not used" in note for note in notes) == many

@@ -77,9 +77,3 @@ def test_what_is_wrong_is_said_in_one_line(change):
     with pytest.raises(OrigamiError) as caught:
         o.from_mesh(vertices, faces, assignment, **given)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("data", [{}, {"vertices_coords": object()}, {1: {2}}, {"a": float("inf")}])
-def test_a_dict_that_is_no_fold_data_is_refused(data):
-    with pytest.raises(OrigamiError):
-        o.find_minima(data)

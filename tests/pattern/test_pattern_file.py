@@ -231,17 +231,6 @@ def test_paper_that_meets_in_a_point_is_not_joined_there():
     assert (p.facets, len(p.vertices), len(p.holes)) == (14, 2, 1)
 
 
-@pytest.mark.parametrize("apart", [0.0, 0.1])
-def test_two_creases_between_the_same_facets_must_run_in_one_line(apart):
-    low, top = 1.0 + apart, 1.0
-    left = [(0, 0), (low, 0), (low, 1), (0.9, 1), (0.9, 2), (top, 2), (top, 3), (0, 3)]
-    right = [(2, 0), (2, 3), (top, 3), (top, 2), (1.2, 2), (1.2, 1), (low, 1), (low, 0)]
-    corners = list(dict.fromkeys((*left, *right)))
-    p = o.from_mesh(corners, [[*map(corners.index, f)] for f in (left, right)])
-    said = [note for note in p.notes if "join the same two facets" in note]
-    assert (p.facets, p.creases, len(said)) == (2, 2, int(apart > 0))
-
-
 def _moved(coords):
     """The middle vertex of four facets, far beyond the border."""
     middle = int(np.argmin(np.linalg.norm(np.array(coords) - np.mean(coords, axis=0), axis=1)))

@@ -114,16 +114,6 @@ def test_states_of_a_snapped_drawing_are_those_of_the_clean_one(noise):
         assert abs(one.energy - other.energy) <= 100 * noise * max(1.0, other.energy)
 
 
-@pytest.mark.parametrize("command", ["inspect", "minima", "check"])
-def test_every_command_names_both_ways_on(command, tmp_path):
-    path = tmp_path / "noisy.fold"
-    path.write_text(json.dumps(noisy(1e-4)[0]))
-    options = ("--seconds", 0.5) if command == "minima" else ()
-    done = run(command, path, *options)
-    told = " ".join((done.out + done.err).split())
-    assert "--snap 1e-3 moves corners" in told and "--bend K" in told
-
-
 @pytest.mark.parametrize("noise", [1e-6, 1e-5, 1e-4, 3e-4])
 def test_inspect_and_check_judge_vertices_alike(noise, tmp_path):
     path = tmp_path / "noisy.fold"

@@ -188,7 +188,7 @@ def test_a_moment_of_fixed_direction_has_no_energy():
     assert (
         np.trace(turned) == 1 and (turned @ [0, 0, 1] == [0, 0, 1]).all()
     )  # a quarter turn about e3
-    with pytest.raises(SceneError, match="no energy"):
+    with pytest.raises(SceneError, match="unknown key 'moment'"):
         replace(BOOK, loads=[{"facet": 1, "moment": [0, 0, 1]}])
 
 
@@ -205,7 +205,7 @@ def test_scenes_with_loads_survive_files():
         ({"fixed_facet": 9}, "1 to 5"),
         ({"loads": [{"crease": 6, "distance": 1, "force": [0, 0, 1]}]}, "1 to 5"),
         ({"loads": [{"crease": 1, "distance": -1, "force": [0, 0, 1]}]}, "above 0"),
-        ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "must have one of"),
+        ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "crease, distance and force"),
         ({"loads": [{"facet": 1, "point": [1, 2.0], "force": [0, 0, 1]}]}, "within facet 1"),
         ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1]}]}, "3 numbers"),
         ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1, math.inf]}]}, "number"),
@@ -219,7 +219,7 @@ def test_loads_that_make_no_sense_are_refused_by_name(change, word):
 
 
 def test_what_does_not_know_forces_says_so():
-    with pytest.raises(SymmetryError, match="facet 4 fixed"):
+    with pytest.raises(SymmetryError, match="not shared by loads"):
         replace(BOOK, symmetry="D1")
     assert BOOK.group.is_trivial
     for ask in (find_critical_points, find_barriers, lambda s: prove(ReducedVertex(s))):

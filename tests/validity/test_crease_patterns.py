@@ -11,7 +11,7 @@ from origami_nlp.pattern import parse_fold
 from origami_nlp.pattern_problem import states_to_fold
 from origami_nlp.validity import list_vertices
 from tests.patterns import miura, miura_angles
-from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
+from tests.validity.test_faults import CLOSES, LETTERS, faults
 
 
 def star(sectors, letters, lengths=None):
@@ -123,24 +123,6 @@ def test_a_drawing_that_is_none(change, edges, vertices):
     (found,) = faults(drawing(change)).values()
     assert {e for one in found for e in one.edges} == edges
     assert {v for one in found for v in one.vertices} == vertices
-
-
-def test_two_vertices_in_one_place():
-    data = star([90, 90, 90, 90], "MVVV")
-    data["vertices_coords"].append([1.0, 0.0])
-    data["edges_vertices"][4] = [5, 2]
-    (one,) = faults(data)["drawing"]
-    assert "same place" in one.text
-
-
-def test_a_face_that_crosses_its_own_outline():
-    data = {
-        "vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]],
-        "edges_vertices": [[0, 1], [1, 3], [3, 2], [2, 0]],
-        "edges_assignment": ["B"] * 4,
-        "faces_vertices": [[0, 1, 3, 2]],
-    }
-    assert any(one.faces == (0,) for one in faults(data)[PLANES])
 
 
 def test_a_crease_that_ends_within_a_facet():
