@@ -26,14 +26,15 @@ import numpy as np
 from flint import arb, arb_series
 
 from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.proof.result import ProvedState, Region
 from origami_nlp.proof.sheets import (
     TERMS,
     Equal,
     FlatSheet,
-    SheetMinimum,
     VertexRound,
     closer,
     sign_of,
+    state_of,
 )
 from origami_nlp.proof.slopes import Budget, Curve, Look, least
 
@@ -240,21 +241,20 @@ class ProductSearch:
 
     Attributes
     ----------
-    minima, open, curves, sets, alone, maxima
-        As those of `SheetProof`.
+    minima, open
+        What is shown, and what is left.
     """
 
     def __init__(self, sheet: FoldingSheet, budget: Budget) -> None:
         self.sheet, self.budget = sheet, budget
-        self.minima: list[SheetMinimum] = []
-        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
-        self.sets = self.alone = self.maxima = 0
+        self.minima: list[ProvedState] = []
+        self.open: list[Region] = []
         self._known: dict[Group, tuple[GroupEnergy, list[tuple[int, Any]]]] = {}
 
     @property
-    def curves(self) -> int:
-        """How many groups move."""
-        return len(self._known)
+    def over(self) -> str:
+        """Over which states the statement ranges, in words."""
+        return f"products of {len(self._known)} curves, along which tangents of half the fold angles are proportional"
 
     def run(self) -> None:
         """Go through all sets."""
@@ -273,8 +273,6 @@ class ProductSearch:
         groups = self.sheet.together(free | turned, signs, free)
         if groups is None:
             return
-        self.sets += 1
-        self.alone += not free
         at: list[list[dict[int, Any]]] = []
         for group in groups:
             if self.sheet.row[min(group)] in turned:
@@ -291,7 +289,7 @@ class ProductSearch:
                     for c, x in folds.items()
                     if self.sheet.row[c] in turned
                 }
-                self.minima.append(SheetMinimum.of(every, exactly))
+                self.minima.append(state_of(every, exactly))
 
     def _stationary(self, found: dict[int, Ratio]) -> tuple[GroupEnergy, list[tuple[int, Any]]]:
         """Return the energy of a group, and where it is least inside: 0 and T, or a side of 180 degrees and 1/T."""
@@ -302,7 +300,6 @@ class ProductSearch:
         for side, low, high in ((0, -1.0, 1.0), (-1, -1.0, 0.0), (1, 0.0, 1.0)):
             rests = energy.even and not side
             known = least(GroupChart(energy, side), low, high, self.budget, rests)
-            self.maxima += known.maxima
             for _, _, why in known.open:
                 self._leave(f"where the energy is least along a curve: {why}")
             for a, b, _ in known.minima:
@@ -315,8 +312,8 @@ class ProductSearch:
         return energy, zeros
 
     def _leave(self, why: str) -> None:
-        ends = (np.full(len(self.sheet.row), s * math.pi) for s in (-1, 1))
-        self.open.append((*ends, why))  # type: ignore[arg-type]
+        low, high = (np.full(len(self.sheet.row), s * math.pi) for s in (-1, 1))
+        self.open.append(Region(low, high, why))
 
     def _stays(self, kinds: Sequence[int], folds: Sequence[Any]) -> bool:
         """Return whether the energy grows as rows that are 0, or at +-180 degrees, begin to move."""

@@ -11,7 +11,8 @@ from flint import arb
 
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
-from origami_nlp.proof.sheets import LawBalls, SheetMinimum, closer, sign_of
+from origami_nlp.proof.result import ProvedState, Region
+from origami_nlp.proof.sheets import LawBalls, closer, sign_of, state_of
 from origami_nlp.proof.slopes import DEPTH, Budget, Curve, Look, least
 
 QUARTER = math.nextafter(0.5 * math.pi, math.inf)
@@ -80,12 +81,12 @@ class QuadCurve(Curve):
             first = closer(first, middle.first + box.second * (x - x.mid()))
         return Look(first, box.second, gaps, box.folds)
 
-    def state(self, low: float, high: float, gaps: Sequence[Any] = ()) -> SheetMinimum | None:
+    def state(self, low: float, high: float, gaps: Sequence[Any] = ()) -> ProvedState | None:
         """Return the state of a minimum between two numbers, held by some of the gaps; None where it is not known."""
         known = self.over(arb(low).union(arb(high)))
         if known is None:
             return None
-        exactly, stops = dict[int, float](), []
+        exactly = dict[int, float]()
         ends = [self.over(arb(x)) for x in (low, high)]
         for name in gaps:
             if all(e is not None and e.gaps[name][0] > 0 for e in ends):
@@ -96,8 +97,7 @@ class QuadCurve(Curve):
                 }
             else:
                 exactly[name[0]] = next(float(at) for *one, at in self.stops if (*one,) == name)
-                stops.append(name)
-        return SheetMinimum.of([f[0] for f in known.known], exactly, stops=tuple(stops))
+        return state_of([f[0] for f in known.known], exactly)
 
 
 class QuadSearch:
@@ -105,21 +105,31 @@ class QuadSearch:
 
     Attributes
     ----------
-    minima, open, curves, sets, alone, maxima
-        As those of `SheetProof`.
+    minima, open
+        What is shown, and what is left.
+    curves
+        How many go through the flat state.
     """
 
     def __init__(self, quads: QuadSheet, budget: Budget) -> None:
         self.quads, self.budget = quads, budget
         self.pattern = pattern = quads.sheet.pattern
-        self.minima: list[SheetMinimum] = []
-        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
-        self.curves = self.sets = self.alone = self.maxima = 0
+        self.minima: list[ProvedState] = []
+        self.open: list[Region] = []
+        self.curves = 0
         self.rests = not pattern.rest.any() and not any(pattern.laws)
         first = quads.vertices[0]
         k = first.beside
         # of two opposite creases that which folds more
         self.drive = first.creases[0 if k[1] * k[2] > k[0] * k[3] else 2]
+
+    @property
+    def over(self) -> str:
+        """Over which states the statement ranges, in words."""
+        return (
+            f"the flat state, rigid ones, and {self.curves} curves through it, along which vertices of equal sectors "
+            "fold alike"
+        )
 
     def run(self) -> None:
         """Go through all choices; then ask of the flat state."""
@@ -127,7 +137,7 @@ class QuadSearch:
         low, high = self.pattern.limit_angles
         # off it the energy falls along every curve, but where no spring pulls
         if (not self.curves or self.rests) and ((low <= 0) & (high >= 0)).all():
-            self.minima.append(SheetMinimum(np.zeros(self.pattern.creases), 0.0))
+            self.minima.append(ProvedState(np.zeros(self.pattern.creases), 0.0))
 
     def _choose(self, modes: tuple[int, ...], left: list[tuple[float, float]]) -> None:
         """Choose a mode at each vertex in turn; theta is in what is left."""
@@ -135,7 +145,6 @@ class QuadSearch:
         if signs is None:
             return
         whole = len(modes) == len(self.quads.vertices)
-        self.sets += whole
         if modes:
             links = Modes(self.quads, modes, self.drive, signs)
             if links.loops:
@@ -156,7 +165,6 @@ class QuadSearch:
         for side in (1, -1):
             curve = QuadCurve(links, side, self.pattern)
             found = least(curve, 0.0, QUARTER, self.budget, self.rests)
-            self.maxima += found.maxima
             for low, high, why in found.open:
                 self._leave(links, side, low, high, why)
             for low, high, gaps in found.minima:
@@ -240,8 +248,7 @@ class QuadSearch:
             if not all(g > 0 for g in room):
                 self._leave(links, side, low, high, "a limit at a rigid state")
                 continue
-            self.alone += 1
-            self.minima.append(SheetMinimum.of([f[0] for f in folds], {}))
+            self.minima.append(state_of([f[0] for f in folds], {}))
 
     def _leave(self, links: Modes, side: int, low: float, high: float, why: str) -> None:
         ends = np.array([np.full(self.pattern.creases, s * math.pi) for s in (-1, 1)])
@@ -254,7 +261,7 @@ class QuadSearch:
             if f[0].is_finite():
                 ends[0, c] = max(ends[0, c], float(f[0].lower()))
                 ends[1, c] = min(ends[1, c], float(f[0].upper()))
-        self.open.append((ends[0], ends[1], why))
+        self.open.append(Region(ends[0], ends[1], why))
 
 
 def _differ(zs: Sequence[Any], loop: tuple[int, int]) -> Any:

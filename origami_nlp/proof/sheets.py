@@ -17,7 +17,6 @@ import functools
 import itertools
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +24,7 @@ from flint import arb, ctx
 
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import HingeLaw, Pattern, laid_flat
+from origami_nlp.proof.result import ProvedState
 from origami_nlp.proof.rows import UNIT
 
 BITS = 128
@@ -54,30 +54,11 @@ def closer(x: Any, y: Any) -> Any:
     return y if y.is_finite() and not y.rad() >= x.rad() else x
 
 
-@dataclass(frozen=True)
-class SheetMinimum:
-    """A minimum of the energy of a sheet.
-
-    Attributes
-    ----------
-    fold_angles
-        [n] [rad]; those that are 0 or +-pi are so exactly.
-    radius
-        None of the fold angles differs by more [rad].
-    stops
-        Creases (from 0) at stops within +-180 degrees that hold it, each with the side, +1 for the upper one.
-    """
-
-    fold_angles: np.ndarray
-    radius: float
-    stops: tuple[tuple[int, int], ...] = ()
-
-    @classmethod
-    def of(cls, folds: Sequence[Any], exactly: dict[int, float], **held: Any) -> SheetMinimum:
-        """Return the state of fold angles in balls, some of which are known exactly."""
-        phi = [exactly.get(c, float(a.mid())) for c, a in enumerate(folds)]
-        radius = max(float(abs(a - x).upper()) for a, x in zip(folds, phi, strict=True))
-        return cls(np.array(phi), radius * (1 + 4 * UNIT), **held)
+def state_of(folds: Sequence[Any], exactly: dict[int, float]) -> ProvedState:
+    """Return the minimum of fold angles in balls, some of which are known exactly."""
+    phi = np.array([exactly.get(c, float(a.mid())) for c, a in enumerate(folds)])
+    radius = max(float(abs(a - x).upper()) for a, x in zip(folds, phi.tolist(), strict=True))
+    return ProvedState(phi, radius * (1 + 4 * UNIT))
 
 
 class VertexRound(NamedTuple):

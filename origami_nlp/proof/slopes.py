@@ -75,14 +75,11 @@ class Least:
     ----------
     minima
         Between two numbers each, held by gaps that have these names.
-    maxima
-        How many.
     open
         Between two numbers each, and why.
     """
 
     minima: list[tuple[float, float, tuple[Any, ...]]] = field(default_factory=list)
-    maxima: int = 0
     open: list[tuple[float, float, str]] = field(default_factory=list)
 
 
@@ -102,11 +99,9 @@ def least(curve: Curve, low: float, high: float, budget: Budget, rests: bool = F
             ends = [_slope(curve, x) for x in (a, b)]
             if not all(ends):
                 found.open.append((a, b, "the slope at the end of an interval"))
-            elif ends[0] != ends[1]:
-                found.maxima += sign < 0
-                if sign > 0:
-                    zero = _halved(lambda x: _slope(curve, x), a, b)
-                    found.minima.append((*zero, ()))
+            elif ends[0] != ends[1] and sign > 0:
+                zero = _halved(lambda x: _slope(curve, x), a, b)
+                found.minima.append((*zero, ()))
         elif kind == HELD:
             ends = [_room(curve, gaps, x) for x in (a, b)]
             if not all(ends):

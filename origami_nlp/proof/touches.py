@@ -22,8 +22,7 @@ and 4 do, or where one of them lies on the mirror, its crease closed: the row is
 At each critical point the signs of all rays off all facets are enclosed (`facet_separation`).  Where facets cross it is
 dropped.  Where all are apart but for P and T, of independent gradients, the signs of the Lagrange multipliers and the
 index decide as within fold limits.  What remains are stacks of facets: there the package's exact test decides whether
-the layers have an order (`PatternProblem.refuses`) and its cone the verdict (`classify`); `judged` names this, and such
-a point is not proved.
+the layers have an order (`PatternProblem.refuses`), and where gaps are closed its cone the verdict (`classify`).
 
 Undecided or refused, by name: more than two degrees of freedom, C_n, wedges of more rays, sectors of pi and more, sets
 of dimension one that contacts hold.  Singular flat foldings are listed.
@@ -51,7 +50,6 @@ from origami_nlp.proof.rows import (
     Triples,
     joined_rows,
     number,
-    pairs,
     variables,
 )
 
@@ -114,7 +112,6 @@ class TouchedPiece:
             wanted += slope.values()
         self.gaps, self.refused = len(gaps), len(refused)
         self.triples = Triples(piece.chain, wanted)
-        self.kite = self._kite(touches)
         many = piece.pivots + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
 
@@ -137,12 +134,6 @@ class TouchedPiece:
         }
         return [c.behind(k, side)], [], slope
 
-    def _kite(self, touches: Sequence[Row]) -> Kite | None:
-        a, kind = self.piece.sectors, touches[0].kind
-        if kind not in ("start", "end") or len(touches) > 1 or len(a) != 2 or self.size != 3:
-            return None
-        return Kite(a[0], 0 if kind == "start" else 2) if abs(a[0] - a[1]) <= SUMMED else None
-
     def rows(
         self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
     ) -> tuple[Affine, np.ndarray]:
@@ -163,8 +154,6 @@ class TouchedPiece:
             triples[: self.gaps],
             [{v: triples[i] for v, i in c.items()} for c in self.columns],
         )
-        if self.kite is not None:
-            gaps, columns = self.kite.rows(middle, half)
         closure = [piece.closure(folded).affine(), gaps.affine()]
         closure += [
             refusal(triples[self.gaps + i : self.gaps + i + 1].affine())
@@ -210,53 +199,6 @@ def refusal(row: Affine) -> Affine:
     return Affine(out, 0 * row.slopes, 2.0 - 1.5 * out)
 
 
-class Kite:
-    """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, less what it has in common with crease 2.
-
-    With theta half the fold angle of the crease on the mirror, c_3 . n_1 = 2 sin a cos(phi_2 / 2) (cos a cos(phi_2 / 2)
-    cos theta - sin(phi_2 / 2) sin theta): crease 2 fully folded puts rays 1 and 3 on each other, on the axis.  The last
-    factor is the row.
-
-    Parameters
-    ----------
-    sector
-        a [rad].
-    crease
-        Variable of the crease on the mirror.
-    """
-
-    def __init__(self, sector: float, crease: int) -> None:
-        self.cosine, self.crease = math.cos(sector), crease
-
-    def rows(
-        self, middle: np.ndarray, half: np.ndarray
-    ) -> tuple[Quadratic, list[dict[int, Quadratic]]]:
-        """Enclose the row, and its derivatives by the turns, phi_2 and theta."""
-        c, s = half_angle(middle, half, 1)
-        d, t = half_angle(middle, half, self.crease)
-        a = self.cosine
-        row = (c * d).times(a) + (s * t).times(-1.0)
-        by_fold = (s * d).times(-0.5 * a) + (c * t).times(-0.5)
-        by_turn = (c * t).times(-a) + (s * d).times(-1.0)
-        return row, [{1: by_fold[0], self.crease: by_turn[0]}]
-
-
-def half_angle(middle: np.ndarray, half: np.ndarray, v: int) -> tuple[Quadratic, Quadratic]:
-    """Return cosine and sine of half of an angle over boxes, one row each."""
-    n = middle.shape[0]
-    r = 0.5 * half[v]
-    own = pairs(n)[2][v, v]
-    out = []
-    at = np.cos(0.5 * middle[v]), np.sin(0.5 * middle[v])
-    for value, slope in (at, (at[1], at[0])):
-        row = number(value[None], 0.0, n)
-        sign = -1.0 if value is at[0] else 1.0
-        row.slopes[0, v], row.bends[0, own] = sign * slope * r, -0.5 * value * r**2
-        row.rest[0] = r**3 / 6 + 16 * UNIT * (1 + r) ** 2
-        out.append(row)
-    return out[0], out[1]
-
-
 @dataclass(frozen=True, eq=False)
 class ContactStratum:
     """Touches, and the boxes of the fold limits that go with them.
@@ -294,6 +236,9 @@ def why_no_touches(vertex: ReducedVertex) -> str:
         return ""
     if vertex.scene.limits:
         return f"{of} with stops are not proved"
+    if vertex.order > 1 and rays == 3 and abs(vertex.sectors[0] - vertex.sectors[1]) <= SUMMED:
+        # crease 2 fully folded puts its neighbours on each other: gaps at mirrors close there all along
+        return f"{of} of equal sectors are not proved"
     fits = rays <= 3 if vertex.order > 1 else rays == 4 and all(vertex.has_crease)
     return "" if fits else f"{of} of {rays} rays are not proved"
 
