@@ -18,7 +18,7 @@ from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, 
 from origami_nlp.proof.facet_separation import APART, CROSSED, separation
 from origami_nlp.proof.flat import RADII, Flat, FlatVertex, flat_lemma
 from origami_nlp.proof.pieces import Piece, piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.result import (
     Proof,
     ProofOptions,
@@ -37,7 +37,6 @@ from origami_nlp.proof.roots import (
 from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.touches import (
     ContactStratum,
-    Row,
     contact_strata,
     kept_closed,
     why_no_touches,
@@ -132,7 +131,7 @@ def prove(
     known: Roots | None = None
     for stratum in (within, *(contact_strata(vertex) if full else ())):
         touches, most = stratum.touches, boxes - (treated - flat.boxes)
-        names = "".join(f"; {vertex.gaps[t.gap].text}" for t in touches)
+        names = "".join(f"; {t.text}" for t in touches)
         beside = 0.0 if touches else near
         found = prune(stratum.posed, stratum.start, flat=beside, most=most, until=until)
         treated += found.boxes
@@ -146,7 +145,7 @@ def prove(
             some = (found.candidates[g] for g in by_stratum(found.candidates))
             left += [region(one, "a curve" + names) for one in some]
             continue
-        system = BoxKkt(vertex, tuple(t.gap for t in touches))
+        system = BoxKkt(vertex, touches)
         roots, rest, more = certified(system, stratum.posed, found.candidates, beside)
         treated += more
         # a root with a free angle at its limit is none of the open stratum: the state belongs to others
@@ -284,7 +283,7 @@ def _regular(system: BoxKkt, boxes: Boxes, flat: float) -> np.ndarray:
 
 
 def _point(
-    vertex: ReducedVertex, roots: Roots, i: int, touches: tuple[Row, ...], sides: np.ndarray
+    vertex: ReducedVertex, roots: Roots, i: int, touches: tuple[Gap, ...], sides: np.ndarray
 ) -> ProvedState:
     """State a root in the scene's units, and decide it by the signs of all multipliers and its index.
 
@@ -317,7 +316,7 @@ def _point(
         tuple(pins.tolist()),
         tuple((half * lam[:equations]).tolist()),
         tuple(signs.tolist()),
-        tuple(t.gap for t in touches),
+        touches,
         tuple(forces.tolist()),
     )
 

@@ -15,9 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.rows import Triples, variables
-from origami_nlp.proof.touches import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
 
@@ -27,7 +26,7 @@ def separation(
     x: np.ndarray,
     radius: np.ndarray,
     pins: np.ndarray,
-    touches: tuple[Row, ...],
+    touches: tuple[Gap, ...],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Say what facets do at R states, where some gaps are closed.
 
@@ -63,10 +62,8 @@ def separation(
     off = dict(zip(apart, known, strict=True))
     level = np.zeros(len(x), dtype=int)
     found = [level + APART]
-    held = {t.gap for t in touches}
-    for i in vertex.walls:
-        if i not in held:
-            found += [*signs([chain.behind(*vertex.gaps[i].rays)])]  # type: ignore[list-item]
+    walls = [g for g in vertex.gaps if g.kind in ("start", "end") and g not in touches]
+    found += [*signs([chain.closed(*g.rays, kind=g.kind) for g in walls])]
     for i, j in vertex.pairs:
         ends = {(a, b) for k, b in ((i, j), (j, i)) for a in (k, (k + 1) % n)}
         if any(t.kind == "meet" or t.rays in ends for t in touches):

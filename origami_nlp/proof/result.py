@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.arguments import check_whole
+from origami_nlp.proof.reduced import Gap
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class ProvedState:
         Sign of s_i (G_i - m . c_i): -1 where a closed crease pushes against its limit, +1 where it would leave, 0 where
         unclear; 0 for free ones, [n].
     touches
-        Gaps that are closed (positions in `ReducedVertex.gaps`); full contact only.
+        Gaps that are closed; full contact only.
     forces
         Multiplier of each, positive where it pushes, in the scene's units per unit of gap.
     """
@@ -49,7 +50,7 @@ class ProvedState:
     stratum: tuple[int, ...] = ()
     moment: tuple[float, ...] = ()
     pinned_signs: tuple[int, ...] = ()
-    touches: tuple[int, ...] = ()
+    touches: tuple[Gap, ...] = ()
     forces: tuple[float, ...] = ()
 
 

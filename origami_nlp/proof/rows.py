@@ -297,6 +297,10 @@ class Chain:
         e = self.steps - 1
         return (k, e, self.steps + e) if side else (self.up, 0, k)
 
+    def closed(self, k: int, j: int = -1, *, kind: str) -> tuple[int, int, int]:
+        """Return those of a gap (`reduced.Gap`)."""
+        return self.behind(k, int(kind == "end")) if j < 0 else self.gap(*self.shortest(k, j))
+
     def fold(self, middle: np.ndarray, half: np.ndarray) -> Folded:
         """Fold at the middle [n, K] of boxes of half widths [n, K] [rad]."""
         boxes, e = middle.shape[1], self.steps

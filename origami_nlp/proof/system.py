@@ -27,7 +27,7 @@ import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT
 from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.rows import CREASE, Triples, pairs
 
 
@@ -93,27 +93,18 @@ class BoxKkt:
     vertex
         Of a flat sheet.
     gaps
-        Positions in `Structure.gaps` that are closed.
+        Those that are closed.
     """
 
-    def __init__(self, vertex: ReducedVertex, gaps: tuple[int, ...] = ()) -> None:
+    def __init__(self, vertex: ReducedVertex, gaps: tuple[Gap, ...] = ()) -> None:
         self.piece = piece = piece_of(vertex)
         chain = piece.chain
         self.n, self.equations = vertex.size, piece.pivots
         self.m = piece.pivots + len(gaps)
         self.k, self.rest = vertex.problem.parameters.stiffness, piece.rest
-        known = [vertex.gaps[i] for i in gaps]
-        self.gaps = Triples(
-            chain,
-            [
-                chain.behind(*g.rays)  # type: ignore[misc]
-                if g.pair is None
-                else chain.gap(*chain.shortest(*g.rays))  # type: ignore[misc]
-                for g in known
-            ],
-        )
+        self.gaps = Triples(chain, [chain.closed(*g.rays, kind=g.kind) for g in gaps])
         self.sines = np.array(
-            [1.0 if g.pair is None else math.sin(piece.sectors[g.rays[1]]) for g in known]
+            [math.sin(piece.sectors[g.rays[1]]) if g.rays[1:] else 1.0 for g in gaps]
         )
         weight = np.ones(self.n)
         weight[chain.variable[chain.folds > 0]] = chain.folds[chain.folds > 0]

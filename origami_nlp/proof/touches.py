@@ -42,7 +42,7 @@ import numpy as np
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
 from origami_nlp.proof.boxes import Boxes, BoxProblem, strata
 from origami_nlp.proof.pieces import Piece, piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.rows import (
     UNIT,
     Affine,
@@ -52,27 +52,6 @@ from origami_nlp.proof.rows import (
     number,
     variables,
 )
-
-
-@dataclass(frozen=True, order=True)
-class Row:
-    """A gap that closes.
-
-    Attributes
-    ----------
-    kind
-        ``facet``: ray k on the facet from ray j; ``start``, ``end``: ray k on the plane of that mirror; ``meet``:
-        rays 0 and 3 of a D_1 wedge, in the plane of its mirrors, on each other.
-    rays
-        (k, j), or (k,).
-    gap
-        Position in `Structure.gaps`.
-    """
-
-    kind: str
-    rays: tuple[int, ...]
-    gap: int
-
 
 Three = tuple[int, int, int]
 
@@ -91,7 +70,7 @@ class TouchedPiece:
         Gaps that are closed.
     """
 
-    def __init__(self, piece: Piece, touches: Sequence[Row]) -> None:
+    def __init__(self, piece: Piece, touches: Sequence[Gap]) -> None:
         self.piece, self.size = piece, piece.size
         gaps: list[Three] = []
         again: list[Three] = []
@@ -115,7 +94,7 @@ class TouchedPiece:
         many = piece.pivots + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
 
-    def _rows(self, touch: Row) -> tuple[list[Three], list[Three], dict[int, Three]]:
+    def _rows(self, touch: Gap) -> tuple[list[Three], list[Three], dict[int, Three]]:
         """Return a touch's gap, each way; what is certainly not positive; and its slopes."""
         c = self.piece.chain
         if touch.kind == "facet":
@@ -213,34 +192,28 @@ class ContactStratum:
         Boxes.
     """
 
-    touches: tuple[Row, ...]
+    touches: tuple[Gap, ...]
     posed: BoxProblem
     start: Boxes
 
 
 def why_no_touches(vertex: ReducedVertex) -> str:
     """Return why touches of a vertex are not proved here; "" where they are."""
-    dof = vertex.dof
+    rays, sectors = len(vertex.has_crease), vertex.sectors
     if max(vertex.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
-    rays, of = len(vertex.has_crease), f"touches of a {vertex.problem.symmetry} wedge"
     if vertex.kind == "C" and vertex.order > 1:
         return f"touches with symmetry {vertex.problem.symmetry} are not proved"
-    if vertex.kind == "D" and rays < 3:
-        return f"{of} of {rays} rays are not proved"
-    if not vertex.gaps:
-        return ""
-    if dof > 2:
-        return f"{dof} degrees of freedom: touches are proved for at most 2"
-    if vertex.kind == "C":
-        return ""
-    if vertex.scene.limits:
-        return f"{of} with stops are not proved"
-    if vertex.order > 1 and rays == 3 and abs(vertex.sectors[0] - vertex.sectors[1]) <= SUMMED:
-        # crease 2 fully folded puts its neighbours on each other: gaps at mirrors close there all along
-        return f"{of} of equal sectors are not proved"
-    fits = rays <= 3 if vertex.order > 1 else rays == 4 and all(vertex.has_crease)
-    return "" if fits else f"{of} of {rays} rays are not proved"
+    if vertex.kind == "D":
+        fits = rays == 3 or (vertex.order == 1 and rays == 4 and all(vertex.has_crease))
+        # between equal sectors a crease that is fully folded puts its neighbours on each other, and closes gaps
+        equal = vertex.order > 1 and fits and abs(sectors[0] - sectors[1]) <= SUMMED
+        if not fits or equal or (vertex.gaps and vertex.scene.limits):
+            with_stops = " with stops" * bool(vertex.scene.limits) + " of equal sectors" * equal
+            return f"touches of a {vertex.problem.symmetry} wedge of {rays} rays{with_stops} are not proved"
+    if vertex.gaps and vertex.dof > 2:
+        return f"{vertex.dof} degrees of freedom: touches are proved for at most 2"
+    return ""
 
 
 def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
@@ -255,7 +228,7 @@ def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
         posed = TouchedPiece(piece, touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
-            allowed &= on == (touches[0].rays == (0, 3))
+            allowed &= on == (touches[0].rays != (3, 0))
         for crease in range(vertex.size if vertex.kind == "C" else 0):
             if any(_says_nothing(vertex, t, crease) for t in touches):
                 allowed &= flat[crease] == 0
@@ -263,32 +236,15 @@ def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
             yield ContactStratum(touches, posed, patterns[allowed])
 
 
-def _sets(vertex: ReducedVertex) -> Iterator[tuple[Row, ...]]:
-    """Sets of gaps that may be closed at once."""
-    first: dict[tuple[int, ...], int] = {}
-    for i, gap in enumerate(vertex.gaps):
-        first.setdefault(gap.rays, i)
-    if vertex.kind == "C":
-        n = vertex.size
-        rows = [
-            Row("facet", rays, i)
-            for rays, i in first.items()
-            if 3 <= (rays[0] - rays[1]) % n <= n - 2
-        ]
-        for count in range(1, vertex.dof + 1):
-            for touches in itertools.combinations(rows, count):
-                if not _on_each_other(vertex, touches):
-                    yield touches
-    elif vertex.order == 1:
-        for rays in ((3, 0), (0, 3)) if first else ():
-            yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
-    else:
-        # both at once: rays 1 and 3 on each other, which is crease 2 fully folded between equal sectors
-        for (r, side), i in first.items():
-            yield (Row("end" if side else "start", (r,), i),)
+def _sets(vertex: ReducedVertex) -> Iterator[tuple[Gap, ...]]:
+    """Sets of gaps that may be closed at once; of a wedge one: both are a crease fully folded between equal sectors."""
+    for count in range(1, vertex.dof + 1 if vertex.kind == "C" else 2):
+        for touches in itertools.combinations(vertex.gaps, count):
+            if not _on_each_other(vertex, touches):
+                yield touches
 
 
-def _says_nothing(vertex: ReducedVertex, touch: Row, crease: int) -> bool:
+def _says_nothing(vertex: ReducedVertex, touch: Gap, crease: int) -> bool:
     """Whether a ray lies on an edge of the facet it touches where a crease between equal sectors is fully folded."""
     a, n = vertex.sectors, vertex.size
     if abs(a[crease - 1] - a[crease]) > SUMMED:
@@ -298,7 +254,7 @@ def _says_nothing(vertex: ReducedVertex, touch: Row, crease: int) -> bool:
     return len(met) == 1 and met <= {facet, (facet + 1) % n}
 
 
-def _on_each_other(vertex: ReducedVertex, touches: tuple[Row, ...]) -> bool:
+def _on_each_other(vertex: ReducedVertex, touches: tuple[Gap, ...]) -> bool:
     """Whether two contacts close at once only with coincident rays, a fully folded crease, or all flat (degree 5)."""
     a, n = vertex.sectors, vertex.size
     if len(touches) != 2 or n != 5:
@@ -310,7 +266,7 @@ def _on_each_other(vertex: ReducedVertex, touches: tuple[Row, ...]) -> bool:
     return False
 
 
-def kept_closed(vertex: ReducedVertex, touch: Row, pins: np.ndarray) -> bool:
+def kept_closed(vertex: ReducedVertex, touch: Gap, pins: np.ndarray) -> bool:
     """Whether all creases between a ray and what it touches are fully folded, one way round."""
     has = vertex.has_crease
     flat = vertex.problem.fold_limits.folded_flat(pins)
