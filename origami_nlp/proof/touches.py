@@ -207,7 +207,7 @@ def why_no_touches(vertex: ReducedVertex) -> str:
     if vertex.kind == "D":
         fits = rays == 3 or (vertex.order == 1 and rays == 4 and all(vertex.has_crease))
         # between equal sectors a crease that is fully folded puts its neighbours on each other, and closes gaps
-        equal = vertex.order > 1 and fits and abs(sectors[0] - sectors[1]) <= SUMMED
+        equal = vertex.order > 1 and fits and bool(abs(sectors[0] - sectors[1]) <= SUMMED)
         if not fits or equal or (vertex.gaps and vertex.scene.limits):
             with_stops = " with stops" * bool(vertex.scene.limits) + " of equal sectors" * equal
             return f"touches of a {vertex.problem.symmetry} wedge of {rays} rays{with_stops} are not proved"
