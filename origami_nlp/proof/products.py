@@ -20,6 +20,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ from origami_nlp.proof.sheets import (
     sign_of,
     state_of,
 )
-from origami_nlp.proof.slopes import Budget, Curve, Look, least
+from origami_nlp.proof.slopes import Budget, Look, least
 
 MOST_WAYS = 20_000
 """Of signs of vertices, over all sets of rows that are 0, at +-180 degrees, or neither."""
@@ -214,6 +215,12 @@ class GroupEnergy:
             second += k * x[1] * x[1] + 2 * (k * x[0] - load) * x[2]
         return first, second
 
+    def over(self, side: int, x: Any) -> Look:
+        """Return U' and U'' as a curve has them."""
+        first, second = self.slopes(side, x)
+        middle = self.slopes(side, x.mid())[0]
+        return Look(closer(first, middle + second * (x - x.mid())), second, {})
+
     def angles(self, side: int, t: Any) -> dict[int, Any]:
         """Return the folds there."""
         return {c: sign * _fold(m, side, arb_series([t], 1))[0] for c, sign, m in self.group}
@@ -221,19 +228,6 @@ class GroupEnergy:
 
 def _fold(m: Any, side: int, t: Any) -> Any:
     return side * arb.pi() - 2 * (t / m).atan() if side else 2 * (m * t).atan()
-
-
-class GroupChart(Curve):
-    """An energy in T, or near a side of 180 degrees in 1/T."""
-
-    def __init__(self, energy: GroupEnergy, side: int) -> None:
-        self.energy, self.side = energy, side
-
-    def over(self, x: Any) -> Look:
-        """Return U' and U''."""
-        first, second = self.energy.slopes(self.side, x)
-        middle = self.energy.slopes(self.side, x.mid())[0]
-        return Look(closer(first, middle + second * (x - x.mid())), second, {})
 
 
 class ProductSearch:
@@ -299,7 +293,7 @@ class ProductSearch:
         energy, zeros = GroupEnergy(self.sheet, group), list[tuple[int, Any]]()
         for side, low, high in ((0, -1.0, 1.0), (-1, -1.0, 0.0), (1, 0.0, 1.0)):
             rests = energy.even and not side
-            known = least(GroupChart(energy, side), low, high, self.budget, rests)
+            known = least(partial(energy.over, side), low, high, self.budget, rests)
             for _, _, why in known.open:
                 self._leave(f"where the energy is least along a curve: {why}")
             for a, b, _ in known.minima:
@@ -333,24 +327,12 @@ class ProductSearch:
     ) -> Iterator[int]:
         """Yield the sign of the slope of the energy for each way in which these rows move all at once."""
         signs = [sign_of(f) for f in folds]
+        freed = [FREE if r in some else k for r, k in enumerate(kinds)]
         ways = []
-        for c in self.sheet.crossings:
-            within = [r in some for r in c.rows]
+        for c, allowed in zip(self.sheet.crossings, self.sheet.signs(freed), strict=True):
             s = [signs[x] for x in c.creases]
-            if not any(within):
-                ways.append([0])
-                continue
-            if all(within):
-                allowed = list(c.multipliers)
-            else:
-                moves = within.index(True)
-                other = kinds[c.rows[1 - moves]]
-                if other == FREE:
-                    return
-                # the row across is 0 and this one straight, or that one is straight and at +-180 degrees
-                line = moves if other == ZERO else 1 - moves
-                allowed = [(1, -1)[line]] if c.straight[line] else []
-            ways.append([x for x in allowed if s[2] == x * s[0] and s[3] == -x * s[1]])
+            fits = [x for x in allowed if s[2] == x * s[0] and s[3] == -x * s[1]]
+            ways.append(fits if some & {*c.rows} else [0])
         for way in itertools.product(*ways):
             groups = self.sheet.together(some, way, some)
             if groups is None or len(groups) > 1:

@@ -13,7 +13,7 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
 from origami_nlp.proof.result import ProvedState, Region
 from origami_nlp.proof.sheets import LawBalls, closer, sign_of, state_of
-from origami_nlp.proof.slopes import DEPTH, Budget, Curve, Look, least
+from origami_nlp.proof.slopes import DEPTH, Budget, Look, least
 
 QUARTER = math.nextafter(0.5 * math.pi, math.inf)
 """Not below pi/2, which is between two doubles."""
@@ -32,7 +32,7 @@ class CurveState(NamedTuple):
     second: Any
 
 
-class QuadCurve(Curve):
+class QuadCurve:
     """The energy along a curve through the flat state, on a side of it; fold limits and stops as gaps."""
 
     def __init__(self, modes: Modes, side: int, pattern: Pattern) -> None:
@@ -164,7 +164,7 @@ class QuadSearch:
         links = _first_folded(links)
         for side in (1, -1):
             curve = QuadCurve(links, side, self.pattern)
-            found = least(curve, 0.0, QUARTER, self.budget, self.rests)
+            found = least(curve.over, 0.0, QUARTER, self.budget, self.rests)
             for low, high, why in found.open:
                 self._leave(links, side, low, high, why)
             for low, high, gaps in found.minima:
@@ -177,78 +177,55 @@ class QuadSearch:
     def _closing(
         self, links: Modes, left: list[tuple[float, float]]
     ) -> Iterator[tuple[float, float]]:
-        """Yield the intervals in which loops may close, single roots of a difference narrow."""
+        """Yield the smallest intervals in which loops may close, those that meet as one."""
         front = [(low, high, 0) for low, high in reversed(left)]
-        steep: list[tuple[float, float, tuple[int, int]]] = []
+        last: tuple[float, float] | None = None
         while front:
             low, high, depth = front.pop()
             over = self.budget.spent()
-            none, loop, slope = self._none(links, low, high)
-            if none:
+            if self._none(links, low, high):
                 continue
             middle = 0.5 * (low + high)
-            if slope:
-                if steep and steep[-1][1:] == (low, (loop, slope)):
-                    steep[-1] = (steep[-1][0], high, (loop, slope))
-                else:
-                    steep.append((low, high, (loop, slope)))
-            elif over or depth == DEPTH or middle in (low, high):
-                yield low, high
-            else:
+            if not (over or depth == DEPTH or middle in (low, high)):
                 front += [(middle, high, depth + 1), (low, middle, depth + 1)]
-        for low, high, (loop, slope) in steep:
-            ends = [_difference(links, loop, x) for x in (low, high)]
-            if not all(ends):
-                yield low, high
-            elif ends[0] != ends[1]:
-                while (middle := 0.5 * (low + high)) not in (low, high):
-                    sign = _difference(links, loop, middle) * slope
-                    if not sign:
-                        break
-                    low, high = (low, middle) if sign > 0 else (middle, high)
-                yield low, high
+            elif last is not None and last[1] == low:
+                last = last[0], high
+            else:
+                if last is not None:
+                    yield last
+                last = low, high
+        if last is not None:
+            yield last
 
-    def _none(self, links: Modes, low: float, high: float) -> tuple[bool, int, int]:
-        """Return whether no state closes in an interval; a difference that is steep there, the sign of its slope."""
+    def _none(self, links: Modes, low: float, high: float) -> bool:
+        """Return whether no state closes in an interval."""
         theta = arb(low).union(arb(high))
-        middle = theta.mid()
-        at, zs = links.states(middle), links.states(theta)
+        at, zs = links.states(theta.mid()), links.states(theta)
         if zs is None:
-            return True, 0, 0
+            return True
         off = [_differ(zs, one) for one in links.loops]
         if at is not None:
             both = zip(off, links.loops, strict=True)
-            off = [narrowed(x, _differ(at, one), theta - middle) for x, one in both]
-        slopes = [sign_of(x[1]) for x in off]
-        steep = next((i for i, s in enumerate(slopes) if s), 0)
-        return any(sign_of(x[0]) for x in off), steep, slopes[steep]
+            off = [narrowed(x, _differ(at, one), theta - theta.mid()) for x, one in both]
+        return any(sign_of(x[0]) for x in off)
 
     def _rigid(self, links: Modes, low: float, high: float) -> None:
         """Add the two states in an interval in which the only loop closes once, or leave it open."""
         theta = arb(low).union(arb(high))
-        zs = links.states(theta)
-        if zs is None:
+        if (zs := links.states(theta)) is None:
             return
-        ends = [_difference(links, 0, x) for x in (low, high)]
-        if len(links.loops) > 1 or not (
-            all(z[0] > 0 for z in zs)
-            and sign_of(_differ(zs, links.loops[0])[1])
-            and ends[0] * ends[1] < 0
-        ):
-            why = "whether a loop closes, or several do"
-            for side in (1, -1):
-                self._leave(links, side, low, high, why)
-            return
+        ends = [links.states(arb(x)) for x in (low, high)]
+        signs = [sign_of(_differ(e, links.loops[0])[0]) if e else 0 for e in ends]
+        once = len(links.loops) == 1 and signs[0] * signs[1] < 0
+        once &= bool(sign_of(_differ(zs, links.loops[0])[1])) and all(z[0] > 0 for z in zs)
         for side in (1, -1):
             folds = links.of_creases(links.folds(theta, zs), side)
             limits = zip(folds, self.pattern.limit_angles.T.tolist(), strict=True)
             room = [g for f, (a, b) in limits for g in (f[0] - a, b - f[0])]
-            if any(g < 0 for g in room):
-                continue
-            if not all(g > 0 for g in room):
-                self._leave(links, side, low, high, "a limit at a rigid state")
-                continue
-            self.minima.append(state_of([f[0] for f in folds], {}))
+            if once and all(g > 0 for g in room):
+                self.minima.append(state_of([f[0] for f in folds], {}))
+            elif not any(g < 0 for g in room):
+                self._leave(links, side, low, high, "whether a loop closes at a rigid state")
 
     def _leave(self, links: Modes, side: int, low: float, high: float, why: str) -> None:
         ends = np.array([np.full(self.pattern.creases, s * math.pi) for s in (-1, 1)])
@@ -266,12 +243,6 @@ class QuadSearch:
 
 def _differ(zs: Sequence[Any], loop: tuple[int, int]) -> Any:
     return zs[loop[0]] - zs[loop[1]]
-
-
-def _difference(links: Modes, loop: int, theta: float) -> int:
-    """Return the sign of a difference at one state, 0 where it is not certain."""
-    zs = links.states(arb(theta))
-    return 0 if zs is None else sign_of(_differ(zs, links.loops[loop])[0])
 
 
 def _first_folded(links: Modes) -> Modes:

@@ -30,12 +30,8 @@ class Look(NamedTuple):
     known: Any = None
 
 
-class Curve:
-    """A curve of states, of a number."""
-
-    def over(self, x: Any) -> Look | None:
-        """Return what is known over a ball; None where there is no state."""
-        raise NotImplementedError
+Curve = Callable[[Any], Look | None]
+"""A curve of states, of a number: what is known over a ball; None where there is no state."""
 
 
 class CurvePiece(NamedTuple):
@@ -129,7 +125,7 @@ def _pieces(curve: Curve, low: float, high: float, budget: Budget) -> Iterator[C
 
 def _piece(curve: Curve, a: float, b: float) -> CurvePiece | None:
     """Return what is known of an interval; None: it is to be halved."""
-    box = curve.over(arb(a).union(arb(b)))
+    box = curve(arb(a).union(arb(b)))
     if box is None or any(value < 0 for value, _ in box.gaps.values()):
         return CurvePiece(a, b, GONE)
     met = {name: gap for name, gap in box.gaps.items() if not gap[0] > 0}
@@ -146,13 +142,13 @@ def _piece(curve: Curve, a: float, b: float) -> CurvePiece | None:
 
 def _slope(curve: Curve, x: float) -> int:
     """Return the sign of U' at a number, 0 where it is not certain."""
-    at = curve.over(arb(x))
+    at = curve(arb(x))
     return 0 if at is None else sign_of(at.first)
 
 
 def _room(curve: Curve, gaps: Sequence[Any], x: float) -> int:
     """Return the least sign of gaps at a number, 0 where it is not certain."""
-    at = curve.over(arb(x))
+    at = curve(arb(x))
     return -1 if at is None else min(sign_of(at.gaps[name][0]) for name in gaps)
 
 
