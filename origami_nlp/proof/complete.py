@@ -158,6 +158,8 @@ def prove(
             left.append(region(box, reason, singular=True, alone=True))
         for group in (rest[g] for g in clusters(rest)):
             reason, singular, alone = reason_of(system, group)
+            if singular and not (alone or touches):
+                alone = _is_alone(vertex, group)
             left.append(region(group, reason + names, singular, alone))
         roots = roots[np.flatnonzero(inside & ~again)]
         known = roots if known is None else known
@@ -378,6 +380,17 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True, False
     return "no root was certified", False, False
+
+
+def _is_alone(vertex: ReducedVertex, boxes: Boxes) -> bool:
+    """Return whether a state folded flat is the only critical point of boxes of a stratum, by the lemma near it."""
+    base = math.pi * np.rint(boxes.lower.mean(axis=1) / math.pi)
+    reach = max(
+        np.abs(boxes.lower - base[:, None]).max(), np.abs(boxes.upper - base[:, None]).max()
+    )
+    if reach > min(RADII) or vertex.winding != 1:
+        return False
+    return flat_lemma(FlatVertex(vertex, base, boxes.pins[:, 0]), reach).radius > 0
 
 
 def _box(x: np.ndarray, radius: float) -> Boxes:

@@ -184,6 +184,13 @@ class Quadratic:
             value, slopes, bends, abs(factor) * (self.rest + 8 * UNIT * self.magnitude())
         )
 
+    def mapped(self, matrix: np.ndarray) -> Quadratic:
+        """Return sums of the rows, weighed by a matrix."""
+        size = np.abs(matrix)
+        rounding = 4 * (matrix.shape[1] + 4) * UNIT * (size @ self.magnitude())
+        value, slopes, bends = (np.tensordot(matrix, v, 1) for v in self.parts[:3])
+        return Quadratic(value, slopes, bends, size @ self.rest * SLIGHTLY + rounding)
+
     def magnitude(self) -> np.ndarray:
         """Return an upper bound of the rows' size, [R, K]."""
         sums = [np.abs(v).sum(axis=-2) for v in (self.slopes, self.bends)]
