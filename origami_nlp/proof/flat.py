@@ -36,7 +36,7 @@ import numpy as np
 
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import ReducedVertex, twins_asked
 from origami_nlp.proof.rows import (
     SECTORS,
     TRIGONOMETRIC,
@@ -121,6 +121,16 @@ class FlatVertex:
         self.stiffness = piece.stiffness[of][free[of]]
         self.rest = (piece.rest - base)[of][free[of]]
         self.tied = np.eye(vertex.size)[of][free[of]][:, free]
+        # of creases on one line: k_a x_a - s k_b x_b, and what that is at the state, None where exactly 0
+        self.twins: list[tuple[np.ndarray, float | None]] = []
+        held = np.where(free, 0, 1)[:, None]
+        closed = (np.abs(base) > 1)[:, None] & (held > 0)
+        springs = np.stack([piece.stiffness, piece.rest, base])
+        for t in itertools.compress(piece.twins, twins_asked(piece.twins, held, closed)[:, 0]):
+            row, one = np.zeros(vertex.size), [*t.creases]
+            row[one] = (1.0, -t.sign)[: len(one)] * piece.stiffness[one]
+            same = len(one) == 2 and t.sign > 0 and np.ptp(springs[:, one], axis=1).max() == 0
+            self.twins.append((row[free][None], None if same else row @ (base - piece.rest)))
 
 
 class ClosedDirections:
@@ -168,7 +178,8 @@ class ClosedDirections:
             radius**2 * n**3 / 24 + n * doubt,
             radius**2 * n**4 / 96 + 3 * n * n * doubt,
         )
-        self.off = np.array([planes, planes, height, *off])[:, None]
+        exact = [0.0] * len(vertex.twins)
+        self.off = np.array([*exact, planes, planes, height, *off])[:, None]
 
     def faces(self) -> Boxes:
         """Return the boxes to start from: u_i = 1, the others and r / radius in [-1, 1]."""
@@ -190,8 +201,14 @@ class ClosedDirections:
         torques += number(np.repeat((-k * rest)[:, None], middle.shape[1], 1), 0.0, self.size)
         n = len(k)
         a, b = np.repeat(np.arange(n), n), np.tile(np.arange(n), n)
+        twins = [every[:-1].mapped(row) for row, _ in self.vertex.twins]
+        for i, (_, at) in enumerate(self.vertex.twins):
+            if at is not None:  # else it is divided by r
+                here = number(np.full((1, middle.shape[1]), at), 64 * UNIT, self.size)
+                twins[i] = (r * twins[i]).mapped(np.array([[self.radius]])) + here
         rows = joined_rows(
             [
+                *(row.affine() for row in twins),
                 u.mapped(self.vertex.b.T).affine(),
                 (u * heights).mapped(np.ones((1, n))).affine(),
                 (torques[a] * heights[b]).mapped(self.levers.reshape(-1, n * n)).affine(),
