@@ -46,7 +46,7 @@ def _folder_of_the_run(tmp_path_factory, pytestconfig):
 
 
 SHARED = {
-    "origami_nlp.pattern_states.vertex_proof": "prove",
+    "origami_nlp.proof.complete": "prove",
     "origami_nlp.chart.boundary": "_boundary",
 }
 """What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart;

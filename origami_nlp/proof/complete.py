@@ -38,7 +38,6 @@ from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.touches import (
     ContactStratum,
     contact_strata,
-    kept_closed,
     why_no_touches,
 )
 
@@ -128,7 +127,6 @@ def prove(
     region = partial(_region, vertex)
     if flat.radius and flat.minimum is None:
         left.append(region(_box(np.zeros(vertex.size), 0.0), flat.text, singular=True, alone=True))
-    known: Roots | None = None
     for stratum in (within, *(contact_strata(vertex) if full else ())):
         touches, most = stratum.touches, boxes - (treated - flat.boxes)
         names = "".join(f"; {t.text}" for t in touches)
@@ -151,8 +149,7 @@ def prove(
         # a root with a free angle at its limit is none of the open stratum: the state belongs to others
         room = vertex.problem.fold_limits.room(roots.x)
         inside = ((room > roots.radius[:, None]) | (roots.pins != 0)).all(axis=1)
-        again = _again(vertex, roots, stratum, known)
-        for i in np.flatnonzero(~inside & ~again).tolist():
+        for i in np.flatnonzero(~inside).tolist():
             reason = "free angles at their limits: a state of other strata" + names
             box = _box(roots.x[i], roots.radius[i])
             left.append(region(box, reason, singular=True, alone=True))
@@ -161,8 +158,7 @@ def prove(
             if singular and not (alone or touches):
                 alone = _is_alone(vertex, group)
             left.append(region(group, reason + names, singular, alone))
-        roots = roots[np.flatnonzero(inside & ~again)]
-        known = roots if known is None else known
+        roots = roots[np.flatnonzero(inside)]
         pins = vertex.problem.fold_limits.folded_flat(roots.pins)
         verdicts, sides = (
             separation(vertex, roots.x, roots.radius, pins, touches)
@@ -321,25 +317,6 @@ def _point(
         touches,
         tuple(forces.tolist()),
     )
-
-
-def _again(
-    vertex: ReducedVertex, roots: Roots, stratum: ContactStratum, known: Roots | None
-) -> np.ndarray:
-    """Return which roots are ones with more creases fully folded that keep their gaps closed: they are counted, [R]."""
-    again = np.zeros(len(roots), dtype=bool)
-    if known is None:
-        return again
-    for i in range(len(roots)):
-        near = np.abs(known.x - roots.x[i]).max(axis=1) + known.radius < roots.unique[i]
-        # that stratum lies in the closure of this one: more creases fully folded, to the same sides
-        same = roots.pins[i] == known.pins
-        finer = (same | (roots.pins[i] == 0)).all(axis=1) & ~same.all(axis=1)
-        again[i] = any(
-            all(kept_closed(vertex, t, pins) for t in stratum.touches)
-            for pins in known.pins[near & finer]
-        )
-    return again
 
 
 def clusters(boxes: Boxes) -> Iterator[np.ndarray]:

@@ -202,10 +202,10 @@ class ClosedDirections:
         n = len(k)
         a, b = np.repeat(np.arange(n), n), np.tile(np.arange(n), n)
         twins = [every[:-1].mapped(row) for row, _ in self.vertex.twins]
-        for i, (_, at) in enumerate(self.vertex.twins):
+        for k_th, (_, at) in enumerate(self.vertex.twins):
             if at is not None:  # else it is divided by r
                 here = number(np.full((1, middle.shape[1]), at), 64 * UNIT, self.size)
-                twins[i] = (r * twins[i]).mapped(np.array([[self.radius]])) + here
+                twins[k_th] = (r * twins[k_th]).mapped(np.array([[self.radius]])) + here
         rows = joined_rows(
             [
                 *(row.affine() for row in twins),

@@ -169,14 +169,6 @@ class FoldingSheet:
 
 def as_folding(sheet: FlatSheet) -> tuple[FoldingSheet | None, str]:
     """Return a sheet that folds flat, or None and why its states are not enumerated."""
-    if sheet.pattern.limits:
-        return None, (
-            "creases have stops: proofs of sheets that fold flat know fold limits of +-180 degrees only"
-        )
-    if sheet.pattern.laws:
-        return None, (
-            "creases have hinge laws: proofs of sheets that fold flat know linear springs only"
-        )
     found = FoldingSheet(sheet)
     many = 0
     for kinds in found.kinds:

@@ -89,10 +89,7 @@ class QuadSheet:
 
 def as_quads(sheet: FlatSheet) -> tuple[QuadSheet | None, str]:
     """Return a sheet of which no vertex folds flat, or None and why its states are not enumerated."""
-    pattern, rounds = sheet.pattern, sheet.rounds
-    if any(0.0 in pair for pair in pattern.limits):
-        crease = next(i for i, pair in enumerate(pattern.limits, start=1) if 0.0 in pair)
-        return None, f"crease {crease} has a stop at 0 degrees, where all curves meet"
+    rounds = sheet.rounds
     if len(rounds) > MOST_VERTICES:
         return None, f"{len(rounds)} vertices (at most {MOST_VERTICES})"
     for one in rounds:
@@ -103,7 +100,7 @@ def as_quads(sheet: FlatSheet) -> tuple[QuadSheet | None, str]:
     for one in order:
         order += [r for r in rounds if r not in order and {*r.creases} & {*one.creases}]
     around = {c for r in rounds for c in r.creases}
-    if len(order) < len(rounds) or len(around) < pattern.creases:
+    if len(order) < len(rounds) or len(around) < sheet.pattern.creases:
         return None, "vertices do not hang together, or a crease is none of theirs"
     equal = Equal()
     sectors = [tuple(equal.of(a) for a in r.sectors) for r in order]

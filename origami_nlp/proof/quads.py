@@ -1,7 +1,8 @@
-"""All minima of a sheet of which no vertex folds flat (`quad_states`): curves, what ends them, and rigid states."""
+"""All minima of a sheet of which no vertex folds flat (`quad_states`): curves, and what ends them."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -12,7 +13,7 @@ from flint import arb
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.quad_states import Modes, QuadSheet, narrowed
 from origami_nlp.proof.result import ProvedState, Region
-from origami_nlp.proof.sheets import LawBalls, closer, sign_of, state_of
+from origami_nlp.proof.sheets import closer, sign_of, state_of
 from origami_nlp.proof.slopes import DEPTH, Budget, Look, least
 
 QUARTER = math.nextafter(0.5 * math.pi, math.inf)
@@ -33,23 +34,12 @@ class CurveState(NamedTuple):
 
 
 class QuadCurve:
-    """The energy along a curve through the flat state, on a side of it; fold limits and stops as gaps."""
+    """The energy along a curve through the flat state, on a side of it; fold limits as gaps."""
 
     def __init__(self, modes: Modes, side: int, pattern: Pattern) -> None:
         self.modes, self.side = modes, side
-        laws = pattern.laws or (None,) * pattern.creases
-        self.hinges = [
-            (arb(k), arb(r), None if law is None else LawBalls(law))
-            for k, r, law in zip(
-                pattern.stiffness.tolist(), pattern.rest.tolist(), laws, strict=True
-            )
-        ]
-        self.stops = [
-            (c, s, arb(float(pattern.limit_angles[row, c])))
-            for c in range(pattern.creases)
-            for row, s in ((0, -1), (1, 1))
-            if abs(pattern.limit_angles[row, c]) < math.nextafter(math.pi, 0)
-        ]
+        springs = zip(pattern.stiffness.tolist(), pattern.rest.tolist(), strict=True)
+        self.hinges = [(arb(k), arb(rest)) for k, rest in springs]
         self.sides = {c: side * s for c, s in modes.signs.items()}
 
     def _known(self, x: Any, middle: CurveState | None) -> CurveState | None:
@@ -61,10 +51,10 @@ class QuadCurve:
             both = zip(folds, middle.folds, strict=True)
             folds = [narrowed(f, at, x - x.mid()) for f, at in both]
         first, second = arb(0), arb(0)
-        for phi, (k, rest, law) in zip(folds, self.hinges, strict=True):
-            torque, slope = law.over(phi[0]) if law else (k * (phi[0] - rest), k)
+        for phi, (k, rest) in zip(folds, self.hinges, strict=True):
+            torque = k * (phi[0] - rest)
             first += torque * phi[1]
-            second += slope * phi[1] * phi[1] + 2 * torque * phi[2]
+            second += k * phi[1] * phi[1] + 2 * torque * phi[2]
         return CurveState(zs, folds, first, second)
 
     def over(self, x: Any) -> Look | None:
@@ -73,9 +63,7 @@ class QuadCurve:
         box = at if x == x.mid() else self._known(x, at)
         if box is None:
             return None
-        gaps: dict[Any, tuple[Any, Any]] = {n: (z[0], z[1]) for n, z in enumerate(box.zs)}
-        for c, s, stop in self.stops:
-            gaps[c, s] = s * (stop - box.folds[c][0]), -s * box.folds[c][1]
+        gaps = {n: (z[0], z[1]) for n, z in enumerate(box.zs)}
         first = box.first
         if middle:
             first = closer(first, middle.first + box.second * (x - x.mid()))
@@ -86,17 +74,9 @@ class QuadCurve:
         known = self.over(arb(low).union(arb(high)))
         if known is None:
             return None
-        exactly = dict[int, float]()
         ends = [self.over(arb(x)) for x in (low, high)]
-        for name in gaps:
-            if all(e is not None and e.gaps[name][0] > 0 for e in ends):
-                continue
-            if isinstance(name, int):
-                exactly |= {
-                    c: self.sides[c] * math.pi for c, n in self.modes.node.items() if n == name
-                }
-            else:
-                exactly[name[0]] = next(float(at) for *one, at in self.stops if (*one,) == name)
+        held = {n for n in gaps if not all(e is not None and e.gaps[n][0] > 0 for e in ends)}
+        exactly = {c: self.sides[c] * math.pi for c, n in self.modes.node.items() if n in held}
         return state_of([f[0] for f in known.known], exactly)
 
 
@@ -117,7 +97,7 @@ class QuadSearch:
         self.minima: list[ProvedState] = []
         self.open: list[Region] = []
         self.curves = 0
-        self.rests = not pattern.rest.any() and not any(pattern.laws)
+        self.rests = not pattern.rest.any()
         first = quads.vertices[0]
         k = first.beside
         # of two opposite creases that which folds more
@@ -127,16 +107,15 @@ class QuadSearch:
     def over(self) -> str:
         """Over which states the statement ranges, in words."""
         return (
-            f"the flat state, rigid ones, and {self.curves} curves through it, along which vertices of equal sectors "
+            f"the flat state and {self.curves} curves through it, along which vertices of equal sectors "
             "fold alike"
         )
 
     def run(self) -> None:
         """Go through all choices; then ask of the flat state."""
         self._choose((), [(0.0, QUARTER)])
-        low, high = self.pattern.limit_angles
         # off it the energy falls along every curve, but where no spring pulls
-        if (not self.curves or self.rests) and ((low <= 0) & (high >= 0)).all():
+        if not self.curves or self.rests:
             self.minima.append(ProvedState(np.zeros(self.pattern.creases), 0.0))
 
     def _choose(self, modes: tuple[int, ...], left: list[tuple[float, float]]) -> None:
@@ -155,8 +134,8 @@ class QuadSearch:
         elif not links.loops:
             self._curve(links)
         else:
-            for low, high in left:
-                self._rigid(links, low, high)
+            for (low, high), side in itertools.product(left, (1, -1)):
+                self._leave(links, side, low, high, "whether a loop closes at a rigid state")
 
     def _curve(self, links: Modes) -> None:
         """Add the minima of a curve along which all loops close."""
@@ -208,24 +187,6 @@ class QuadSearch:
             both = zip(off, links.loops, strict=True)
             off = [narrowed(x, _differ(at, one), theta - theta.mid()) for x, one in both]
         return any(sign_of(x[0]) for x in off)
-
-    def _rigid(self, links: Modes, low: float, high: float) -> None:
-        """Add the two states in an interval in which the only loop closes once, or leave it open."""
-        theta = arb(low).union(arb(high))
-        if (zs := links.states(theta)) is None:
-            return
-        ends = [links.states(arb(x)) for x in (low, high)]
-        signs = [sign_of(_differ(e, links.loops[0])[0]) if e else 0 for e in ends]
-        once = len(links.loops) == 1 and signs[0] * signs[1] < 0
-        once &= bool(sign_of(_differ(zs, links.loops[0])[1])) and all(z[0] > 0 for z in zs)
-        for side in (1, -1):
-            folds = links.of_creases(links.folds(theta, zs), side)
-            limits = zip(folds, self.pattern.limit_angles.T.tolist(), strict=True)
-            room = [g for f, (a, b) in limits for g in (f[0] - a, b - f[0])]
-            if once and all(g > 0 for g in room):
-                self.minima.append(state_of([f[0] for f in folds], {}))
-            elif not any(g < 0 for g in room):
-                self._leave(links, side, low, high, "whether a loop closes at a rigid state")
 
     def _leave(self, links: Modes, side: int, low: float, high: float, why: str) -> None:
         ends = np.array([np.full(self.pattern.creases, s * math.pi) for s in (-1, 1)])

@@ -3,18 +3,10 @@
 A sheet that is turned in space is laid into its plane first: to rounding, which is reported.  Corners are the doubles
 of the pattern; relations between sectors that hold to within `CLOSURE_TOL` are taken as exact, and every number that is
 computed from sectors is widened by what they deviate.
-
-Torques of hinge laws over balls.
-
-The pieces of a `HingeLaw` meet to rounding only.  Meant is the continuous torque whose slope is that of the pieces,
-from its value at the first break on: it differs from the pieces by the sum of what they jump by at most (`drift`).  The
-first piece and the last go on beyond the ends.
 """
 
 from __future__ import annotations
 
-import functools
-import itertools
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, NamedTuple
@@ -23,7 +15,7 @@ import numpy as np
 from flint import arb, ctx
 
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern import HingeLaw, Pattern, laid_flat
+from origami_nlp.pattern import Pattern, laid_flat
 from origami_nlp.proof.result import ProvedState
 from origami_nlp.proof.rows import UNIT
 
@@ -121,6 +113,12 @@ def flat_sheet(pattern: Pattern) -> tuple[FlatSheet | None, str]:
         return None, "the reference state is not flat"
     if pattern.cell:
         return None, "it is a cell that repeats"
+    for stated, what in ((pattern.limits, "stops"), (pattern.laws, "hinge laws")):
+        if stated:
+            return (
+                None,
+                f"creases have {what}: proofs of sheets know linear springs within +-180 degrees",
+            )
     if pattern.holes or not pattern.vertices:
         return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
     for v in pattern.vertices:
@@ -163,34 +161,3 @@ def _round(pattern: Pattern, vertex: int, creases: Sequence[int]) -> VertexRound
         (a, b), (c, d) = found.unit[i], found.unit[(i + 1) % 4]
         found.sectors.append(arb.atan2(a * d - b * c, a * c + b * d))
     return found
-
-
-FAR = 10.0
-"""Beyond all fold angles [rad]."""
-
-
-class LawBalls:
-    """A law over balls (python-flint): the torque that is meant, and its slopes on both sides of what is a knot."""
-
-    def __init__(self, law: HingeLaw) -> None:
-        rows = [[arb(v) for v in row] for row in law.coefficients]
-        self.pieces = [(arb(b), row) for b, row in zip(law.breaks, rows, strict=False)]
-        ends = [-FAR, *law.breaks[1:-1], FAR]
-        self.parts = [arb(a).union(arb(b)) for a, b in itertools.pairwise(ends)]
-        jumps = arb(0)
-        for (start, (a, b, c, d)), (end, row) in itertools.pairwise(self.pieces):
-            h = end - start
-            jumps += abs(((a * h + b) * h + c) * h + d - row[3])
-        self.drift = arb(0, jumps.upper())
-
-    def over(self, phi: Any) -> tuple[Any, Any]:
-        """Return the torque and its slope; nothing where the angle is not known."""
-        if not abs(phi) < FAR:
-            return arb.nan(), arb.nan()
-        found = []
-        for part, (start, (a, b, c, d)) in zip(self.parts, self.pieces, strict=True):
-            if part.overlaps(phi):
-                t = phi.intersection(part) - start
-                found.append((((a * t + b) * t + c) * t + d, (3 * a * t + 2 * b) * t + c))
-        torque, slope = (functools.reduce(arb.union, v) for v in zip(*found, strict=True))
-        return torque + self.drift, slope

@@ -264,21 +264,3 @@ def _on_each_other(vertex: ReducedVertex, touches: tuple[Gap, ...]) -> bool:
         if j == (k + 2) % n and other == (j, (j + 2) % n):
             return bool(a[k] + a[(k + 1) % n] < math.pi - RESOLVED)
     return False
-
-
-def kept_closed(vertex: ReducedVertex, touch: Gap, pins: np.ndarray) -> bool:
-    """Whether all creases between a ray and what it touches are fully folded, one way round."""
-    has = vertex.has_crease
-    flat = vertex.problem.fold_limits.folded_flat(pins)
-    at_limit = [bool(flat[sum(has[:r])]) if h else True for r, h in enumerate(has)]
-    k, n = touch.rays[0], len(has)
-    if touch.kind == "start":
-        return all(at_limit[:k])
-    if touch.kind == "end":
-        return all(at_limit[k + 1 :])
-    if touch.kind == "meet":
-        return False
-    j = touch.rays[1]
-    ahead = [(j + i) % n for i in range(1, (k - j) % n)]
-    back = [(j - i) % n for i in range((j - k) % n)]
-    return all(at_limit[c] for c in ahead) or all(at_limit[c] for c in back)
