@@ -15,7 +15,6 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.pattern import Scene
 from origami_nlp.proof.boxes import SMALLEST, Boxes, BoxProblem, joined, prune, strata
-from origami_nlp.proof.facet_separation import APART, CROSSED, separation
 from origami_nlp.proof.flat import RADII, Flat, FlatVertex, flat_lemma
 from origami_nlp.proof.pieces import Piece, piece_of
 from origami_nlp.proof.reduced import Gap, ReducedVertex
@@ -27,6 +26,7 @@ from origami_nlp.proof.result import (
     joined as joined_proofs,
 )
 from origami_nlp.proof.roots import (
+    BoxKkt,
     Roots,
     certify,
     different,
@@ -34,10 +34,12 @@ from origami_nlp.proof.roots import (
     joined_roots,
     newton,
 )
-from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.touches import (
+    APART,
+    CROSSED,
     ContactStratum,
     contact_strata,
+    separation,
     why_no_touches,
 )
 
@@ -321,21 +323,18 @@ def _point(
 
 def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
-    for group in by_stratum(boxes):
-        middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
-        cells, cell = np.unique(np.floor(middle.T / (20 * SMALLEST)), axis=0, return_inverse=True)
-        label = groups(len(cells), pairs_within(cells, 2))
-        for k in range(label.max() + 1):
-            yield group[label[cell.ravel()] == k]
+    middle = 0.5 * (boxes.lower + boxes.upper)
+    # other strata are far away
+    cells = np.concatenate([np.floor(middle / (20 * SMALLEST)), 9.0 * boxes.pins]).T
+    cells, cell = np.unique(cells, axis=0, return_inverse=True)
+    label = groups(len(cells), pairs_within(cells, 2))[cell.ravel()] if len(boxes) else np.zeros(0)
+    return (np.flatnonzero(label == k) for k in range(int(label.max(initial=-1)) + 1))
 
 
 def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
     """Numbers of the boxes of each stratum that has some."""
-    if not len(boxes):
-        return
-    _, inverse = np.unique(boxes.pins.T, axis=0, return_inverse=True)
-    for s in range(int(inverse.max()) + 1):
-        yield np.flatnonzero(inverse.ravel() == s)
+    strata_, which = np.unique(boxes.pins.T, axis=0, return_inverse=True)
+    return (np.flatnonzero(which.ravel() == s) for s in range(len(strata_)))
 
 
 def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:

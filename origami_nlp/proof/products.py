@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -42,7 +41,7 @@ from origami_nlp.proof.slopes import Budget, Look, least
 MOST_WAYS = 20_000
 """Of signs of vertices, over all sets of rows that are 0, at +-180 degrees, or neither."""
 ZERO, TURNED, FREE = range(3)
-Ratio = tuple[int, Counter[int]]
+Ratio = tuple[int, np.ndarray]
 """A sign, and powers of quantities."""
 
 
@@ -55,7 +54,7 @@ class Cross(NamedTuple):
     multipliers: dict[int, Ratio]
 
 
-Group = tuple[tuple[int, int, tuple[tuple[int, int], ...]], ...]
+Group = tuple[tuple[int, int, tuple[int, ...]], ...]
 """Creases that move together: each with the sign and the quantities of its multiplier."""
 
 
@@ -92,7 +91,9 @@ class FoldingSheet:
             (1, -1, apart, total.sin(), apart.sin()),
         ):
             if not straight[line]:
-                ratio = _times(equal.of(abs(above)), equal.of(abs(below)))
+                ratio = np.zeros(4 * len(self.sheet.rounds), dtype=int)
+                ratio[equal.of(abs(above))] += 1
+                ratio[equal.of(abs(below))] -= 1
                 multipliers[sign] = sign_of(turn), ratio
         rows = self.row[one.creases[0]], self.row[one.creases[1]]
         return Cross(one.creases, rows, (straight[0], straight[1]), multipliers)
@@ -102,11 +103,11 @@ class FoldingSheet:
         """Of rows, all sets."""
         return itertools.product(range(3), repeat=len(self.rows))
 
-    def value(self, powers: Sequence[tuple[int, int]]) -> Any:
+    def value(self, powers: Sequence[int]) -> Any:
         """Return a multiplier."""
         value = arb(1)
-        for which, power in powers:
-            value *= self.quantities[which] ** power
+        for quantity, power in zip(self.quantities, powers, strict=False):
+            value *= quantity ** int(power)
         return value
 
     def signs(self, kinds: Sequence[int]) -> list[list[int]]:
@@ -130,10 +131,11 @@ class FoldingSheet:
 
         None where vertices of these signs contradict each other, or that is not certain (`unsure`).
         """
-        links: dict[int, list[tuple[int, int, Counter[int]]]] = {}
+        none = np.zeros(4 * len(self.sheet.rounds), dtype=int)
+        links: dict[int, list[tuple[int, int, np.ndarray]]] = {}
         for c, s in zip(self.crossings, signs, strict=True):
             edges = [
-                (c.creases[i], c.creases[i + 2], sign, Counter[int]())
+                (c.creases[i], c.creases[i + 2], sign, none)
                 for i, sign in ((0, s), (1, -s))
                 if c.rows[i] in rows
             ]
@@ -141,25 +143,25 @@ class FoldingSheet:
                 edges.append((c.creases[0], c.creases[1], *c.multipliers[s]))
             for a, b, sign, ratio in edges:
                 links.setdefault(a, []).append((b, sign, ratio))
-                links.setdefault(b, []).append((a, sign, _minus(ratio)))
+                links.setdefault(b, []).append((a, sign, -ratio))
         groups, met = [], set[int]()
         for first in (c for c, r in enumerate(self.row) if r in rows):
             if first in met:
                 continue
-            found: dict[int, Ratio] = {first: (1, Counter())}
+            found: dict[int, Ratio] = {first: (1, none)}
             front = [first]
             for a in front:
                 for b, sign, ratio in links.get(a, ()):
-                    there = found[a][0] * sign, _plus(found[a][1], ratio)
+                    there = found[a][0] * sign, found[a][1] + ratio
                     if b not in found:
                         found[b] = there
                         front.append(b)
                         continue
-                    left = _plus(there[1], _minus(found[b][1]))
-                    value = self.value(tuple(left.items()))
+                    left = there[1] - found[b][1]
+                    value = self.value(left.tolist())
                     if there[0] != found[b][0] or value != 1:
                         return None
-                    if left:
+                    if left.any():
                         self.unsure = f"whether a loop moves, whose product is {value.str(5)}"
                         return None
             met |= {*found}
@@ -279,7 +281,7 @@ class ProductSearch:
 
     def _stationary(self, found: dict[int, Ratio]) -> tuple[GroupEnergy, list[tuple[int, Any]]]:
         """Return the energy of a group, and where it is least inside: 0 and T, or a side of 180 degrees and 1/T."""
-        group = tuple((c, s, tuple(sorted(p.items()))) for c, (s, p) in sorted(found.items()))
+        group = tuple((c, s, tuple(p.tolist())) for c, (s, p) in sorted(found.items()))
         if group in self._known:
             return self._known[group]
         energy, zeros = GroupEnergy(self.sheet, group), list[tuple[int, Any]]()
@@ -338,18 +340,3 @@ class ProductSearch:
             if len(sides) == 1:
                 (side,) = sides
                 yield side * sign_of(energy.slopes(side, arb(0))[0])
-
-
-def _times(above: int, below: int) -> Counter[int]:
-    return _plus(Counter({above: 1}), Counter({below: -1}))
-
-
-def _plus(one: Counter[int], two: Counter[int]) -> Counter[int]:
-    total = Counter(one)
-    for which, power in two.items():
-        total[which] += power
-    return Counter({w: p for w, p in total.items() if p})
-
-
-def _minus(one: Counter[int]) -> Counter[int]:
-    return Counter({w: -p for w, p in one.items()})

@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -117,52 +118,36 @@ def sheet_minima(said: StatedSheet) -> Iterator[np.ndarray]:
         return
     curves = 0
     for sides in itertools.product((1, -1), repeat=len(order)):
-        drive = order[0].creases[0]
-
-        def states(
-            theta: np.ndarray, ways: Sequence[int] = sides, first: int = drive
-        ) -> tuple[np.ndarray, np.ndarray]:
-            return _scan(order, ways, first, theta)
-
+        states = partial(_scan, order, sides)
         theta = np.r_[START, np.linspace(0, math.pi, STATES + 1)[1:] - BEFORE]
         inside = ~np.isnan(states(theta)[1])
         if not inside[0]:
             continue
         if not inside.all():
             end = int(np.argmin(inside))
-            low = _until(lambda x: ~np.isnan(states(x)[1]), *theta[end - 1 : end + 1])
+            low = _until(lambda x, of=states: ~np.isnan(of(x)[1]), *theta[end - 1 : end + 1])  # type: ignore[misc]
             # folds move as a root of what is left of theta there
             near = low - (low - theta[max(end - 2, 0)]) * np.linspace(1, 0, PARTS)[1:] ** 2
             theta = np.r_[theta[: max(end - 2, 0) + 1], near]
-        off = states(theta)[1]
-        if np.nanmedian(np.abs(off)) < CLOSED:
+        if np.nanmedian(np.abs(states(theta)[1])) < CLOSED:
             curves += 1
             for side in (1, -1):
-
-                def energy(
-                    x: np.ndarray,
-                    of: Callable[..., tuple[np.ndarray, np.ndarray]] = states,
-                    s: int = side,
-                ) -> np.ndarray:
-                    return np.asarray(0.5 * k @ (s * of(x)[0] - rest[:, None]) ** 2)
-
-                for x in _wells(energy, theta):
+                for x in _wells(lambda x, of=states, s=side: _bent(k, s * of(x)[0], rest), theta):  # type: ignore[misc]
                     yield side * states(np.array([x]))[0][:, 0]
-            continue
-        steps = np.abs(np.diff(off))
-        for i in np.flatnonzero((off[:-1] * off[1:] < 0) & (steps > NEAR) & (steps < 1)):
-            a = _until(lambda x, s=float(off[i]): states(x)[1] * s > 0, *theta[i : i + 2])  # type: ignore[misc]
-            at = states(np.array([a]))[0][:, 0]
-            yield from (at, -at)
     if not curves or not rest.any():
         yield np.zeros(len(k))
 
 
+def _bent(k: np.ndarray, folds: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Return the energies of folds [n, K]."""
+    return np.asarray(0.5 * k @ (folds - rest[:, None]) ** 2)
+
+
 def _scan(
-    order: Sequence[_Vertex], sides: Sequence[int], drive: int, theta: np.ndarray
+    order: Sequence[_Vertex], sides: Sequence[int], theta: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return all folds [n, K], and by how much loops do not close, nan where folds are none of a sheet."""
-    folds = {drive: theta}
+    folds = {order[0].creases[0]: theta}
     off = np.zeros(len(theta))
     for vertex, side in zip(order, sides, strict=True):
         at = next(i for i, c in enumerate(vertex.creases) if c in folds)
@@ -281,8 +266,7 @@ class _Folding:
 
     def _energy(self, group: dict[int, float], theta: np.ndarray) -> np.ndarray:
         creases = list(group)
-        away = self._angles(group, theta) - self.rest[creases][:, None]
-        return np.asarray(0.5 * self.k[creases] @ away**2)
+        return _bent(self.k[creases], self._angles(group, theta), self.rest[creases])
 
     def _least(self, group: dict[int, float], free: set[int]) -> list[dict[int, float]]:
         """Return states of a group: at +-180 degrees, or where its energy is least between."""

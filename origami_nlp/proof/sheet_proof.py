@@ -11,8 +11,7 @@ from flint import arb
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.proof.products import FoldingSheet, ProductSearch, as_folding
-from origami_nlp.proof.quad_states import QuadSheet, as_quads
-from origami_nlp.proof.quads import QuadSearch
+from origami_nlp.proof.quads import QuadSearch, QuadSheet, as_quads
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.sheets import flat_sheet, precision
 from origami_nlp.proof.slopes import Budget

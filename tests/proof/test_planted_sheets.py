@@ -15,8 +15,7 @@ from origami_nlp.proof import (
     slopes,
 )
 from origami_nlp.proof.products import FoldingSheet, ProductSearch
-from origami_nlp.proof.quad_states import QuadSheet, QuadVertex
-from origami_nlp.proof.quads import QuadCurve
+from origami_nlp.proof.quads import QuadCurve, QuadSheet, QuadVertex
 from tests.independent.strips import StripOfHinges
 from tests.patterns import strip
 from tests.proof.test_hinges_along_curves import drawn

@@ -12,10 +12,9 @@ from origami_nlp import Scene, State, classify, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import ReducedVertex, prove, why_not
-from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.pieces import VertexPiece, piece_of
 from origami_nlp.proof.rows import Triples, pairs, variables
-from origami_nlp.proof.touches import Kite, Row, TouchedPiece, contact_strata
+from origami_nlp.proof.touches import APART, CROSSED, Kite, Row, Signs, TouchedPiece, contact_strata
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
