@@ -17,8 +17,9 @@ where g is of quaternions, 1 where of vectors, half of that on a mirror.
 Rounding.  Axes and products are known to what `rows` says of chains of so many steps; near the flat state the vector
 part of the product of folds is known to that share of it.
 
-On a stratum with free variables f a critical point solves F = 0 in (x_f, lam), which is square.  Krawczyk: for any Y, if
-|Y F(z0)| + sup |I - Y J(Z)| rho < rho on Z = z0 +- rho, Z holds exactly one zero.  On it, with s = sum_j beta_j rho_j,
+On a stratum with free variables f a critical point solves F = 0 in (x_f, lam), which is square.  Krawczyk: for any Y,
+if |Y F(z0)| + sup |I - Y J(Z)| rho < rho on Z = z0 +- rho, Z holds exactly one zero.  There, with s = sum_j beta_j
+rho_j,
 
     |J(Z) - J(z0)| <= [[ beta_i beta_j (sum |d lam| + s sum |lam|), beta_i s ], [ beta_j s, 0 ]].
 
