@@ -18,8 +18,8 @@ mode 1 the fold across has 1/sin^2(phi_2/2) = A + B X + C sqrt((X - r_1)(X - r_3
 degrees; and where phi_1 or phi_3 is, both w_2 and w_4 have the sign of w_3 or w_1, so that just one of them has passed
 0 on the way.  So folds grow together until one is at 180 degrees, and do not close after that.
 
-A vertex that is reached twice asks that two z be equal: where their difference has no zero no state closes, else that
-stays open.
+A vertex that is reached twice asks that two z be equal: where their difference has no zero no state closes, where it is
+steep one at most, a rigid state.
 Vertices with equal sectors, in either order, in one mode, from creases with one fold but for its sign, have all folds
 in common: such folds are one number here, and a loop that asks for nothing else closes identically, along a curve.
 
@@ -27,7 +27,6 @@ in common: such folds are one number here, and a loop that asks for nothing else
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -398,8 +397,11 @@ class QuadSearch:
         elif not links.loops:
             self._curve(links)
         else:
-            for (low, high), side in itertools.product(left, (1, -1)):
-                self._leave(links, side, low, high, "whether a loop closes at a rigid state")
+            for low, high in left:
+                zs = links.states(arb(low).union(arb(high)))
+                alone = zs is not None and bool(sign_of(_differ(zs, links.loops[0])[1]))
+                for side in (1, -1):
+                    self._leave(links, side, low, high, "a rigid state", alone)
 
     def _curve(self, links: Modes) -> None:
         """Add the minima of a curve along which all loops close."""
@@ -452,7 +454,9 @@ class QuadSearch:
             off = [narrowed(x, _differ(at, one), theta - theta.mid()) for x, one in both]
         return any(sign_of(x[0]) for x in off)
 
-    def _leave(self, links: Modes, side: int, low: float, high: float, why: str) -> None:
+    def _leave(
+        self, links: Modes, side: int, low: float, high: float, why: str, alone: bool = False
+    ) -> None:
         ends = np.array([np.full(self.pattern.creases, s * math.pi) for s in (-1, 1)])
         theta = arb(low).union(arb(high))
         zs = links.states(theta)
@@ -463,7 +467,7 @@ class QuadSearch:
             if f[0].is_finite():
                 ends[0, c] = max(ends[0, c], float(f[0].lower()))
                 ends[1, c] = min(ends[1, c], float(f[0].upper()))
-        self.open.append(Region(ends[0], ends[1], why))
+        self.open.append(Region(ends[0], ends[1], why, alone, alone))
 
 
 def _differ(zs: Sequence[Any], loop: tuple[int, int]) -> Any:
