@@ -27,7 +27,6 @@ from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_states import find_states
 from origami_nlp.proof import Proof, ReducedVertex, prove_sheet
-from origami_nlp.proof.result import joined
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -108,7 +107,9 @@ def prove_each(
     """Prove the list of a vertex once per run, if its limit of time is far."""
     if until < time.monotonic() + FAR:
         return proof.prove_each(vertices, until=until, **options)
-    return joined([by_scene(proof.prove)(one, **options) for one in vertices])
+    names = "".join(_question(proof.prove_each, one, options) for one in vertices)
+    name = hashlib.sha256(names.encode()).hexdigest()
+    return once(f"proof-{name}", lambda: proof.prove_each(vertices, **options))
 
 
 prove_sheet = by_pattern(prove_sheet)
