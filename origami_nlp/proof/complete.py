@@ -338,23 +338,26 @@ def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
 
 
 def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
-    """Return why no root was certified, whether as closure loses rank, and whether one state at most closes there.
+    """Return why no root was certified, whether as closure loses rank, and whether one state at most is there.
 
-    One does in a convex set over which slopes of closure by the free variables are independent columns.
+    One is in a convex set over which slopes of closure, and of what creases on one line ask for, by the free variables
+    are independent columns.
     """
-    pins = boxes.pins[:, 0]
+    piece, pins = system.piece, boxes.pins[:, 0]
     free = pins == 0
     low, high = boxes.lower.min(axis=1), boxes.upper.max(axis=1)
     x = 0.5 * (low + high)
+    twins = [row[None] / np.abs(row).max() for _, row in piece.twins_on(pins)]
+    columns = np.concatenate([system.vanishing(x[None])[1][0], *twins])[:, free]
+    change = system.beta.sum() ** 2 * (high - low).max() + system.noise
+    slopes = np.linalg.svd(columns, compute_uv=False)
+    enough = len(columns) >= free.sum()
+    alone = bool(enough and slopes.min(initial=np.inf) > LOW + system.m * change)
     if free.sum() < system.m:
-        columns = system.vanishing(x[None])[1][0][:, free]
-        least = np.linalg.svd(columns, compute_uv=False).min(initial=np.inf)
-        change = system.beta.sum() ** 2 * (high - low).max() + system.noise
-        why = f"{int(free.sum())} free variables, {system.m} closure equations"
-        return why, True, bool(least > LOW + system.m * change)
+        return f"{int(free.sum())} free variables, {system.m} closure equations", True, alone
     least = system.least_slope(x[None], pins[None])[0]
     if least < LOW:
-        return f"closure loses rank (singular value {least:.1e})", True, False
+        return f"closure loses rank (singular value {least:.1e})", True, alone
     return "no root was certified", False, False
 
 

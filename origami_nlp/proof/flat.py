@@ -36,7 +36,7 @@ import numpy as np
 
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.pieces import piece_of
-from origami_nlp.proof.reduced import ReducedVertex, twins_asked
+from origami_nlp.proof.reduced import ReducedVertex
 from origami_nlp.proof.rows import (
     SECTORS,
     TRIGONOMETRIC,
@@ -123,13 +123,10 @@ class FlatVertex:
         self.tied = np.eye(vertex.size)[of][free[of]][:, free]
         # of creases on one line: k_a x_a - s k_b x_b, and what that is at the state, None where exactly 0
         self.twins: list[tuple[np.ndarray, float | None]] = []
-        held = np.where(free, 0, 1)[:, None]
-        closed = (np.abs(base) > 1)[:, None] & (held > 0)
         springs = np.stack([piece.stiffness, piece.rest, base])
-        for t in itertools.compress(piece.twins, twins_asked(piece.twins, held, closed)[:, 0]):
-            row, one = np.zeros(vertex.size), [*t.creases]
-            row[one] = (1.0, -t.sign)[: len(one)] * piece.stiffness[one]
-            same = len(one) == 2 and t.sign > 0 and np.ptp(springs[:, one], axis=1).max() == 0
+        for t, row in piece.twins_on(np.zeros(vertex.size) if pins is None else pins):
+            apart = np.ptp(springs[:, list(t.creases)], axis=1).max()
+            same = len(t.creases) == 2 and t.sign > 0 and apart == 0
             self.twins.append((row[free][None], None if same else row @ (base - piece.rest)))
 
 
