@@ -71,7 +71,7 @@ def why_not(vertex: ReducedVertex) -> str:
     if vertex.dof <= 0 and vertex.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
     if scene.laws:
-        return "hinge laws: boxes know linear springs (a pattern of degree four is proved along its curves)"
+        return "hinge laws: proofs know linear springs"
     return why_no_touches(vertex) if scene.contact == "full" else ""
 
 

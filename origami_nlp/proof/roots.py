@@ -211,8 +211,8 @@ SHARES = (1.0, 0.3, 0.1, 0.03)
 """Sides of the uniqueness box in multipliers that are tried, over what these move with x; the widest box is taken."""
 
 
-WIDEST = 0.3
-"""Uniqueness boxes are no wider [rad]: half chains turn by less than pi / 2 in them."""
+TRIED = 0.3 * 2.0 ** (-0.25 * np.arange(192))
+"""Sides of boxes round roots [rad]: in the widest half chains turn by less than pi / 2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,7 +317,6 @@ def certify(
         a = (reach @ at.change(mu) @ rho[:, :, None])[:, :, 0]
         b = rho - (rest @ rho[:, :, None])[:, :, 0]
         low, high = _between(a, b, wrong, rows)
-        high = np.minimum(high, WIDEST)
         better = (low < high) & (high > largest)
         smallest, largest = np.where(better, low, smallest), np.where(better, high, largest)
         lean = np.where(better, mu, lean)
@@ -340,16 +339,10 @@ def _inverse(matrices: np.ndarray) -> np.ndarray:
 def _between(
     a: np.ndarray, b: np.ndarray, c: np.ndarray, rows: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return between which t all a t^2 - b t + c < 0, with room for rounding: smallest > largest if there are none."""
-    a, c = 1.01 * a + TINY, 1.01 * c + TINY
-    b = 0.99 * b
-    root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
-    fits = (b > 0) & (b * b > 4 * a * c)
-    # both roots of a t^2 - b t + c without cancellation: the smaller one is of the size of rounding
-    low = np.where(fits, 2 * c / np.where(fits, b + root, 1.0), np.inf)
-    high = np.where(fits, (b + root) / (2 * a), 0.0)
-    low, high = np.where(rows, low, 0.0), np.where(rows, high, np.inf)
-    return 1.01 * low.max(axis=1), 0.99 * high.min(axis=1)
+    """Return the smallest and the largest t tried with a t^2 - b t + c < 0, with room for rounding; inf, 0 if none."""
+    a, b, c = (v[:, :, None] for v in (1.01 * a + TINY, 0.99 * b, 1.01 * c + TINY))
+    fits = (((a * TRIED - b) * TRIED + c < 0) | ~rows[:, :, None]).all(axis=1)
+    return np.where(fits, TRIED, np.inf).min(axis=1), np.where(fits, TRIED, 0.0).max(axis=1)
 
 
 def _lean(at: BoxDerivatives) -> np.ndarray:

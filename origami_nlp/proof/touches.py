@@ -55,6 +55,7 @@ from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.rows import (
     UNIT,
     Affine,
+    Chain,
     Quadratic,
     Triples,
     joined_rows,
@@ -80,47 +81,22 @@ class TouchedPiece:
     """
 
     def __init__(self, piece: Piece, touches: Sequence[Gap]) -> None:
-        self.piece, self.size = piece, piece.size
-        gaps: list[Three] = []
-        again: list[Three] = []
-        refused: list[Three] = []
-        self.on_each_other: list[Three] = []
-        slopes: list[dict[int, Three]] = []
-        for touch in touches:
-            ways, beyond, slope = self._rows(touch)
-            # one way of each before the other of any: with closure they are the independent rows
-            gaps, again = [*gaps, ways[0]], again + ways[1:]
-            refused, slopes = refused + beyond, [*slopes, slope]
-        gaps += again
-        wanted = [*gaps, *refused, *self.on_each_other]
+        self.piece, self.size, chain = piece, piece.size, piece.chain
+        gaps, refused, slopes = list[Three](), list[Three](), list[Three]()
         # of each gap the number of the slope by each variable
         self.columns: list[dict[int, int]] = []
-        for slope in slopes:
-            self.columns.append({v: len(wanted) + i for i, v in enumerate(slope)})
-            wanted += slope.values()
-        self.gaps, self.refused = len(gaps), len(refused)
-        self.triples = Triples(piece.chain, wanted)
+        for touch in touches:
+            ways, beyond, slope = _rows(chain, touch)
+            gaps, refused = gaps + ways, refused + beyond
+            self.columns.append({v: len(slopes) + i for i, v in enumerate(slope)})
+            slopes += slope.values()
+        # rays on each other are not opposite: their cosine is 1
+        met = [(chain.first, chain.up, 3)] if touches[0].kind == "meet" else []
+        self.gaps, self.refused, self.slopes, self.met = (
+            Triples(chain, some) for some in (gaps, refused, slopes, met)
+        )
         many = piece.pivots + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
-
-    def _rows(self, touch: Gap) -> tuple[list[Three], list[Three], dict[int, Three]]:
-        """Return a touch's gap, each way; what is certainly not positive; and its slopes."""
-        c = self.piece.chain
-        if touch.kind == "facet":
-            ways = c.ways(*touch.rays)
-            beyond = [t for w in ways for t in c.inside(*w)]
-            return [c.gap(*w) for w in ways], beyond, c.gap_slopes(*ways[0])
-        folds = [i for i in range(c.steps) if c.folds[i]]
-        if touch.kind == "meet":
-            self.on_each_other.append((c.first, c.up, 3))
-            return [(c.first, 0, 3)], [], {int(c.variable[i]): (c.up, i, 3) for i in folds if i < 3}
-        k, side = touch.rays[0], int(touch.kind == "end")
-        slope = {
-            int(c.variable[i]): (k, i, c.last) if side else (c.first, i, k)
-            for i in folds
-            if (i > k if side else i < k)
-        }
-        return [c.behind(k, side)], [], slope
 
     def rows(
         self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
@@ -137,31 +113,36 @@ class TouchedPiece:
         piece = self.piece
         middle, half = variables(lower, upper)
         folded, torques = piece.chain.fold(middle, half), piece.torques(middle, half)
-        triples = self.triples.at(folded)
-        gaps, columns = (
-            triples[: self.gaps],
-            [{v: triples[i] for v, i in c.items()} for c in self.columns],
-        )
-        closure = [piece.closure(folded).affine(), gaps.affine()]
-        closure += [
-            refusal(triples[self.gaps + i : self.gaps + i + 1].affine())
-            for i in range(self.refused)
-        ]
-        for i in range(len(self.on_each_other)):  # not opposite: their cosine is 1
-            row = triples[self.gaps + self.refused + i : self.gaps + self.refused + i + 1]
-            closure.append((row + number(0 * row.value - 1.0, 4 * UNIT, self.size)).affine())
-        critical = []
+        met = self.met.at(folded)
+        met += number(0 * met.value - 1.0, 4 * UNIT, self.size)
+        rows = [q.affine() for q in (piece.closure(folded), self.gaps.at(folded), met)]
+        rows.append(refusal(self.refused.at(folded).affine()))
         if self.subsets:
-            known = piece.minors(folded, torques)
+            known, slopes = piece.minors(folded, torques), self.slopes.at(folded)
             base = {tuple(s): known[i] for i, s in enumerate(piece.subsets.tolist())}
-            for column in columns:
-                base = expanded(base, column, self.size)
-            critical = [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
-        rows = joined_rows(closure + critical)
-        asked = np.ones(rows.centre.shape, dtype=bool)
+            for column in self.columns:
+                base = expanded(base, {v: slopes[i] for v, i in column.items()}, self.size)
+            rows += [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
+        every = joined_rows(rows)
+        asked = np.ones(every.centre.shape, dtype=bool)
         for i, s in enumerate(self.subsets, start=len(asked) - len(self.subsets)):
             asked[i] = (pins == 0)[list(s)].all(axis=0)
-        return rows, asked
+        return every, asked
+
+
+def _rows(chain: Chain, touch: Gap) -> tuple[list[Three], list[Three], dict[int, Three]]:
+    """Return a touch's gap, each way; what is certainly not positive; and its slopes, by variable."""
+    if touch.kind == "facet":
+        ways = chain.ways(*touch.rays)
+        beyond = [t for w in ways for t in chain.inside(*w)]
+        return [chain.gap(*w) for w in ways], beyond, chain.gap_slopes(*ways[0])
+    k, *meets = touch.rays
+    k = 3 if meets else k
+    steps = range(k + 1, chain.steps) if touch.kind == "end" else range(k)
+    ends = (k, chain.last) if touch.kind == "end" else (chain.up if meets else chain.first, k)
+    slope = {int(chain.variable[i]): (ends[0], i, ends[1]) for i in steps if chain.folds[i]}
+    gap = (chain.first, 0, 3) if meets else chain.behind(k, int(touch.kind == "end"))
+    return [gap], [], slope
 
 
 def expanded(
