@@ -219,20 +219,20 @@ class _States:
         self.problem, self.contact = problem, contact
         self.all, self.new = [*known], list[JudgedState]()
 
-    def near(self, phi: np.ndarray, within: float) -> list[JudgedState]:
-        """Return the states within a distance (largest entry), the nearest first."""
-        far = [float(np.abs(s.phi - phi).max()) for s in self.all]
-        return [self.all[i] for i in np.argsort(far, kind="stable") if far[i] <= within]
+    def near(self, phi: np.ndarray, within: float) -> JudgedState | None:
+        """Return the nearest state within a distance (largest entry), one that is decided if there is."""
+        far = [(s.verdict == "undecided", float(np.abs(s.phi - phi).max())) for s in self.all]
+        least = min(range(len(far)), key=lambda k: (far[k][1] > within, *far[k]), default=None)
+        return self.all[least] if least is not None and far[least][1] <= within else None
 
-    def judged(self, phi: np.ndarray) -> JudgedState:
+    def judged(self, phi: np.ndarray, within: float = DUPLICATE_TOL) -> JudgedState:
         """Return the state that is known, or judge and keep it."""
-        near = [s for s in self.near(phi, DUPLICATE_TOL) if s.verdict != "undecided"]
-        if near:
-            return near[0]
-        self.problem.check_time()
-        state = judge_end(self.problem, self.problem.reduce(phi), self.contact)
-        self.new.append(state)
-        self.all.append(state)
+        state = self.near(phi, within)
+        if state is None or state.verdict == "undecided":
+            self.problem.check_time()
+            state = judge_end(self.problem, self.problem.reduce(phi), self.contact)
+            self.new.append(state)
+            self.all.append(state)
         return state
 
     def polished(self, phi: np.ndarray) -> JudgedState | None:
@@ -266,22 +266,20 @@ def _disagreement(
     """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
     x, where = point.fold_angles, f"at {states.energy(point.fold_angles):.9g} J"
     # the point is the only critical one within its radius: what is known there is it
-    near = states.near(x, point.radius + DUPLICATE_TOL)
-    decided = [s for s in near if s.verdict != "undecided"]
-    state = next(iter(decided or near), None)
-    if not decided and point.is_minimum is not False:
-        found = states.judged(x)
-        # sectors as they are typed make a singular state of one beside it
-        beside = np.abs(found.phi - x).max() <= point.radius + NEAR_SINGULAR_TOL
-        state = found if beside else state
+    within = point.radius + DUPLICATE_TOL
+    refuted = point.is_minimum is False
+    state = states.near(x, within) if refuted else states.judged(x, within)
+    # sectors as they are typed make a singular state of one beside it
+    if state is not None and np.abs(state.phi - x).max() > point.radius + NEAR_SINGULAR_TOL:
+        state = None
     verdict = "" if state is None else state.verdict
-    if state is not None and point.is_minimum is not False:
+    if state is not None and point.is_minimum:
         if any(np.array_equal(state.phi, y) for y in shown):
             against.append(f"two proved minima {where} are not distinguished by the list")
         shown.append(state.phi)
     # facets of a proof within fold limits may cross
     confirmed = ("minimum", "not admissible") if short else ("minimum",)
-    if point.is_minimum is False and verdict == "minimum":
+    if refuted and verdict == "minimum":
         against.append(f"the proof refutes a listed minimum {where}")
     elif point.is_minimum and verdict not in confirmed:
         against.append(f"a proved minimum {where} is judged: {verdict or 'not found'}")
