@@ -28,7 +28,6 @@ from origami_nlp.proof import (
     prove_each,
     prove_sheet,
     why_no_contact,
-    why_no_sheet,
     why_not,
 )
 
@@ -81,9 +80,8 @@ def of_vertices(vertices: Sequence[ReducedVertex]) -> Provable:
 
 def of_sheet(pattern: Pattern, contact: bool) -> Provable:
     """Return how the list of a sheet is proved."""
-    why, many = why_no_sheet(pattern), len(pattern.vertices)
-    sheet, _ = as_sheet(pattern)
-    flat = sheet is not None and sheet.folds_flat
+    sheet, why = as_sheet(pattern)
+    many, flat = len(pattern.vertices), sheet is not None and sheet.folds_flat
     short = why_no_contact(pattern) if contact and not why else ""
     few = not (why or short) and many <= (FEW_FLAT if flat else FEW)
     # curves of sheets that need not fold flat say what it takes to leave a state: they are searched as well

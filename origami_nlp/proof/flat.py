@@ -102,6 +102,8 @@ class FlatVertex:
         Of creases, from where they are at the state, [N].
     tied
         1 where a crease is of a variable, [N, n].
+    closes
+        Whether that state closes.
     """
 
     def __init__(
@@ -117,6 +119,9 @@ class FlatVertex:
         # beyond a crease that is closed the sheet goes back
         way = np.cumprod(np.where(np.abs(base[of]) > 1, -1, 1)) * sectors
         azimuth = np.array([math.fsum(way[:i]) for i in range(len(way))])
+        # relations of sectors that hold to what these may be off are taken as exact
+        open_ = math.remainder(math.fsum(way), 2 * math.pi)
+        self.closes = abs(open_) <= (len(way) + 1) * SECTORS * 4 * UNIT
         self.b = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)[free[of]]
         self.stiffness = piece.stiffness[of][free[of]]
         self.rest = (piece.rest - base)[of][free[of]]
@@ -226,7 +231,7 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
 def flat_lemma(vertex: FlatVertex, least: float = 0.0) -> Flat:
     """Look for the largest radius, above the least, within which the flat state is the only critical point."""
     boxes = 0
-    for radius in RADII:
+    for radius in RADII if vertex.closes else ():
         cone = ClosedDirections(vertex, radius)
         left = prune(cone, cone.faces(), small=NARROW, most=MOST)
         boxes += left.boxes

@@ -6,7 +6,8 @@ of freedom and |P| + |T| < f all minors of [G | C | W] with one column more than
 creases (W the gradients of T).  Where |P| + |T| = f every closed state is a candidate; where more is closed, x is among
 the candidates of some f of the contacts.  Strata with |P| + |T| <= f are therefore all.  Those with T empty are treated
 within fold limits; for f = 2 there remain one touch with at most one closed crease, and two touches.  A touch that
-follows from closed creases (all between the ray and the facet are fully folded) holds on all of {closure, P}: left out.
+follows from closed creases (all between the ray and the facet are fully folded) holds on all of {closure, P}: its state
+is one of that stratum.
 
 Two kinds of strata of a vertex of degree five are left out as well, since x is on another stratum too:
 - Sectors e and e+1 equal, crease e between them fully folded: rays e-1 and e+1 coincide, and a gap of one of them off a
@@ -19,7 +20,7 @@ Two kinds of strata of a vertex of degree five are left out as well, since x is 
 Gaps are those of the vertex, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet where rays 1
 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
-At each critical point the signs of all rays off all facets are enclosed (`facet_separation`).  Where facets cross it is
+At each critical point the signs of all rays off all facets are enclosed (`separation`).  Where facets cross it is
 dropped.  Where all are apart but for P and T, of independent gradients, the signs of the Lagrange multipliers and the
 index decide as within fold limits.  What remains are stacks of facets: there the package's exact test decides whether
 the layers have an order (`PatternProblem.refuses`), and where gaps are closed its cone the verdict (`classify`).
