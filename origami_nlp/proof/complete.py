@@ -53,6 +53,8 @@ SMALLER = (1e-7, 1e-9, 1e-11)
 """Widths [rad] to which candidates that hold no certified root are cut once more where closure has full rank."""
 MOST_SMALLER = 20_000
 """Boxes for each of these."""
+BESIDE, FEW = 1e-4, 300
+"""Radius [rad], and boxes, in which it is asked whether a state folded flat is alone."""
 ISOLATED = 5_000
 """Candidates of a set of touches up to which they are taken for isolated points, and not for a curve."""
 
@@ -158,7 +160,8 @@ def prove(
         for group in (rest[g] for g in clusters(rest)):
             reason, singular, alone = reason_of(system, group)
             if singular and not (alone or touches):
-                alone = _is_alone(vertex, group)
+                lemma = lemma_at(vertex, group)
+                alone, treated = lemma.radius > 0, treated + lemma.boxes
             left.append(region(group, reason + names, singular, alone))
         roots = roots[np.flatnonzero(inside)]
         pins = vertex.problem.fold_limits.folded_flat(roots.pins)
@@ -361,15 +364,13 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool, bool]:
     return "no root was certified", False, False
 
 
-def _is_alone(vertex: ReducedVertex, boxes: Boxes) -> bool:
-    """Return whether a state folded flat is the only critical point of boxes of a stratum, by the lemma near it."""
-    base = math.pi * np.rint(boxes.lower.mean(axis=1) / math.pi)
-    reach = max(
-        np.abs(boxes.lower - base[:, None]).max(), np.abs(boxes.upper - base[:, None]).max()
-    )
-    if reach > min(RADII) or vertex.winding != 1:
-        return False
-    return flat_lemma(FlatVertex(vertex, base, boxes.pins[:, 0]), reach).radius > 0
+def lemma_at(vertex: ReducedVertex, boxes: Boxes) -> Flat:
+    """Return what is shown of the state folded flat that boxes of a stratum are round."""
+    base = math.pi * np.rint(boxes.lower.mean(axis=1) / math.pi)[:, None]
+    reach = max(np.abs(boxes.lower - base).max(), np.abs(boxes.upper - base).max())
+    if reach > BESIDE or vertex.winding != 1:
+        return Flat(0.0, 0, None)
+    return flat_lemma(FlatVertex(vertex, base[:, 0], boxes.pins[:, 0]), (BESIDE,), FEW)
 
 
 def _box(x: np.ndarray, radius: float) -> Boxes:

@@ -30,6 +30,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -228,14 +229,14 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
     return total
 
 
-def flat_lemma(vertex: FlatVertex, least: float = 0.0) -> Flat:
-    """Look for the largest radius, above the least, within which the flat state is the only critical point."""
+def flat_lemma(vertex: FlatVertex, radii: Sequence[float] = RADII, most: int = MOST) -> Flat:
+    """Look for the first radius within which the flat state is the only critical point, in so many boxes each."""
     boxes = 0
-    for radius in RADII if vertex.closes else ():
+    for radius in radii if vertex.closes else ():
         cone = ClosedDirections(vertex, radius)
-        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
+        left = prune(cone, cone.faces(), small=NARROW, most=most)
         boxes += left.boxes
-        if radius > least and not len(left.candidates) and not len(left.open):
+        if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))
     return Flat(0.0, boxes, no_minimum(vertex))
 

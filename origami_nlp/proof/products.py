@@ -29,14 +29,16 @@ from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.proof.result import ProvedState, Region
 from origami_nlp.proof.sheets import (
     TERMS,
+    Budget,
     Equal,
     FlatSheet,
+    Look,
     VertexRound,
     closer,
+    least,
     sign_of,
     state_of,
 )
-from origami_nlp.proof.slopes import Budget, Look, least
 
 MOST_WAYS = 20_000
 """Of signs of vertices, over all sets of rows that are 0, at +-180 degrees, or neither."""

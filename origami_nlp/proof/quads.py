@@ -38,8 +38,19 @@ from flint import arb, arb_series
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.result import ProvedState, Region
-from origami_nlp.proof.sheets import TERMS, Equal, FlatSheet, VertexRound, closer, sign_of, state_of
-from origami_nlp.proof.slopes import DEPTH, Budget, Look, least
+from origami_nlp.proof.sheets import (
+    DEPTH,
+    TERMS,
+    Budget,
+    Equal,
+    FlatSheet,
+    Look,
+    VertexRound,
+    closer,
+    least,
+    sign_of,
+    state_of,
+)
 
 MOST_VERTICES = 12
 """Of a sheet: 4,096 choices of modes."""

@@ -13,8 +13,7 @@ from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.proof.products import FoldingSheet, ProductSearch, as_folding
 from origami_nlp.proof.quads import QuadSearch, QuadSheet, as_quads
 from origami_nlp.proof.result import Proof
-from origami_nlp.proof.sheets import flat_sheet, precision
-from origami_nlp.proof.slopes import Budget
+from origami_nlp.proof.sheets import Budget, flat_sheet, precision
 
 
 def as_sheet(pattern: Pattern) -> tuple[FoldingSheet | QuadSheet | None, str]:

@@ -13,7 +13,6 @@ from origami_nlp.proof import (
     certify,
     check,
     check_proof,
-    sheet_check,
     vertex_check,
     write_certificate,
 )
@@ -26,8 +25,7 @@ from tests.proof.test_products import sprung
 from tests.proof.test_quads import half_turns, quads
 
 CHECKS = {
-    check: {"pattern", "proof.certificate", "proof.sheet_check", "proof.vertex_check"},
-    sheet_check: {"proof.certificate"},
+    check: {"pattern", "proof.certificate", "proof.vertex_check"},
     vertex_check: {"pattern"},
 }
 

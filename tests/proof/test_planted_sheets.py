@@ -10,7 +10,7 @@ from origami_nlp.proof import (
     products,
     prove_sheet,
     quads,
-    slopes,
+    sheets,
 )
 from origami_nlp.proof.products import FoldingSheet, ProductSearch
 from origami_nlp.proof.quads import QuadCurve, QuadSheet, QuadVertex
@@ -94,27 +94,27 @@ def with_bends_of_the_other_sign(patch):
 
 
 def without_what_ends_a_curve(patch):
-    true = slopes._piece
+    true = sheets._piece
 
     def piece(curve, a, b):
         found = true(curve, a, b)
-        held = found is not None and found.kind == slopes.HELD
-        return found._replace(kind=slopes.SLOPE) if held else found
+        held = found is not None and found.kind == sheets.HELD
+        return found._replace(kind=sheets.SLOPE) if held else found
 
-    patch.setattr(slopes, "_piece", piece)
+    patch.setattr(sheets, "_piece", piece)
 
 
 def without_a_side_of_the_flat_state(patch):
     true = quads.least
 
     def least(over, *given):
-        return slopes.Least() if over.__self__.side < 0 else true(over, *given)
+        return sheets.Least() if over.__self__.side < 0 else true(over, *given)
 
     patch.setattr(quads, "least", least)
 
 
 def with_zeros_halved_to_the_wrong_side(patch):
-    patch.setattr(slopes, "_halved", lambda sign, low, high: (low, low))
+    patch.setattr(sheets, "_halved", lambda sign, low, high: (low, low))
 
 
 BROKEN = {
