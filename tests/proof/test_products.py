@@ -142,7 +142,7 @@ def test_one_vertex_as_the_proof_of_vertices_has_it(seed):
         contact="fold-limits",
     )
     found = o.find_minima(scene, prove=True)
-    assert found.completeness.status == "proved-except-singular" and not proof.undecided
+    assert found.completeness.status == "proved" and not proof.undecided
     ours = sorted(pattern.energy(m.fold_angles) for m in proof.minima)
     assert ours == pytest.approx(sorted(m.energy for m in found.minima), abs=1e-9)
 
