@@ -243,6 +243,12 @@ class _States:
         closes = problem.residual(state.x) <= CLOSURE_TOL
         return self.judged(problem.expand(state.x)) if state.converged and closes else None
 
+    def refuted(self, phi: np.ndarray) -> JudgedState | None:
+        """Return a state that is judged to be no minimum, None where it is not; it is not kept."""
+        self.problem.check_time()
+        state = judge_end(self.problem, self.problem.reduce(phi), self.contact)
+        return None if state.verdict in ("minimum", "undecided") else state
+
     def energy(self, phi: np.ndarray) -> float:
         """Return the energy of a state."""
         return float(self.problem.energy(self.problem.reduce(phi)))
@@ -266,7 +272,11 @@ def _disagreement(
     # the point is the only critical one within its radius: what is known there is it
     within = point.radius + DUPLICATE_TOL
     refuted = point.is_minimum is False
-    state = states.near(x, within) if refuted else states.judged(x, within)
+    state = states.near(x, within) if not point.is_minimum else states.judged(x, within)
+    if (
+        point.is_minimum is None and state is None
+    ):  # Newton has to find what the proof does not decide
+        state = states.refuted(x) or states.polished(x)
     # sectors as they are typed make a singular state of one beside it
     if state is not None and np.abs(state.phi - x).max() > point.radius + NEAR_SINGULAR_TOL:
         state = None
