@@ -222,7 +222,7 @@ def side_of(a, x, k, j, point):
 def test_minima_are_those_of_a_thorough_search(scene):
     model = ReducedVertex(scene)
     proof = prove(model)
-    assert proof.finished and not proof.undecided and not proof.singular
+    assert proof.finished and all(r.alone for r in proof.regions)
     found = np.array(
         [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
     )
@@ -342,7 +342,7 @@ def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
     rest = (-1.205064004, -0.7584188864, -2.486820695, -0.6969875421, -2.983049416)
     scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
     proof = prove(ReducedVertex(scene))
-    assert proof.complete and len(proof.minima) == 2
+    assert all(r.alone for r in proof.regions) and len(proof.minima) == 2
     near = proof.minima[1]
     assert np.abs(near.fold_angles).max() < 0.04
     assert classify(State(ReducedVertex(scene).problem, near.fold_angles)).verdict == "minimum"
