@@ -311,11 +311,11 @@ def _judged(states: _States, regions: Sequence[Region], most: int) -> Iterator[O
     """Judge the states in regions that are small, up to so many, those of least energy first."""
     energies = [states.energy(0.5 * (r.lower + r.upper)) for r in regions]
     # those of one energy stay in the order of the proof
-    order = np.argsort(np.round(energies, 9), kind="stable")
-    worth = set(order[:most].tolist())
+    order = np.argsort(np.round(energies, 9), kind="stable").tolist()
+    small = [np.max(r.upper - r.lower) <= NEAR_SINGULAR_TOL for r in regions]
+    worth = set([k for k in order if small[k]][:most])
     for k, region in enumerate(regions):
-        small = np.max(region.upper - region.lower) <= NEAR_SINGULAR_TOL
-        yield _judged_one(states, region) if small and k in worth else states.region(region)
+        yield _judged_one(states, region) if k in worth else states.region(region)
 
 
 def _judged_one(states: _States, region: Region) -> Open:
