@@ -116,7 +116,7 @@ def prove(
     >>> vertex = Vertex.from_degrees((70, 80, 120, 90))
     >>> scene = Scene(vertex, (1, 2, 3, 2), (1.0, -0.5, 0.3, 0.8), "none", "full")
     >>> proof = prove(ReducedVertex(scene))
-    >>> proof.complete, len(proof.minima)
+    >>> proof.finished, len(proof.minima)
     (True, 2)
     """
     check_type("vertex", vertex, ReducedVertex)
