@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import MinimaResult, Scene, examples, find_minima
+from origami_nlp import MinimaResult, Scene, examples, find_minima, proof
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.contact import find_contacts
@@ -26,7 +26,7 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.paper import find_critical_points
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_states import find_states
-from origami_nlp.proof import ReducedVertex, prove_sheet
+from origami_nlp.proof import Proof, ReducedVertex, prove_sheet
 
 T = TypeVar("T")
 PANELS = examples.panels()
@@ -99,6 +99,17 @@ def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
         return once(name, lambda: compute(pattern, until=until, **options))
 
     return ask
+
+
+def prove_each(
+    vertices: Sequence[ReducedVertex], *, until: float = math.inf, **options: Any
+) -> Proof:
+    """Prove the list of a vertex once per run, if its limit of time is far."""
+    if until < time.monotonic() + FAR:
+        return proof.prove_each(vertices, until=until, **options)
+    names = "".join(_question(proof.prove_each, one, options) for one in vertices)
+    name = hashlib.sha256(names.encode()).hexdigest()
+    return once(f"proof-{name}", lambda: proof.prove_each(vertices, **options))
 
 
 prove_sheet = by_pattern(prove_sheet)

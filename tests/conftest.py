@@ -46,7 +46,6 @@ def _folder_of_the_run(tmp_path_factory, pytestconfig):
 
 
 SHARED = {
-    "origami_nlp.pattern_states.vertex_proof": "prove",
     "origami_nlp.chart.boundary": "_boundary",
 }
 """What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart;
@@ -62,6 +61,7 @@ def _once_a_scene(_folder_of_the_run):
             patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
         proved = importlib.import_module("origami_nlp.pattern_states.proved")
         patch.setattr(proved, "prove_sheet", computed_once.prove_sheet)
+        patch.setattr(proved, "prove_each", computed_once.prove_each)
         find = importlib.import_module("origami_nlp.pattern_states.find")
         patch.setattr(find, "with_escapes", computed_once.by_states(find.with_escapes))
         yield

@@ -22,6 +22,10 @@ def test_a_shared_panel_is_that_of_a_search():
     assert judged == find_minima(scene, full=True).minima != fresh.minima
 
 
+def states(proof):
+    return [p.fold_angles.tolist() for p in proof.points]
+
+
 def test_a_shared_proof_is_that_of_its_scene():
     vertex = Vertex.from_degrees((70, 80, 120, 90))
     scenes = [
@@ -30,12 +34,11 @@ def test_a_shared_proof_is_that_of_its_scene():
     ]
     shared = by_scene(prove)
     one, other = (shared(ReducedVertex(scene), boxes=100_000) for scene in scenes)
-    assert one is not other and [p.x for p in one.points] != [p.x for p in other.points]
+    assert one is not other and states(one) != states(other)
     kept = shared(ReducedVertex(dataclasses.replace(scenes[0], name="another")), boxes=100_000)
     fresh = prove(ReducedVertex(scenes[0]), boxes=100_000)
     assert kept.seconds == one.seconds  # it was read
-    assert repr(dataclasses.replace(fresh, seconds=one.seconds)) == repr(kept)
-    assert [p.x for p in fresh.points] == [p.x for p in kept.points]
+    assert states(fresh) == states(kept)
     assert not shared(ReducedVertex(scenes[0]), boxes=9).finished
 
 

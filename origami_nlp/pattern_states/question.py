@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TypeAlias
 
 import numpy as np
@@ -21,8 +21,7 @@ from origami_nlp.pattern_problem import (
     passing_moment,
     pose,
 )
-from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
-from origami_nlp.pattern_states.vertex_proof import is_cheap, prove_each
+from origami_nlp.pattern_states.proved import FEW, Provable, of_sheet, of_vertices, prove_list
 from origami_nlp.proof import ProofOptions, ReducedVertex
 from origami_nlp.search import given
 
@@ -102,10 +101,16 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
     problem = PatternProblem(labels.arranged(pattern), contact)
     problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
 
+    few = len(pattern.vertices) <= FEW  # to read the sectors of thousands takes seconds
+
+    @cache
+    def provable() -> Provable:
+        return of_sheet(pattern, contact)
+
     def prove(known: Sequence[JudgedState], wanted: Wanted) -> Proved:
-        if not is_tried(pattern, wanted, contact):
+        if wanted is None and not few:
             return None, []
-        return prove_list(pattern, problem, known, contact, wanted)
+        return prove_list(provable(), problem, known, contact, wanted)
 
     def whole() -> tuple[PatternProblem, CanonicalLabelling]:
         pattern.check_alone("the survival of states under errors")
@@ -120,8 +125,8 @@ def _of_sheet(pattern: Pattern, contact: bool) -> Question:
         prove,
         [(GIVEN, lambda: given(problem.pattern))],
         whole,
-        proves=lambda: is_tried(pattern, None, contact),
-        lists_all=lambda: covers(pattern, contact),
+        proves=lambda: few and bool(provable().unasked),
+        lists_all=lambda: provable().alone,
     )
 
 
@@ -155,19 +160,19 @@ def _of_vertex(scene: Scene) -> Question:
             return state
         return replace(state, moment=passing.vector, moment_residual=passing.residual)
 
-    vertices = [ReducedVertex(one, problem) for one in scene.of_each_winding]
+    provable = of_vertices([ReducedVertex(one, problem) for one in scene.of_each_winding])
     return Question(
         scene,
         scene.contact,
         problem,
         labels,
         [] if scene.loads else moves_of(problem, scene),
-        partial(prove_each, vertices),
+        lambda known, wanted: prove_list(provable, problem, known, problem.contact, wanted),
         [(GIVEN, lambda: (problem.reduce(x) for x in given(problem.pattern)))],
         whole,
         winding=winding,
         told=told,
-        proves=lambda: is_cheap(vertices[0]),
+        proves=lambda: bool(provable.unasked),
         canonical=pose(seen.relabelled(scene)) if seen else None,
         in_full_space=partial(with_full_space, scene, problem),
     )

@@ -15,9 +15,9 @@ import numpy as np
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Pattern, Scene, in_plane
-from origami_nlp.proof.complete import prove
+from origami_nlp.proof.complete import prove_each
 from origami_nlp.proof.reduced import ReducedVertex
-from origami_nlp.proof.sheet_proof import prove_sheet
+from origami_nlp.proof.sheet_proof import as_sheet, prove_sheet
 
 SCHEMA = "origami-nlp/proof/2"
 LARGEST = 1_000_000_000
@@ -115,59 +115,41 @@ def certify(origami: Scene | Pattern, boxes: int) -> Certificate:
     OptionError
         If facets may touch, a facet is of several pieces, or a sheet has stops or hinge laws: the check knows none.
     """
-    return _of_scene(origami, boxes) if isinstance(origami, Scene) else _of_sheet(origami, boxes)
+    if isinstance(origami, Scene):
+        if origami.contact == "full":
+            raise OptionError(
+                "a certificate names no touches of facets: it is for contact = 'fold-limits'"
+            )
+        proof = prove_each([ReducedVertex(one) for one in origami.of_each_winding], boxes=boxes)
+        stated: dict[str, Any] = {"scene": origami}
+    else:
+        stated = {"sheet": _stated(origami)}
+        proof = prove_sheet(origami, boxes=boxes)
+    return Certificate(
+        proof.over or "all closed states within fold limits",
+        tuple(CertifiedState(tuple(m.fold_angles.tolist()), m.radius) for m in proof.minima),
+        tuple(
+            OpenRegion(tuple(r.lower.tolist()), tuple(r.upper.tolist()), r.reason)
+            for r in proof.regions
+        ),
+        **stated,
+    )
 
 
-def _of_scene(scene: Scene, boxes: int) -> Certificate:
-    if scene.contact == "full":
-        raise OptionError(
-            "a certificate names no touches of facets: it is for contact = 'fold-limits'"
-        )
-    minima, undecided, flat = [], [], []
-    for one in scene.of_each_winding:
-        vertex = ReducedVertex(one)
-        proof = prove(vertex, boxes=boxes)
-        variable = vertex.variable_of_crease
-
-        def creases(x: tuple[float, ...], of: Any = variable) -> tuple[float, ...]:
-            return tuple(x[v] for v in of)
-
-        flat.append(proof.flat)
-        minima += [CertifiedState(creases(p.x), p.radius) for p in proof.minima]
-        undecided += [
-            OpenRegion(creases(c.lower), creases(c.upper), c.reason)
-            for c in (*proof.singular, *proof.undecided)
-        ]
-        if proof.flat_radius and proof.flat_is_minimum is None:
-            here = (0.0,) * scene.degree
-            undecided.append(OpenRegion(here, here, f"the flat state: {proof.flat}"))
-    over = f"all closed states within fold limits, in boxes of fold angles; flat: {'; '.join(flat)}"
-    return Certificate(over, tuple(minima), tuple(undecided), scene=scene)
-
-
-def _of_sheet(pattern: Pattern, boxes: int) -> Certificate:
+def _stated(pattern: Pattern) -> StatedSheet:
     pattern.check_plain_hinges("the certificate of a sheet")
     if len(pattern.polygons) != pattern.facets:
         raise OptionError(
             f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
         )
-    proof = prove_sheet(pattern, boxes=boxes)
-    sheet = StatedSheet(
+    sheet, _ = as_sheet(pattern)
+    return StatedSheet(
         corners=tuple((x, y) for x, y in in_plane(pattern).tolist()),
         facets=tuple(tuple(map(int, p)) for p in pattern.polygons),
         creases=tuple((a, b) for a, b in pattern.ends.tolist()),
         stiffness=tuple(pattern.stiffness.tolist()),
         rest=tuple(pattern.rest.tolist()),
-        deviation=proof.deviation,
-    )
-    return Certificate(
-        proof.over,
-        tuple(CertifiedState(tuple(m.fold_angles.tolist()), m.radius) for m in proof.minima),
-        tuple(
-            OpenRegion(tuple(low.tolist()), tuple(high.tolist()), why)
-            for low, high, why in proof.undecided
-        ),
-        sheet=sheet,
+        deviation=sheet.deviation if sheet else 0.0,
     )
 
 

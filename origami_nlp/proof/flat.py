@@ -19,6 +19,8 @@ most per(|A| + E) - per(|A|).
 With a symmetry minors are those of the whole vertex all the same.  Where axes span space, multipliers of symmetric
 states are those m that the group leaves alone, G_i = m . c_i for all images at once; where not, all minors are 0.
 
+So it is at a state folded flat, of the creases that are free there: b are then their directions in the plane.
+
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
 sum_i G_i u_i < 0 at r = 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
 leave.
@@ -28,6 +30,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +38,15 @@ import numpy as np
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.pieces import piece_of
 from origami_nlp.proof.reduced import ReducedVertex
-from origami_nlp.proof.rows import SECTORS, TRIGONOMETRIC, UNIT, Affine, padded, variables
+from origami_nlp.proof.rows import (
+    SECTORS,
+    TRIGONOMETRIC,
+    UNIT,
+    Affine,
+    joined_rows,
+    number,
+    variables,
+)
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
@@ -75,25 +86,54 @@ class Flat:
 
 
 class FlatVertex:
-    """A whole vertex in its flat state: creases, single springs, and which are one variable.
+    """A whole vertex at a flat state: the creases that are free, single springs, and which are one variable.
+
+    Parameters
+    ----------
+    vertex
+        Of a flat sheet.
+    base, pins
+        Variables of a state folded flat, multiples of pi, and which of them are held, [n]; None: the flat state.
 
     Attributes
     ----------
     b
-        Directions of the creases on the sheet, [N, 2].
+        Directions of the creases, [N, 2].
     stiffness, rest
-        Of creases, [N].
+        Of creases, from where they are at the state, [N].
     tied
         1 where a crease is of a variable, [N, n].
+    closes
+        Whether that state closes.
     """
 
-    def __init__(self, vertex: ReducedVertex) -> None:
+    def __init__(
+        self,
+        vertex: ReducedVertex,
+        base: np.ndarray | None = None,
+        pins: np.ndarray | None = None,
+    ) -> None:
         piece, of = piece_of(vertex), vertex.variable_of_crease
-        self.stiffness, self.rest = piece.stiffness[of], piece.rest[of]
-        self.tied = np.eye(vertex.size)[of]
+        base = np.zeros(vertex.size) if base is None else base
+        free = np.ones(vertex.size, bool) if pins is None else pins == 0
         sectors = vertex.scene.vertex.sector_angles
-        azimuth = np.array([math.fsum(sectors[:i]) for i in range(len(sectors))])
-        self.b = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+        # beyond a crease that is closed the sheet goes back
+        way = np.cumprod(np.where(np.abs(base[of]) > 1, -1, 1)) * sectors
+        azimuth = np.array([math.fsum(way[:i]) for i in range(len(way))])
+        # relations of sectors that hold to what these may be off are taken as exact
+        open_ = math.remainder(math.fsum(way), 2 * math.pi)
+        self.closes = abs(open_) <= (len(way) + 1) * SECTORS * 4 * UNIT
+        self.b = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)[free[of]]
+        self.stiffness = piece.stiffness[of][free[of]]
+        self.rest = (piece.rest - base)[of][free[of]]
+        self.tied = np.eye(vertex.size)[of][free[of]][:, free]
+        # of creases on one line: k_a x_a - s k_b x_b, and what that is at the state, None where exactly 0
+        self.twins: list[tuple[np.ndarray, float | None]] = []
+        springs = np.stack([piece.stiffness, piece.rest, base])
+        for t, row in piece.twins_on(np.zeros(vertex.size) if pins is None else pins):
+            apart = np.ptp(springs[:, list(t.creases)], axis=1).max()
+            same = len(t.creases) == 2 and t.sign > 0 and apart == 0
+            self.twins.append((row[free][None], None if same else row @ (base - piece.rest)))
 
 
 class ClosedDirections:
@@ -110,44 +150,39 @@ class ClosedDirections:
     """
 
     def __init__(self, vertex: FlatVertex, radius: float) -> None:
-        self.radius, self.tied, b = radius, vertex.tied, vertex.b
-        self.b, n, self.size = b, len(b), vertex.tied.shape[1] + 1
+        self.vertex, self.radius, b = vertex, radius, vertex.b
+        n, self.size = len(b), vertex.tied.shape[1] + 1
         # azimuths are off by what the sectors before them are; a cosine and a sine
-        doubt = self.doubt = (n * SECTORS * 4 + 8) * UNIT + 2 * TRIGONOMETRIC
+        doubt = (n * SECTORS * 4 + 8) * UNIT + 2 * TRIGONOMETRIC
         cross = b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0]
         self.before = np.triu(cross, 1)  # [j, i]: (b_j x b_i)_z, j before i
-        self.square = self.tied.T @ (self.before + self.before.T) @ self.tied
-        self.misses = np.array([radius**2 * n**3 / 24] * 2) + n * doubt
-        self.miss = radius**2 * n**4 / 96 + n * n * 3 * doubt
-        self._pose_minors(vertex)
-
-    def _pose_minors(self, vertex: FlatVertex) -> None:
-        """Minors as coefficients of u [M, n] and of r u_i u_j [M, n, n], and how far they are off [M]."""
-        n, radius = len(self.b), self.radius
-        k = vertex.stiffness
-        fours = np.array(list(itertools.combinations(range(n), 4)))
-        # levers[S, i, j]: of G_i h_j in the determinant, the minor of x and y of the other two rows
-        levers = np.zeros((len(fours), n, n))
-        rows = np.arange(len(fours))
+        fours = np.array(list(itertools.combinations(range(n), 4)), dtype=int).reshape(-1, 4)
+        # levers[S, i, j]: of G_i h_j in det [G, c_x, c_y, h]_S
+        self.levers = np.zeros((len(fours), n, n))
         for i, j in itertools.permutations(range(4), 2):
-            p, q = (v for v in range(4) if v not in (i, j))
-            # rows i, p, q, j in the columns G, x, y, z: Laplace expansion along G and z
-            sign = _sign((i, p, q, j))
-            lever = self.before[fours[:, p], fours[:, q]]
-            levers[rows, fours[:, i], fours[:, j]] = sign * lever
-        g = k * (np.abs(vertex.rest) + radius)
-        first = np.einsum("sij,i,aj->sa", levers, -k * vertex.rest, self.before)
-        self.matrix = np.concatenate([self.b.T, first]) @ self.tied
-        second = np.einsum("sij,i,aj->sia", levers, k, self.before) * radius
-        self.second = self.tied.T @ (0.5 * (second + second.transpose(0, 2, 1))) @ self.tied
+            columns = np.zeros((len(fours), 4, 4))
+            columns[:, i, 0] = columns[:, j, 3] = 1.0
+            columns[:, :, 1:3] = b[fours]
+            self.levers[np.arange(len(fours)), fours[:, i], fours[:, j]] = np.linalg.det(columns)
         many = np.arange(n)
-        size = np.stack([g, *np.abs(self.b.T), np.abs(self.before).sum(axis=0)])  # [4, n]
-        planar = radius**2 * many**2 / 2 + self.doubt
-        error = np.stack([0 * k, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
-        with_error = _permanents(size + error, fours)
-        # a coefficient is a sum of at most n^2 products of these entries
+        size = np.stack(
+            [
+                vertex.stiffness * (np.abs(vertex.rest) + radius),
+                *np.abs(b.T),
+                np.abs(self.before).sum(axis=0),
+            ]
+        )
+        planar = radius**2 * many**2 / 2 + doubt
+        error = [0 * planar, planar, planar, radius**2 * many**3 / 6 + 3 * n * doubt]
+        with_error = _permanents(size + np.stack(error), fours)
         # |det(A + E) - det A| <= per(|A| + E) - per(|A|): every product of the expansion taken with its absolute value
-        self.off = with_error - _permanents(size, fours) + 16 * (n * n + 64) * UNIT * with_error
+        off = with_error - _permanents(size, fours) + 16 * (n * n + 64) * UNIT * with_error
+        planes, height = (
+            radius**2 * n**3 / 24 + n * doubt,
+            radius**2 * n**4 / 96 + 3 * n * n * doubt,
+        )
+        exact = [0.0] * len(vertex.twins)
+        self.off = np.array([*exact, planes, planes, height, *off])[:, None]
 
     def faces(self) -> Boxes:
         """Return the boxes to start from: u_i = 1, the others and r / radius in [-1, 1]."""
@@ -158,50 +193,32 @@ class ClosedDirections:
     def rows(
         self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
     ) -> tuple[Affine, np.ndarray]:
-        """Enclose all rows over boxes: x, y, the minors, z; all hold everywhere."""
+        """Enclose all rows over boxes: x, y, z, the minors; all hold everywhere."""
         middle, half = variables(lower, upper)
-        u, r, du, dr = middle[:-1], middle[-1], half[:-1], half[-1]
-        centre, slopes = self.matrix @ u, self.matrix[:, :, None] * du
-        size = np.abs(self.matrix).sum(axis=1)[:, None]
-        # r u' W u, to first order in u and r
-        value, lever, curved = _form(self.second, u, du)
-        bound = np.abs(self.second).sum(axis=(1, 2))[:, None]
-        # r u' W u about the middle: r value + dr value xi_r + 2 r (W u) . du xi_u, the rest goes to the error
-        centre[2:] += r * value
-        slopes[2:] += 2.0 * r * lever * du
-        spread = 2.0 * np.abs(lever * du).sum(axis=1) + curved
-        error = np.concatenate([0 * centre[:2], np.abs(r) * curved + dr * spread])
-        error += np.concatenate([self.misses, self.off])[:, None]
-        along = np.concatenate([0 * centre[:2], dr * value])
-        size = np.concatenate([size[:2], size[2:] + 4 * bound]) + 0 * centre
-        height, tilt, bent = _form(0.5 * self.square[None], u, du)
-        rows = padded(
-            np.concatenate([centre, height]),
-            np.concatenate(
-                [
-                    np.concatenate([slopes, along[:, None]], axis=1),
-                    np.concatenate([2.0 * tilt * du, 0 * height[:, None]], axis=1),
-                ]
-            ),
-            np.concatenate([error, self.miss + bent]),
-            np.concatenate([size, 4 * np.abs(self.square).sum() + 0 * height]),
-            4 * (len(self.b) + 1) ** 2 + 8,
+        every, i = number(middle, 0.0, self.size), np.arange(self.size)
+        every.slopes[i, i] = half
+        u, r = every[:-1].mapped(self.vertex.tied), every[-1:]
+        heights = u.mapped(self.before.T)
+        k, rest = self.vertex.stiffness, self.vertex.rest
+        torques = (r * u).mapped(np.diag(k * self.radius))
+        torques += number(np.repeat((-k * rest)[:, None], middle.shape[1], 1), 0.0, self.size)
+        n = len(k)
+        a, b = np.repeat(np.arange(n), n), np.tile(np.arange(n), n)
+        twins = [every[:-1].mapped(row) for row, _ in self.vertex.twins]
+        for k_th, (_, at) in enumerate(self.vertex.twins):
+            if at is not None:  # else it is divided by r
+                here = number(np.full((1, middle.shape[1]), at), 64 * UNIT, self.size)
+                twins[k_th] = (r * twins[k_th]).mapped(np.array([[self.radius]])) + here
+        rows = joined_rows(
+            [
+                *(row.affine() for row in twins),
+                u.mapped(self.vertex.b.T).affine(),
+                (u * heights).mapped(np.ones((1, n))).affine(),
+                (torques[a] * heights[b]).mapped(self.levers.reshape(-1, n * n)).affine(),
+            ]
         )
+        rows = Affine(rows.centre, rows.slopes, rows.error + self.off)
         return rows, np.ones(rows.centre.shape, dtype=bool)
-
-
-def _form(
-    w: np.ndarray, u: np.ndarray, du: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """u' W u of symmetric matrices W [M, n, n]: its value [M, K], W u [M, n, K], and du' |W| du [M, K]."""
-    lever = w @ u
-    return (lever * u).sum(axis=1), lever, ((np.abs(w) @ du) * du).sum(axis=1)
-
-
-def _sign(order: tuple[int, ...]) -> float:
-    """Sign of a permutation."""
-    swaps = sum(a > b for a, b in itertools.combinations(order, 2))
-    return -1.0 if swaps % 2 else 1.0
 
 
 def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
@@ -212,12 +229,12 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
     return total
 
 
-def flat_lemma(vertex: FlatVertex) -> Flat:
-    """Look for the largest radius within which the flat state is the only critical point."""
+def flat_lemma(vertex: FlatVertex, radii: Sequence[float] = RADII, most: int = MOST) -> Flat:
+    """Look for the first radius within which the flat state is the only critical point, in so many boxes each."""
     boxes = 0
-    for radius in RADII:
+    for radius in radii if vertex.closes else ():
         cone = ClosedDirections(vertex, radius)
-        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
+        left = prune(cone, cone.faces(), small=NARROW, most=most)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))

@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
@@ -95,6 +96,16 @@ class Piece:
         self.twins: tuple[CollinearPair, ...] = collinear_creases(
             scene.vertex.sector_angles, vertex.variable_of_crease.tolist(), SECTORS * 4 * UNIT
         )
+
+    def twins_on(self, pins: np.ndarray) -> Iterator[tuple[CollinearPair, np.ndarray]]:
+        """Go through the creases on one line on a stratum [n], with slopes of what must vanish, [n]."""
+        flat = self.limits.folded_flat(pins)
+        for t in itertools.compress(
+            self.twins, twins_asked(self.twins, pins[:, None], flat[:, None])
+        ):
+            row, one = np.zeros(self.size), [*t.creases]
+            row[one] = (1.0, -t.sign)[: len(one)] * self.stiffness[one]
+            yield t, row
 
     def closure(self, folded: Folded) -> Quadratic:
         """Enclose closure."""

@@ -18,29 +18,32 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections import Counter
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, arb_series
 
 from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.proof.result import ProvedState, Region
 from origami_nlp.proof.sheets import (
     TERMS,
+    Budget,
     Equal,
     FlatSheet,
-    SheetMinimum,
+    Look,
     VertexRound,
     closer,
+    least,
     sign_of,
+    state_of,
 )
-from origami_nlp.proof.slopes import Budget, Curve, Look, least
 
 MOST_WAYS = 20_000
 """Of signs of vertices, over all sets of rows that are 0, at +-180 degrees, or neither."""
 ZERO, TURNED, FREE = range(3)
-Ratio = tuple[int, Counter[int]]
+Ratio = tuple[int, np.ndarray]
 """A sign, and powers of quantities."""
 
 
@@ -53,7 +56,7 @@ class Cross(NamedTuple):
     multipliers: dict[int, Ratio]
 
 
-Group = tuple[tuple[int, int, tuple[tuple[int, int], ...]], ...]
+Group = tuple[tuple[int, int, tuple[int, ...]], ...]
 """Creases that move together: each with the sign and the quantities of its multiplier."""
 
 
@@ -90,7 +93,9 @@ class FoldingSheet:
             (1, -1, apart, total.sin(), apart.sin()),
         ):
             if not straight[line]:
-                ratio = _times(equal.of(abs(above)), equal.of(abs(below)))
+                ratio = np.zeros(4 * len(self.sheet.rounds), dtype=int)
+                ratio[equal.of(abs(above))] += 1
+                ratio[equal.of(abs(below))] -= 1
                 multipliers[sign] = sign_of(turn), ratio
         rows = self.row[one.creases[0]], self.row[one.creases[1]]
         return Cross(one.creases, rows, (straight[0], straight[1]), multipliers)
@@ -100,11 +105,11 @@ class FoldingSheet:
         """Of rows, all sets."""
         return itertools.product(range(3), repeat=len(self.rows))
 
-    def value(self, powers: Sequence[tuple[int, int]]) -> Any:
+    def value(self, powers: Sequence[int]) -> Any:
         """Return a multiplier."""
         value = arb(1)
-        for which, power in powers:
-            value *= self.quantities[which] ** power
+        for quantity, power in zip(self.quantities, powers, strict=False):
+            value *= quantity ** int(power)
         return value
 
     def signs(self, kinds: Sequence[int]) -> list[list[int]]:
@@ -128,10 +133,11 @@ class FoldingSheet:
 
         None where vertices of these signs contradict each other, or that is not certain (`unsure`).
         """
-        links: dict[int, list[tuple[int, int, Counter[int]]]] = {}
+        none = np.zeros(4 * len(self.sheet.rounds), dtype=int)
+        links: dict[int, list[tuple[int, int, np.ndarray]]] = {}
         for c, s in zip(self.crossings, signs, strict=True):
             edges = [
-                (c.creases[i], c.creases[i + 2], sign, Counter[int]())
+                (c.creases[i], c.creases[i + 2], sign, none)
                 for i, sign in ((0, s), (1, -s))
                 if c.rows[i] in rows
             ]
@@ -139,25 +145,25 @@ class FoldingSheet:
                 edges.append((c.creases[0], c.creases[1], *c.multipliers[s]))
             for a, b, sign, ratio in edges:
                 links.setdefault(a, []).append((b, sign, ratio))
-                links.setdefault(b, []).append((a, sign, _minus(ratio)))
+                links.setdefault(b, []).append((a, sign, -ratio))
         groups, met = [], set[int]()
         for first in (c for c, r in enumerate(self.row) if r in rows):
             if first in met:
                 continue
-            found: dict[int, Ratio] = {first: (1, Counter())}
+            found: dict[int, Ratio] = {first: (1, none)}
             front = [first]
             for a in front:
                 for b, sign, ratio in links.get(a, ()):
-                    there = found[a][0] * sign, _plus(found[a][1], ratio)
+                    there = found[a][0] * sign, found[a][1] + ratio
                     if b not in found:
                         found[b] = there
                         front.append(b)
                         continue
-                    left = _plus(there[1], _minus(found[b][1]))
-                    value = self.value(tuple(left.items()))
+                    left = there[1] - found[b][1]
+                    value = self.value(left.tolist())
                     if there[0] != found[b][0] or value != 1:
                         return None
-                    if left:
+                    if left.any():
                         self.unsure = f"whether a loop moves, whose product is {value.str(5)}"
                         return None
             met |= {*found}
@@ -167,14 +173,6 @@ class FoldingSheet:
 
 def as_folding(sheet: FlatSheet) -> tuple[FoldingSheet | None, str]:
     """Return a sheet that folds flat, or None and why its states are not enumerated."""
-    if sheet.pattern.limits:
-        return None, (
-            "creases have stops: proofs of sheets that fold flat know fold limits of +-180 degrees only"
-        )
-    if sheet.pattern.laws:
-        return None, (
-            "creases have hinge laws: proofs of sheets that fold flat know linear springs only"
-        )
     found = FoldingSheet(sheet)
     many = 0
     for kinds in found.kinds:
@@ -213,6 +211,12 @@ class GroupEnergy:
             second += k * x[1] * x[1] + 2 * (k * x[0] - load) * x[2]
         return first, second
 
+    def over(self, side: int, x: Any) -> Look:
+        """Return U' and U'' as a curve has them."""
+        first, second = self.slopes(side, x)
+        middle = self.slopes(side, x.mid())[0]
+        return Look(closer(first, middle + second * (x - x.mid())), second, {})
+
     def angles(self, side: int, t: Any) -> dict[int, Any]:
         """Return the folds there."""
         return {c: sign * _fold(m, side, arb_series([t], 1))[0] for c, sign, m in self.group}
@@ -222,39 +226,25 @@ def _fold(m: Any, side: int, t: Any) -> Any:
     return side * arb.pi() - 2 * (t / m).atan() if side else 2 * (m * t).atan()
 
 
-class GroupChart(Curve):
-    """An energy in T, or near a side of 180 degrees in 1/T."""
-
-    def __init__(self, energy: GroupEnergy, side: int) -> None:
-        self.energy, self.side = energy, side
-
-    def over(self, x: Any) -> Look:
-        """Return U' and U''."""
-        first, second = self.energy.slopes(self.side, x)
-        middle = self.energy.slopes(self.side, x.mid())[0]
-        return Look(closer(first, middle + second * (x - x.mid())), second, {})
-
-
 class ProductSearch:
     """All sets of rows that are 0, at +-180 degrees or neither, and the minima in them.
 
     Attributes
     ----------
-    minima, open, curves, sets, alone, maxima
-        As those of `SheetProof`.
+    minima, open
+        What is shown, and what is left.
     """
 
     def __init__(self, sheet: FoldingSheet, budget: Budget) -> None:
         self.sheet, self.budget = sheet, budget
-        self.minima: list[SheetMinimum] = []
-        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
-        self.sets = self.alone = self.maxima = 0
+        self.minima: list[ProvedState] = []
+        self.open: list[Region] = []
         self._known: dict[Group, tuple[GroupEnergy, list[tuple[int, Any]]]] = {}
 
     @property
-    def curves(self) -> int:
-        """How many groups move."""
-        return len(self._known)
+    def over(self) -> str:
+        """Over which states the statement ranges, in words."""
+        return f"products of {len(self._known)} curves, along which tangents of half the fold angles are proportional"
 
     def run(self) -> None:
         """Go through all sets."""
@@ -273,8 +263,6 @@ class ProductSearch:
         groups = self.sheet.together(free | turned, signs, free)
         if groups is None:
             return
-        self.sets += 1
-        self.alone += not free
         at: list[list[dict[int, Any]]] = []
         for group in groups:
             if self.sheet.row[min(group)] in turned:
@@ -291,18 +279,17 @@ class ProductSearch:
                     for c, x in folds.items()
                     if self.sheet.row[c] in turned
                 }
-                self.minima.append(SheetMinimum.of(every, exactly))
+                self.minima.append(state_of(every, exactly))
 
     def _stationary(self, found: dict[int, Ratio]) -> tuple[GroupEnergy, list[tuple[int, Any]]]:
         """Return the energy of a group, and where it is least inside: 0 and T, or a side of 180 degrees and 1/T."""
-        group = tuple((c, s, tuple(sorted(p.items()))) for c, (s, p) in sorted(found.items()))
+        group = tuple((c, s, tuple(p.tolist())) for c, (s, p) in sorted(found.items()))
         if group in self._known:
             return self._known[group]
         energy, zeros = GroupEnergy(self.sheet, group), list[tuple[int, Any]]()
         for side, low, high in ((0, -1.0, 1.0), (-1, -1.0, 0.0), (1, 0.0, 1.0)):
             rests = energy.even and not side
-            known = least(GroupChart(energy, side), low, high, self.budget, rests)
-            self.maxima += known.maxima
+            known = least(partial(energy.over, side), low, high, self.budget, rests)
             for _, _, why in known.open:
                 self._leave(f"where the energy is least along a curve: {why}")
             for a, b, _ in known.minima:
@@ -315,8 +302,8 @@ class ProductSearch:
         return energy, zeros
 
     def _leave(self, why: str) -> None:
-        ends = (np.full(len(self.sheet.row), s * math.pi) for s in (-1, 1))
-        self.open.append((*ends, why))  # type: ignore[arg-type]
+        low, high = (np.full(len(self.sheet.row), s * math.pi) for s in (-1, 1))
+        self.open.append(Region(low, high, why))
 
     def _stays(self, kinds: Sequence[int], folds: Sequence[Any]) -> bool:
         """Return whether the energy grows as rows that are 0, or at +-180 degrees, begin to move."""
@@ -336,24 +323,12 @@ class ProductSearch:
     ) -> Iterator[int]:
         """Yield the sign of the slope of the energy for each way in which these rows move all at once."""
         signs = [sign_of(f) for f in folds]
+        freed = [FREE if r in some else k for r, k in enumerate(kinds)]
         ways = []
-        for c in self.sheet.crossings:
-            within = [r in some for r in c.rows]
+        for c, allowed in zip(self.sheet.crossings, self.sheet.signs(freed), strict=True):
             s = [signs[x] for x in c.creases]
-            if not any(within):
-                ways.append([0])
-                continue
-            if all(within):
-                allowed = list(c.multipliers)
-            else:
-                moves = within.index(True)
-                other = kinds[c.rows[1 - moves]]
-                if other == FREE:
-                    return
-                # the row across is 0 and this one straight, or that one is straight and at +-180 degrees
-                line = moves if other == ZERO else 1 - moves
-                allowed = [(1, -1)[line]] if c.straight[line] else []
-            ways.append([x for x in allowed if s[2] == x * s[0] and s[3] == -x * s[1]])
+            fits = [x for x in allowed if s[2] == x * s[0] and s[3] == -x * s[1]]
+            ways.append(fits if some & {*c.rows} else [0])
         for way in itertools.product(*ways):
             groups = self.sheet.together(some, way, some)
             if groups is None or len(groups) > 1:
@@ -367,18 +342,3 @@ class ProductSearch:
             if len(sides) == 1:
                 (side,) = sides
                 yield side * sign_of(energy.slopes(side, arb(0))[0])
-
-
-def _times(above: int, below: int) -> Counter[int]:
-    return _plus(Counter({above: 1}), Counter({below: -1}))
-
-
-def _plus(one: Counter[int], two: Counter[int]) -> Counter[int]:
-    total = Counter(one)
-    for which, power in two.items():
-        total[which] += power
-    return Counter({w: p for w, p in total.items() if p})
-
-
-def _minus(one: Counter[int]) -> Counter[int]:
-    return Counter({w: -p for w, p in one.items()})

@@ -20,7 +20,7 @@ Relations of sectors that hold to within what sectors may be off (`rows.SECTORS`
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -32,25 +32,26 @@ from origami_nlp.pattern_problem import PatternProblem, pose
 
 
 @dataclass(frozen=True)
-class RayGap:
+class Gap:
     """What closes where a ray touches.
 
     Attributes
     ----------
+    kind
+        ``facet``: ray k on the facet from ray j; ``start``, ``end``: ray k on the plane of that mirror; ``meet``:
+        rays 0 and 3 of a D_1 wedge, in the plane of its mirrors, on each other: 3 on facet 0, or 0 on facet 2.
     rays
-        (k, j): ray k on the facet that starts at ray j; (r, side): ray r on the first mirror (0) or the last (1).
-    pair
-        The two facets, by their first rays; None at a mirror.
+        (k, j), or (k,).
     """
 
-    rays: tuple[int, int]
-    pair: tuple[int, int] | None = None
+    kind: str
+    rays: tuple[int, ...]
 
     @property
     def text(self) -> str:
         """Which it is, 1-based."""
-        k, j = self.rays
-        return f"ray {k + 1} on {'a mirror' if self.pair is None else f'facet {j + 1}'}"
+        k, *j = self.rays
+        return f"ray {k + 1} on {f'facet {j[0] + 1}' if j else 'a mirror'}"
 
 
 class ReducedVertex:
@@ -74,7 +75,7 @@ class ReducedVertex:
     variable_of_crease
         Of the whole vertex, [N].
     gaps, pairs
-        What may touch: gaps, and pairs of facets by their first rays; with full contact only.
+        What may touch, and pairs of facets that may cross, by their first rays; with full contact only.
     """
 
     def __init__(self, scene: Scene, problem: PatternProblem | None = None) -> None:
@@ -87,8 +88,7 @@ class ReducedVertex:
         places = [r for r, has in enumerate(self.has_crease) if has]
         self.variable_of_crease = np.array([places.index(r) for r in group.orbit])
         full = scene.contact == "full"
-        self.pairs = tuple(_facet_pairs(scene)) if full else ()
-        self.gaps = (*_mirror_gaps(self), *_facet_gaps(self)) if full else ()
+        self.gaps, self.pairs = _gaps(self) if full else ((), ())
 
     @property
     def size(self) -> int:
@@ -106,67 +106,27 @@ class ReducedVertex:
         once = 3 if self.kind == "C" else 2
         return self.size - (once if self.turn == 1 else 1)
 
-    @property
-    def walls(self) -> tuple[int, ...]:
-        """Positions of the gaps at mirrors."""
-        return tuple(i for i, gap in enumerate(self.gaps) if gap.pair is None)
 
-
-def _mirror_gaps(vertex: ReducedVertex) -> Iterator[RayGap]:
-    """Keep the rays of a wedge between its mirrors: those beside one are by their facet, or their fold limit."""
+def _gaps(vertex: ReducedVertex) -> tuple[tuple[Gap, ...], tuple[tuple[int, int], ...]]:
+    """Return what may touch, and pairs of facets that may cross, where proofs know touches (`touches`)."""
+    rays, n, sectors = (
+        len(vertex.has_crease),
+        vertex.scene.degree,
+        vertex.scene.vertex.sector_angles,
+    )
     if vertex.kind == "C":
-        return
-    last = len(vertex.has_crease) - 1
-    # both mirrors of D_1 are one plane
-    sides = (0,) if vertex.order == 1 else (0, 1)
-    for r in range(1, last):
-        for side in sides:
-            if r not in ({1, last - 1} if vertex.order == 1 else {(1, last - 1)[side]}):
-                yield RayGap((r, side))
-    if vertex.order > 1:
-        # a mirror ray stays on its own side of the axis
-        yield from (RayGap((0, 1)), RayGap((last, 0)))
-
-
-def _facet_gaps(vertex: ReducedVertex) -> Iterator[RayGap]:
-    rays = len(vertex.has_crease)
-    for i, j in vertex.pairs:
-        for on, other in ((j, i), (i, j)):
-            yield from (RayGap((k, on), (i, j)) for k in (other, (other + 1) % rays))
-
-
-def _facet_pairs(scene: Scene) -> Iterator[tuple[int, int]]:
-    """Go through the pairs of facets that may cross, by their first rays; of images under C_n the first."""
-    group, n = scene.group, scene.degree
-    if group.kind == "D":
-        last = len(group.rays) - 1
-        wanted = [(i, j) for i in range(last) for j in range(i + 2, last)]
-    else:
-        period, seen, wanted = n // group.order, set[tuple[int, ...]](), []
-        for i in range(period):
-            for j in (k % n for k in range(i + 2, i + n - 1)):
-                turns = range(0, n, period)
-                images = {tuple(sorted(((i + m) % n, (j + m) % n))) for m in turns}
-                if not images & seen:
-                    wanted.append((min(i, j), max(i, j)))
-                seen |= images
-    for i, j in wanted:
-        a, b = _facet_of(scene, i), _facet_of(scene, j)
-        if (a - b) % n not in (0, 1, n - 1) and can_cross(scene.vertex.sector_angles, a, b):
-            yield i, j
-
-
-def _facet_of(scene: Scene, r: int) -> int:
-    """Return the facet of the vertex that starts at ray r, or that a mirror ray r runs through; from 0."""
-    rays, n = scene.group.rays, scene.degree
-    if scene.group.kind == "C":
-        return r % n
-    crease = rays[r].crease
-    if crease is not None:
-        return crease
-    beside = rays[1 if r == 0 else r - 1].crease
-    assert beside is not None, "two mirrors cannot bound one facet piece"
-    return (beside - 1) % n if r == 0 else beside
+        every = [(i, j) for i in range(n) for j in range(i + 2, min(n, i + n - 1))]
+        pairs = tuple(pair for pair in every if can_cross(sectors, *pair))
+        ends = ((k % n, j) for one in pairs for i, j in (one, one[::-1]) for k in (i, i + 1))
+        # beside a facet a ray lies in its plane where the crease between is closed
+        far = [one for one in dict.fromkeys(ends) if 3 <= (one[0] - one[1]) % n <= n - 2]
+        return tuple(Gap("facet", one) for one in far), pairs
+    if vertex.order > 1:  # a mirror ray stays on its own side of the axis
+        return (Gap("end", (0,)), Gap("start", (rays - 1,))), ()
+    creases = [ray.crease for ray in vertex.scene.group.rays]
+    if rays == 4 and None not in creases and can_cross(sectors, creases[0], creases[2]):  # type: ignore[arg-type]
+        return (Gap("meet", (3, 0)), Gap("meet", (0, 2))), ((0, 2),)
+    return (), ()
 
 
 def can_cross(sector_angles: Sequence[float], i: int, j: int) -> bool:

@@ -1,137 +1,140 @@
-"""What a proof says: critical points, and what is left.
-
-What steers a proof: none of it is part of what is proved, and all of it of how much is decided.
-"""
+"""What a proof says: states that are shown, and what is left; and how much it may look at."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from origami_nlp.arguments import check_whole
+from origami_nlp.proof.reduced import Gap
 
 
-@dataclass(frozen=True)
-class ProvedCriticalPoint:
-    """A critical point that exists, and is the only one in its box.
+@dataclass(frozen=True, eq=False)
+class ProvedState:
+    """A critical point that exists, and is the only one near.
 
     Attributes
     ----------
-    x
-        Variables of the model, [n] [rad]; an approximation in doubles.
-    stratum
-        +1 or -1 for a variable at +-pi, 0 for a free one, [n].
-    moment
-        As many numbers as there are closure equations, stiffness times rad in the scene's units.  Without symmetry
-        m with k_i (x_i - rest_i) = m . c_i on free creases, in the frame of the facet between crease N and crease 1
-        (its crease 1 is e1, e3 up).  With symmetry the multipliers of the piece's equations (`pieces`): k_v (x_v -
-        rest_v) = sum_a m_a dg_a/dx_v, k_v summed over the creases of the variable.
+    fold_angles
+        Of all creases, [N] [rad]; an approximation in doubles.
     radius
-        The largest |x_i - true x_i| is no larger [rad].
-    unique_radius
-        There is no other critical point of the stratum within this.
+        None of them differs by more [rad].
+    is_minimum
+        True: a minimum.  False: certainly none.  None: not decided, which is left to the judge of states.
     index
         Negative eigenvalues of the reduced Hessian on the stratum; None where unclear.
+    unique_radius
+        There is no other critical point of the stratum within this [rad].
+    stratum
+        Of variables, +1 or -1 at a limit, 0 for a free one, [n]; of a vertex, as all that follows.
+    moment
+        Multipliers of closure in the scene's units.  Without symmetry m with k_i (x_i - rest_i) = m . c_i on free
+        creases, in the frame of the facet between crease N and crease 1 (its crease 1 is e1, e3 up); with symmetry
+        those of the piece's equations (`pieces`).
     pinned_signs
         Sign of s_i (G_i - m . c_i): -1 where a closed crease pushes against its limit, +1 where it would leave, 0 where
         unclear; 0 for free ones, [n].
-    energy
-        In the scene's units.
-    is_minimum
-        True: index 0 and all signs -1. False: certainly none. None: not decided, which is left to the judge of states.
     touches
-        Gaps that are closed (positions in `Structure.gaps`); full contact only.
+        Gaps that are closed; full contact only.
     forces
         Multiplier of each, positive where it pushes, in the scene's units per unit of gap.
-    judged
-        Whether facets lie on each other, so that the package's test of layers says that it is admissible.
     """
 
-    x: tuple[float, ...]
-    stratum: tuple[int, ...]
-    moment: tuple[float, ...]
+    fold_angles: np.ndarray
     radius: float
-    unique_radius: float
-    index: int | None
-    pinned_signs: tuple[int, ...]
-    energy: float
-    is_minimum: bool | None
-    touches: tuple[int, ...] = ()
+    is_minimum: bool | None = True
+    index: int | None = 0
+    unique_radius: float = 0.0
+    stratum: tuple[int, ...] = ()
+    moment: tuple[float, ...] = ()
+    pinned_signs: tuple[int, ...] = ()
+    touches: tuple[Gap, ...] = ()
     forces: tuple[float, ...] = ()
-    judged: bool = False
 
 
-@dataclass(frozen=True)
-class Cluster:
-    """Boxes of one stratum that were neither excluded nor certified to hold one critical point.
+@dataclass(frozen=True, eq=False)
+class Region:
+    """Fold angles between two states [N] [rad] in which something is left, and why.
 
     Attributes
     ----------
-    lower, upper
-        Their hull, [n] [rad].
-    stratum
-        As of a `ProvedCriticalPoint`.
-    reason
-        Why, in words.
+    singular
+        Whether closure loses rank there.
     alone
         Whether it holds one critical point at most.
     """
 
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    stratum: tuple[int, ...]
+    lower: np.ndarray
+    upper: np.ndarray
     reason: str
+    singular: bool = False
     alone: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Proof:
-    """All critical points of a scene within fold limits, by what was shown.
+    """All critical points of a vertex, or all minima of a sheet, but for what is left.
 
     Attributes
     ----------
     points
-        Certified, in order of energy.
-    singular
-        States where closure loses rank, each isolated in the cluster's box.
-    undecided
-        Everything else that is left.
+        What is shown, of a vertex in order of energy.
+    regions
+        What is left.
     boxes
-        How many were treated.
+        Boxes of fold angles, or intervals of curves, that were looked at.
     seconds
         Processor time that it took.
+    over
+        Over which states the statement ranges, in words; "": all closed states that contact admits.
     finished
         Whether no box was left when it ended.
-    flat
-        What is shown of the flat state.
-    flat_radius
-        Within this of the flat state it is the only critical point [rad]; 0.0 where that is not shown.
-    flat_is_minimum
-        False where the flat state is shown not to be one; None: not decided here.
     crossing
         Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
 
-    points: tuple[ProvedCriticalPoint, ...]
-    singular: tuple[Cluster, ...]
-    undecided: tuple[Cluster, ...]
+    points: tuple[ProvedState, ...]
+    regions: tuple[Region, ...]
     boxes: int
     seconds: float
-    finished: bool
-    flat: str
-    flat_radius: float
-    flat_is_minimum: bool | None
+    over: str = ""
+    finished: bool = True
     crossing: int = 0
 
     @property
-    def minima(self) -> tuple[ProvedCriticalPoint, ...]:
-        """Critical points that are minima for certain."""
+    def minima(self) -> tuple[ProvedState, ...]:
+        """Those that are minima for certain."""
         return tuple(p for p in self.points if p.is_minimum)
+
+    @property
+    def singular(self) -> tuple[Region, ...]:
+        """Regions where closure loses rank."""
+        return tuple(r for r in self.regions if r.singular)
+
+    @property
+    def undecided(self) -> tuple[Region, ...]:
+        """All other regions."""
+        return tuple(r for r in self.regions if not r.singular)
 
     @property
     def complete(self) -> bool:
         """Whether every critical point is known, and of each whether it is a minimum."""
-        decided = all(p.is_minimum is not None for p in self.points)
-        return decided and not self.undecided and not self.singular
+        return not self.regions and all(p.is_minimum is not None for p in self.points)
+
+
+def joined(proofs: Sequence[Proof]) -> Proof:
+    """Return proofs of several sets of states as one."""
+    return Proof(
+        points=tuple(p for one in proofs for p in one.points),
+        regions=tuple(r for one in proofs for r in one.regions),
+        boxes=sum(one.boxes for one in proofs),
+        seconds=sum(one.seconds for one in proofs),
+        over=proofs[0].over,
+        finished=all(one.finished for one in proofs),
+        crossing=sum(one.crossing for one in proofs),
+    )
 
 
 @dataclass(frozen=True)

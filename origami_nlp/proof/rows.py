@@ -184,6 +184,13 @@ class Quadratic:
             value, slopes, bends, abs(factor) * (self.rest + 8 * UNIT * self.magnitude())
         )
 
+    def mapped(self, matrix: np.ndarray) -> Quadratic:
+        """Return sums of the rows, weighed by a matrix."""
+        size = np.abs(matrix)
+        rounding = 4 * (matrix.shape[1] + 4) * UNIT * (size @ self.magnitude())
+        value, slopes, bends = (np.tensordot(matrix, v, 1) for v in self.parts[:3])
+        return Quadratic(value, slopes, bends, size @ self.rest * SLIGHTLY + rounding)
+
     def magnitude(self) -> np.ndarray:
         """Return an upper bound of the rows' size, [R, K]."""
         sums = [np.abs(v).sum(axis=-2) for v in (self.slopes, self.bends)]
@@ -296,6 +303,10 @@ class Chain:
         """Return those of ray k off the first mirror (side 0) or the last."""
         e = self.steps - 1
         return (k, e, self.steps + e) if side else (self.up, 0, k)
+
+    def closed(self, k: int, j: int = -1, *, kind: str) -> tuple[int, int, int]:
+        """Return those of a gap (`reduced.Gap`)."""
+        return self.behind(k, int(kind == "end")) if j < 0 else self.gap(*self.shortest(k, j))
 
     def fold(self, middle: np.ndarray, half: np.ndarray) -> Folded:
         """Fold at the middle [n, K] of boxes of half widths [n, K] [rad]."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 
 import numpy as np
 from flint import arb
@@ -12,74 +11,9 @@ from flint import arb
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern, in_plane
 from origami_nlp.proof.products import FoldingSheet, ProductSearch, as_folding
-from origami_nlp.proof.quad_states import QuadSheet, as_quads
-from origami_nlp.proof.quads import QuadSearch
-from origami_nlp.proof.sheets import SheetMinimum, flat_sheet, precision
-from origami_nlp.proof.slopes import Budget
-
-
-@dataclass(frozen=True, kw_only=True)
-class SheetProof:
-    """What is proved of a sheet.
-
-    Attributes
-    ----------
-    folds_flat
-        Whether all its vertices do: its states are products of curves; of others they are curves and rigid states.
-    curves
-        Curves of closed states.
-    sets
-        Of sheets that fold flat, which rows are 0, at +-180 degrees or move; of others, choices of a mode at each
-        vertex that do not contradict each other in signs.
-    alone
-        Of sheets that fold flat, sets of states alone; of others, rigid states beside the flat one.
-    minima
-        Each once.
-    maxima
-        How many maxima of the energy lie inside the curves.
-    undecided
-        What is left open: between which fold angles [n], [n], and why.
-    deviation
-        By how much sectors of the sheet differ from those that are meant, at most [rad].
-    moved
-        By how much laying the sheet into the plane moved a crease, at most [rad]; 0 where it lies there.
-    boxes, seconds
-        Intervals of curves, and the processor time that they took.
-    """
-
-    folds_flat: bool
-    curves: int
-    sets: int
-    alone: int
-    minima: tuple[SheetMinimum, ...]
-    maxima: int
-    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
-    deviation: float
-    moved: float
-    boxes: int
-    seconds: float
-
-    @property
-    def over(self) -> str:
-        """Over which states the statement ranges, in words."""
-        curves = f"{self.curves} curve{'s' * (self.curves != 1)}"
-        if self.folds_flat:
-            states = (
-                f"are products of {curves}, along which tangents of half the fold angles are proportional ({self.sets} "
-                f"sets of rows that move, {self.alone} of them of flat and flat-folded states alone)"
-            )
-        else:
-            states = (
-                f"are the flat state, {self.alone} rigid states that stand alone, and {curves} through it, along which "
-                f"vertices of equal sectors fold alike ({self.sets} choices of a mode at each vertex, the others "
-                "excluded by intervals)"
-            )
-        exactly = (
-            f"; of the sheet whose relations of sectors are exact, as the file's are to {self.deviation:.2g} rad"
-            * bool(self.deviation)
-        )
-        laid = f"; laid into its plane to {self.moved:.2g} rad" * bool(self.moved)
-        return f"all closed states within fold limits {states}{exactly}{laid}"
+from origami_nlp.proof.quads import QuadSearch, QuadSheet, as_quads
+from origami_nlp.proof.result import Proof
+from origami_nlp.proof.sheets import Budget, flat_sheet, precision
 
 
 def as_sheet(pattern: Pattern) -> tuple[FoldingSheet | QuadSheet | None, str]:
@@ -156,7 +90,7 @@ def _is_convex(x: np.ndarray) -> bool:
     return not any(t < 0 for t in turns) or not any(t > 0 for t in turns)
 
 
-def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> SheetProof:
+def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> Proof:
     """Find every minimum of the energy of a sheet of vertices of degree four within fold limits, with a proof.
 
     Parameters
@@ -171,7 +105,7 @@ def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math
 
     Returns
     -------
-    SheetProof
+    Proof
         All minima, but for what is undecided.
 
     Raises
@@ -184,11 +118,11 @@ def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math
     >>> import origami_nlp as o
     >>> from origami_nlp.proof import prove_sheet
     >>> proof = prove_sheet(o.examples.pattern("metasheet", 3, 3))
-    >>> proof.curves, proof.alone, len(proof.minima), proof.undecided
-    (2, 0, 3, ())
+    >>> len(proof.minima), proof.complete
+    (3, True)
     >>> proof = prove_sheet(o.examples.pattern("miura", 2, 3))
-    >>> proof.curves, len(proof.minima), proof.undecided
-    (6, 14, ())
+    >>> len(proof.minima), proof.complete
+    (14, True)
     """
     started = time.process_time()
     sheet, why = as_sheet(pattern)
@@ -202,16 +136,14 @@ def prove_sheet(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math
             else QuadSearch(sheet, budget)
         )
         search.run()
-    return SheetProof(
-        folds_flat=sheet.folds_flat,
-        curves=search.curves,
-        sets=search.sets,
-        alone=search.alone,
-        minima=tuple(search.minima),
-        maxima=search.maxima,
-        undecided=tuple(search.open),
-        deviation=sheet.deviation,
-        moved=sheet.sheet.moved,
+    exactly = "; of the sheet whose relations of sectors are exact, as the file's are to"
+    over = f"all closed states within fold limits are {search.over}"
+    over += f"{exactly} {sheet.deviation:.2g} rad" * bool(sheet.deviation)
+    return Proof(
+        points=tuple(search.minima),
+        regions=tuple(search.open),
         boxes=budget.looked,
         seconds=time.process_time() - started,
+        over=over
+        + f"; laid into its plane to {sheet.sheet.moved:.2g} rad" * bool(sheet.sheet.moved),
     )

@@ -6,7 +6,8 @@ of freedom and |P| + |T| < f all minors of [G | C | W] with one column more than
 creases (W the gradients of T).  Where |P| + |T| = f every closed state is a candidate; where more is closed, x is among
 the candidates of some f of the contacts.  Strata with |P| + |T| <= f are therefore all.  Those with T empty are treated
 within fold limits; for f = 2 there remain one touch with at most one closed crease, and two touches.  A touch that
-follows from closed creases (all between the ray and the facet are fully folded) holds on all of {closure, P}: left out.
+follows from closed creases (all between the ray and the facet are fully folded) holds on all of {closure, P}: its state
+is one of that stratum.
 
 Two kinds of strata of a vertex of degree five are left out as well, since x is on another stratum too:
 - Sectors e and e+1 equal, crease e between them fully folded: rays e-1 and e+1 coincide, and a gap of one of them off a
@@ -19,16 +20,24 @@ Two kinds of strata of a vertex of degree five are left out as well, since x is 
 Gaps are those of the vertex, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet where rays 1
 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
-At each critical point the signs of all rays off all facets are enclosed (`facet_separation`).  Where facets cross it is
+At each critical point the signs of all rays off all facets are enclosed (`separation`).  Where facets cross it is
 dropped.  Where all are apart but for P and T, of independent gradients, the signs of the Lagrange multipliers and the
 index decide as within fold limits.  What remains are stacks of facets: there the package's exact test decides whether
-the layers have an order (`PatternProblem.refuses`) and its cone the verdict (`classify`); `judged` names this, and such
-a point is not proved.
+the layers have an order (`PatternProblem.refuses`), and where gaps are closed its cone the verdict (`classify`).
 
 Undecided or refused, by name: more than two degrees of freedom, C_n, wedges of more rays, sectors of pi and more, sets
 of dimension one that contacts hold.  Singular flat foldings are listed.
 
 What vanishes on a stratum where facets touch, over boxes: closure, gaps, minors with slopes of gaps beside it.
+
+Arcs i and j of the sphere, shorter than pi, have a common point exactly where none of the four numbers n_i.c_j,
+-n_i.c_{j+1}, -n_j.c_i, n_j.c_{i+1} has the opposite sign of another; they cross where all have one sign strictly.
+Where some are exactly zero - creases that are fully folded put rays into planes of facets - the package's test of
+layers has the word.
+
+Ray k on facet j, inside its arc: facets k - 1 and k touch it from one side where rays k - 1 and k + 1 are on this side,
+and cross it where they are on different ones.  Rays of a D_1 wedge on each other, on the mirror: the facets touch where
+their planes differ.  Images of a wedge are apart as long as its rays are between the mirrors.
 """
 
 from __future__ import annotations
@@ -43,38 +52,17 @@ import numpy as np
 from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
 from origami_nlp.proof.boxes import Boxes, BoxProblem, strata
 from origami_nlp.proof.pieces import Piece, piece_of
-from origami_nlp.proof.reduced import ReducedVertex
+from origami_nlp.proof.reduced import Gap, ReducedVertex
 from origami_nlp.proof.rows import (
     UNIT,
     Affine,
+    Chain,
     Quadratic,
     Triples,
     joined_rows,
     number,
-    pairs,
     variables,
 )
-
-
-@dataclass(frozen=True, order=True)
-class Row:
-    """A gap that closes.
-
-    Attributes
-    ----------
-    kind
-        ``facet``: ray k on the facet from ray j; ``start``, ``end``: ray k on the plane of that mirror; ``meet``:
-        rays 0 and 3 of a D_1 wedge, in the plane of its mirrors, on each other.
-    rays
-        (k, j), or (k,).
-    gap
-        Position in `Structure.gaps`.
-    """
-
-    kind: str
-    rays: tuple[int, ...]
-    gap: int
-
 
 Three = tuple[int, int, int]
 
@@ -93,55 +81,23 @@ class TouchedPiece:
         Gaps that are closed.
     """
 
-    def __init__(self, piece: Piece, touches: Sequence[Row]) -> None:
-        self.piece, self.size = piece, piece.size
-        gaps: list[Three] = []
-        again: list[Three] = []
-        refused: list[Three] = []
-        self.on_each_other: list[Three] = []
-        slopes: list[dict[int, Three]] = []
-        for touch in touches:
-            ways, beyond, slope = self._rows(touch)
-            # one way of each before the other of any: with closure they are the independent rows
-            gaps, again = [*gaps, ways[0]], again + ways[1:]
-            refused, slopes = refused + beyond, [*slopes, slope]
-        gaps += again
-        wanted = [*gaps, *refused, *self.on_each_other]
+    def __init__(self, piece: Piece, touches: Sequence[Gap]) -> None:
+        self.piece, self.size, chain = piece, piece.size, piece.chain
+        gaps, refused, slopes = list[Three](), list[Three](), list[Three]()
         # of each gap the number of the slope by each variable
         self.columns: list[dict[int, int]] = []
-        for slope in slopes:
-            self.columns.append({v: len(wanted) + i for i, v in enumerate(slope)})
-            wanted += slope.values()
-        self.gaps, self.refused = len(gaps), len(refused)
-        self.triples = Triples(piece.chain, wanted)
-        self.kite = self._kite(touches)
+        for touch in touches:
+            ways, beyond, slope = _rows(chain, touch)
+            gaps, refused = gaps + ways, refused + beyond
+            self.columns.append({v: len(slopes) + i for i, v in enumerate(slope)})
+            slopes += slope.values()
+        # rays on each other are not opposite: their cosine is 1
+        met = [(chain.first, chain.up, 3)] if touches[0].kind == "meet" else []
+        self.gaps, self.refused, self.slopes, self.met = (
+            Triples(chain, some) for some in (gaps, refused, slopes, met)
+        )
         many = piece.pivots + len(touches) + 1
         self.subsets = list(itertools.combinations(range(self.size), many))
-
-    def _rows(self, touch: Row) -> tuple[list[Three], list[Three], dict[int, Three]]:
-        """Return a touch's gap, each way; what is certainly not positive; and its slopes."""
-        c = self.piece.chain
-        if touch.kind == "facet":
-            ways = c.ways(*touch.rays)
-            beyond = [t for w in ways for t in c.inside(*w)]
-            return [c.gap(*w) for w in ways], beyond, c.gap_slopes(*ways[0])
-        folds = [i for i in range(c.steps) if c.folds[i]]
-        if touch.kind == "meet":
-            self.on_each_other.append((c.first, c.up, 3))
-            return [(c.first, 0, 3)], [], {int(c.variable[i]): (c.up, i, 3) for i in folds if i < 3}
-        k, side = touch.rays[0], int(touch.kind == "end")
-        slope = {
-            int(c.variable[i]): (k, i, c.last) if side else (c.first, i, k)
-            for i in folds
-            if (i > k if side else i < k)
-        }
-        return [c.behind(k, side)], [], slope
-
-    def _kite(self, touches: Sequence[Row]) -> Kite | None:
-        a, kind = self.piece.sectors, touches[0].kind
-        if kind not in ("start", "end") or len(touches) > 1 or len(a) != 2 or self.size != 3:
-            return None
-        return Kite(a[0], 0 if kind == "start" else 2) if abs(a[0] - a[1]) <= SUMMED else None
 
     def rows(
         self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray
@@ -158,33 +114,36 @@ class TouchedPiece:
         piece = self.piece
         middle, half = variables(lower, upper)
         folded, torques = piece.chain.fold(middle, half), piece.torques(middle, half)
-        triples = self.triples.at(folded)
-        gaps, columns = (
-            triples[: self.gaps],
-            [{v: triples[i] for v, i in c.items()} for c in self.columns],
-        )
-        if self.kite is not None:
-            gaps, columns = self.kite.rows(middle, half)
-        closure = [piece.closure(folded).affine(), gaps.affine()]
-        closure += [
-            refusal(triples[self.gaps + i : self.gaps + i + 1].affine())
-            for i in range(self.refused)
-        ]
-        for i in range(len(self.on_each_other)):  # not opposite: their cosine is 1
-            row = triples[self.gaps + self.refused + i : self.gaps + self.refused + i + 1]
-            closure.append((row + number(0 * row.value - 1.0, 4 * UNIT, self.size)).affine())
-        critical = []
+        met = self.met.at(folded)
+        met += number(0 * met.value - 1.0, 4 * UNIT, self.size)
+        rows = [q.affine() for q in (piece.closure(folded), self.gaps.at(folded), met)]
+        rows.append(refusal(self.refused.at(folded).affine()))
         if self.subsets:
-            known = piece.minors(folded, torques)
+            known, slopes = piece.minors(folded, torques), self.slopes.at(folded)
             base = {tuple(s): known[i] for i, s in enumerate(piece.subsets.tolist())}
-            for column in columns:
-                base = expanded(base, column, self.size)
-            critical = [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
-        rows = joined_rows(closure + critical)
-        asked = np.ones(rows.centre.shape, dtype=bool)
+            for column in self.columns:
+                base = expanded(base, {v: slopes[i] for v, i in column.items()}, self.size)
+            rows += [Quadratic(*(v[None] for v in base[s].parts)).affine() for s in self.subsets]
+        every = joined_rows(rows)
+        asked = np.ones(every.centre.shape, dtype=bool)
         for i, s in enumerate(self.subsets, start=len(asked) - len(self.subsets)):
             asked[i] = (pins == 0)[list(s)].all(axis=0)
-        return rows, asked
+        return every, asked
+
+
+def _rows(chain: Chain, touch: Gap) -> tuple[list[Three], list[Three], dict[int, Three]]:
+    """Return a touch's gap, each way; what is certainly not positive; and its slopes, by variable."""
+    if touch.kind == "facet":
+        ways = chain.ways(*touch.rays)
+        beyond = [t for w in ways for t in chain.inside(*w)]
+        return [chain.gap(*w) for w in ways], beyond, chain.gap_slopes(*ways[0])
+    k, *meets = touch.rays
+    k = 3 if meets else k
+    steps = range(k + 1, chain.steps) if touch.kind == "end" else range(k)
+    ends = (k, chain.last) if touch.kind == "end" else (chain.up if meets else chain.first, k)
+    slope = {int(chain.variable[i]): (ends[0], i, ends[1]) for i in steps if chain.folds[i]}
+    gap = (chain.first, 0, 3) if meets else chain.behind(k, int(touch.kind == "end"))
+    return [gap], [], slope
 
 
 def expanded(
@@ -210,53 +169,6 @@ def refusal(row: Affine) -> Affine:
     return Affine(out, 0 * row.slopes, 2.0 - 1.5 * out)
 
 
-class Kite:
-    """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, less what it has in common with crease 2.
-
-    With theta half the fold angle of the crease on the mirror, c_3 . n_1 = 2 sin a cos(phi_2 / 2) (cos a cos(phi_2 / 2)
-    cos theta - sin(phi_2 / 2) sin theta): crease 2 fully folded puts rays 1 and 3 on each other, on the axis.  The last
-    factor is the row.
-
-    Parameters
-    ----------
-    sector
-        a [rad].
-    crease
-        Variable of the crease on the mirror.
-    """
-
-    def __init__(self, sector: float, crease: int) -> None:
-        self.cosine, self.crease = math.cos(sector), crease
-
-    def rows(
-        self, middle: np.ndarray, half: np.ndarray
-    ) -> tuple[Quadratic, list[dict[int, Quadratic]]]:
-        """Enclose the row, and its derivatives by the turns, phi_2 and theta."""
-        c, s = half_angle(middle, half, 1)
-        d, t = half_angle(middle, half, self.crease)
-        a = self.cosine
-        row = (c * d).times(a) + (s * t).times(-1.0)
-        by_fold = (s * d).times(-0.5 * a) + (c * t).times(-0.5)
-        by_turn = (c * t).times(-a) + (s * d).times(-1.0)
-        return row, [{1: by_fold[0], self.crease: by_turn[0]}]
-
-
-def half_angle(middle: np.ndarray, half: np.ndarray, v: int) -> tuple[Quadratic, Quadratic]:
-    """Return cosine and sine of half of an angle over boxes, one row each."""
-    n = middle.shape[0]
-    r = 0.5 * half[v]
-    own = pairs(n)[2][v, v]
-    out = []
-    at = np.cos(0.5 * middle[v]), np.sin(0.5 * middle[v])
-    for value, slope in (at, (at[1], at[0])):
-        row = number(value[None], 0.0, n)
-        sign = -1.0 if value is at[0] else 1.0
-        row.slopes[0, v], row.bends[0, own] = sign * slope * r, -0.5 * value * r**2
-        row.rest[0] = r**3 / 6 + 16 * UNIT * (1 + r) ** 2
-        out.append(row)
-    return out[0], out[1]
-
-
 @dataclass(frozen=True, eq=False)
 class ContactStratum:
     """Touches, and the boxes of the fold limits that go with them.
@@ -271,31 +183,28 @@ class ContactStratum:
         Boxes.
     """
 
-    touches: tuple[Row, ...]
+    touches: tuple[Gap, ...]
     posed: BoxProblem
     start: Boxes
 
 
 def why_no_touches(vertex: ReducedVertex) -> str:
     """Return why touches of a vertex are not proved here; "" where they are."""
-    dof = vertex.dof
+    rays, sectors = len(vertex.has_crease), vertex.sectors
     if max(vertex.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
-    rays, of = len(vertex.has_crease), f"touches of a {vertex.problem.symmetry} wedge"
     if vertex.kind == "C" and vertex.order > 1:
         return f"touches with symmetry {vertex.problem.symmetry} are not proved"
-    if vertex.kind == "D" and rays < 3:
-        return f"{of} of {rays} rays are not proved"
-    if not vertex.gaps:
-        return ""
-    if dof > 2:
-        return f"{dof} degrees of freedom: touches are proved for at most 2"
-    if vertex.kind == "C":
-        return ""
-    if vertex.scene.limits:
-        return f"{of} with stops are not proved"
-    fits = rays <= 3 if vertex.order > 1 else rays == 4 and all(vertex.has_crease)
-    return "" if fits else f"{of} of {rays} rays are not proved"
+    if vertex.kind == "D":
+        fits = rays == 3 or (vertex.order == 1 and rays == 4 and all(vertex.has_crease))
+        # between equal sectors a crease that is fully folded puts its neighbours on each other, and closes gaps
+        equal = vertex.order > 1 and fits and bool(abs(sectors[0] - sectors[1]) <= SUMMED)
+        if not fits or equal or (vertex.gaps and vertex.scene.limits):
+            with_stops = " with stops" * bool(vertex.scene.limits) + " of equal sectors" * equal
+            return f"touches of a {vertex.problem.symmetry} wedge of {rays} rays{with_stops} are not proved"
+    if vertex.gaps and vertex.dof > 2:
+        return f"{vertex.dof} degrees of freedom: touches are proved for at most 2"
+    return ""
 
 
 def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
@@ -310,7 +219,7 @@ def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
         posed = TouchedPiece(piece, touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
-            allowed &= on == (touches[0].rays == (0, 3))
+            allowed &= on == (touches[0].rays != (3, 0))
         for crease in range(vertex.size if vertex.kind == "C" else 0):
             if any(_says_nothing(vertex, t, crease) for t in touches):
                 allowed &= flat[crease] == 0
@@ -318,32 +227,15 @@ def contact_strata(vertex: ReducedVertex) -> Iterator[ContactStratum]:
             yield ContactStratum(touches, posed, patterns[allowed])
 
 
-def _sets(vertex: ReducedVertex) -> Iterator[tuple[Row, ...]]:
-    """Sets of gaps that may be closed at once."""
-    first: dict[tuple[int, ...], int] = {}
-    for i, gap in enumerate(vertex.gaps):
-        first.setdefault(gap.rays, i)
-    if vertex.kind == "C":
-        n = vertex.size
-        rows = [
-            Row("facet", rays, i)
-            for rays, i in first.items()
-            if 3 <= (rays[0] - rays[1]) % n <= n - 2
-        ]
-        for count in range(1, vertex.dof + 1):
-            for touches in itertools.combinations(rows, count):
-                if not _on_each_other(vertex, touches):
-                    yield touches
-    elif vertex.order == 1:
-        for rays in ((3, 0), (0, 3)) if first else ():
-            yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
-    else:
-        # both at once: rays 1 and 3 on each other, which is crease 2 fully folded between equal sectors
-        for (r, side), i in first.items():
-            yield (Row("end" if side else "start", (r,), i),)
+def _sets(vertex: ReducedVertex) -> Iterator[tuple[Gap, ...]]:
+    """Sets of gaps that may be closed at once; of a wedge one: both are a crease fully folded between equal sectors."""
+    for count in range(1, vertex.dof + 1 if vertex.kind == "C" else 2):
+        for touches in itertools.combinations(vertex.gaps, count):
+            if not _on_each_other(vertex, touches):
+                yield touches
 
 
-def _says_nothing(vertex: ReducedVertex, touch: Row, crease: int) -> bool:
+def _says_nothing(vertex: ReducedVertex, touch: Gap, crease: int) -> bool:
     """Whether a ray lies on an edge of the facet it touches where a crease between equal sectors is fully folded."""
     a, n = vertex.sectors, vertex.size
     if abs(a[crease - 1] - a[crease]) > SUMMED:
@@ -353,7 +245,7 @@ def _says_nothing(vertex: ReducedVertex, touch: Row, crease: int) -> bool:
     return len(met) == 1 and met <= {facet, (facet + 1) % n}
 
 
-def _on_each_other(vertex: ReducedVertex, touches: tuple[Row, ...]) -> bool:
+def _on_each_other(vertex: ReducedVertex, touches: tuple[Gap, ...]) -> bool:
     """Whether two contacts close at once only with coincident rays, a fully folded crease, or all flat (degree 5)."""
     a, n = vertex.sectors, vertex.size
     if len(touches) != 2 or n != 5:
@@ -365,19 +257,79 @@ def _on_each_other(vertex: ReducedVertex, touches: tuple[Row, ...]) -> bool:
     return False
 
 
-def kept_closed(vertex: ReducedVertex, touch: Row, pins: np.ndarray) -> bool:
-    """Whether all creases between a ray and what it touches are fully folded, one way round."""
-    has = vertex.has_crease
-    flat = vertex.problem.fold_limits.folded_flat(pins)
-    at_limit = [bool(flat[sum(has[:r])]) if h else True for r, h in enumerate(has)]
-    k, n = touch.rays[0], len(has)
-    if touch.kind == "start":
-        return all(at_limit[:k])
-    if touch.kind == "end":
-        return all(at_limit[k + 1 :])
-    if touch.kind == "meet":
-        return False
-    j = touch.rays[1]
-    ahead = [(j + i) % n for i in range(1, (k - j) % n)]
-    back = [(j - i) % n for i in range((j - k) % n)]
-    return all(at_limit[c] for c in ahead) or all(at_limit[c] for c in back)
+APART, CROSSED, UNCLEAR = 1, -1, 0
+
+
+def separation(
+    vertex: ReducedVertex,
+    x: np.ndarray,
+    radius: np.ndarray,
+    pins: np.ndarray,
+    touches: tuple[Gap, ...],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Say what facets do at R states, where some gaps are closed.
+
+    Parameters
+    ----------
+    vertex
+        With contact ``full``.
+    x, radius, pins
+        States [R, n], how well each is known [R], and the strata [R, n].
+    touches
+        What is closed.
+
+    Returns
+    -------
+    verdicts : numpy.ndarray
+        `APART` but for the touches, `CROSSED`, or `UNCLEAR`, [R].
+    sides : numpy.ndarray
+        On which side each touch is open, +1 or -1 of its gap; 0 where that is unclear, [R, T].
+    """
+    chain = piece_of(vertex).chain
+    n = chain.around
+    facets = n if vertex.kind == "C" else n - 1
+    # a root is known to its radius; pinned angles are +-pi exactly
+    wide = np.where(pins == 0, radius[:, None], 0.0)
+    low, high = np.nextafter(x - wide, -9.0), np.nextafter(x + wide, 9.0)
+    folded = chain.fold(*variables(low.T, high.T))
+
+    def signs(wanted: list[tuple[int, int, int]]) -> np.ndarray:
+        return Triples(chain, wanted).at(folded).affine().signs()
+
+    apart = [(k, j) for j in range(facets) for k in range(n) if k not in (j, (j + 1) % n)]
+    known = signs([chain.gap(*chain.shortest(k, j)) for k, j in apart])
+    off = dict(zip(apart, known, strict=True))
+    level = np.zeros(len(x), dtype=int)
+    found = [level + APART]
+    walls = [g for g in vertex.gaps if g.kind in ("start", "end") and g not in touches]
+    found += [*signs([chain.closed(*g.rays, kind=g.kind) for g in walls])]
+    for i, j in vertex.pairs:
+        ends = {(a, b) for k, b in ((i, j), (j, i)) for a in (k, (k + 1) % n)}
+        if any(t.kind == "meet" or t.rays in ends for t in touches):
+            continue
+        v = np.stack(
+            [
+                off.get((j, i), level),
+                -off.get(((j + 1) % n, i), level),
+                -off.get((i, j), level),
+                off.get(((i + 1) % n, j), level),
+            ]
+        )
+        least, most = v.min(axis=0), v.max(axis=0)
+        one = np.where((least > 0) | (most < 0), CROSSED, UNCLEAR)
+        found.append(np.where((least < 0) & (most > 0), APART, one))
+    sides = []
+    for t in touches:
+        if t.kind == "facet":
+            k, j = t.rays
+            before, after = (off.get(((k + s) % n, j), level) for s in (-1, 1))
+            inside = (signs(chain.inside(*chain.shortest(k, j))) < 0).all(axis=0)
+            sides.append(np.where(inside & (before == after), before, UNCLEAR))
+            found.append(np.where(inside & (before * after < 0), CROSSED, np.abs(sides[-1])))
+        elif t.kind == "meet":
+            # gap (k, j) = -(angle of the rays) times a positive number, open where -turn is the angle's sign
+            sides.append(np.where((pins == 0).all(axis=1), signs([(0, 1, 2)])[0], UNCLEAR))
+            found.append(np.abs(sides[-1]))
+        else:
+            sides.append(level + 1)
+    return np.min(found, axis=0), np.array(sides, dtype=int).reshape(len(touches), len(x)).T

@@ -40,7 +40,7 @@ def test_one_that_is_interrupted_during_the_proof_keeps_its_minima(monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("origami_nlp.pattern_states.question.prove_each", stop)
+    monkeypatch.setattr("origami_nlp.pattern_states.question.prove_list", stop)
     with pytest.raises(Interrupted) as ended:
         o.find_minima(SCENE)
     monkeypatch.undo()

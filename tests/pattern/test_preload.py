@@ -100,7 +100,7 @@ def test_search_and_proof_agree_under_preload():
     found = find_minima(WOUND, prove=False, escape=False)
     proof = prove(ReducedVertex(WOUND))
     assert not proof.undecided
-    points = np.array([p.x for p in proof.minima])
+    points = np.array([p.fold_angles for p in proof.minima])
     states = np.array([m.fold_angles for m in found.minima])
     apart = np.abs(points[:, None] - states).max(axis=2)
     assert apart.min(axis=0).max() < 1e-9 and apart.min(axis=1).max() < 1e-9

@@ -9,9 +9,9 @@ import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern_states import find, judge, question, vertex_proof
+from origami_nlp.pattern_states import find, judge, question
 from origami_nlp.pattern_states.parts import Places
-from origami_nlp.proof import prove, read_certificate
+from origami_nlp.proof import ReducedVertex, prove, read_certificate
 from tests.command_line import run, scene_file
 from tests.computed_once import thinned
 
@@ -55,7 +55,7 @@ def check_comes_back(monkeypatch, scene, k):
     whole = find_minima(scene, prove=True, escape=False)
     assert whole.completeness.proved
     with monkeypatch.context() as patch:
-        gone = forget(patch, lambda minima: minima[k : k + 1])
+        gone = forget(patch, lambda minima: [minima[k % len(minima)]])
         result = find_minima(scene, prove=True, escape=False)
     assert np.abs(states(result) - states(whole)).max() <= 1e-9
     assert result.completeness.status == "proved"
@@ -107,17 +107,17 @@ def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
 def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
     """A saddle that a broken judge calls a minimum: the proof refutes it, and says so."""
     scene = generic(3, 5)
-    true = vertex_proof.prove_each
+    true, points = question.prove_list, prove(ReducedVertex(scene)).points
 
-    def prove_wrong(models, states, wanted):
-        saddle = next(p for p in prove(models[0]).points if p.index and 1 not in p.pinned_signs)
-        state = judge(models[0].problem, np.array(saddle.x), False)
+    def prove_wrong(provable, problem, states, contact, wanted):
+        saddle = next(p for p in points if p.index and 1 not in p.pinned_signs)
+        state = judge(problem, saddle.fold_angles, False)
         assert state.verdict == "saddle"
         states.append(replace(state, verdict="minimum", kind="interior"))
-        return true(models, states, wanted)
+        return true(provable, problem, states, contact, wanted)
 
     with monkeypatch.context() as patch:
-        patch.setattr(question, "prove_each", prove_wrong)
+        patch.setattr(question, "prove_list", prove_wrong)
         result = find_minima(scene, prove=True, escape=False)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason
@@ -209,5 +209,7 @@ def test_a_proof_that_failed_judges_a_hundred_singular_states_those_of_least_ene
     judged = [r.energy for r in found.singular if r.verdict]
     left = [r.energy for r in found.singular if not r.verdict]
     assert found.status == "not-proved" and len(left) > 100 and 100 <= len(judged) <= 110
-    assert f"{len(left)} singular states are not decided" in found.reason
-    assert np.quantile(judged, 0.9) < np.quantile(left, 0.1)
+    assert f"{len(left)} singular states not decided" in found.reason
+    # where a region is wide nothing is judged
+    small = [r for r in found.singular if np.subtract(r.upper, r.lower).max() < 1e-3]
+    assert np.quantile(judged, 0.9) < np.quantile([r.energy for r in small if not r.verdict], 0.1)

@@ -67,7 +67,8 @@ def test_critical_points_are_in_what_is_left(name):
     left = prune(pose(model)[0], strata(model.size))
     assert not len(left.open)
     for point in proof.points:
-        assert_held(left.candidates, np.array(point.x), np.array(point.stratum))
+        x = model.problem.reduce(point.fold_angles)
+        assert_held(left.candidates, x, np.array(point.stratum))
     for minimum in find_minima(model.scene, prove=False, escape=False).minima:
         x = model.problem.reduce(np.array(minimum.fold_angles))
         assert_held(

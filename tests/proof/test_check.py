@@ -10,11 +10,9 @@ import origami_nlp as o
 from benchmarks import family_scene
 from origami_nlp.pattern import linear
 from origami_nlp.proof import (
-    balls,
     certify,
     check,
     check_proof,
-    sheet_check,
     vertex_check,
     write_certificate,
 )
@@ -27,10 +25,8 @@ from tests.proof.test_products import sprung
 from tests.proof.test_quads import half_turns, quads
 
 CHECKS = {
-    check: {"pattern", "proof.certificate", "proof.sheet_check", "proof.vertex_check"},
-    sheet_check: {"proof.certificate"},
-    vertex_check: {"pattern", "proof.balls"},
-    balls: {"pattern"},
+    check: {"pattern", "proof.certificate", "proof.vertex_check"},
+    vertex_check: {"pattern"},
 }
 
 
@@ -47,7 +43,6 @@ def test_the_check_shares_nothing_with_the_prover():
 SHEETS = {
     "folds flat": lambda: sprung(o.examples.pattern("miura", 2, 3), 0),
     "curves": lambda: half_turns(0),
-    "rigid": lambda: quads(28),
 }
 
 
@@ -61,6 +56,11 @@ def test_what_is_found_again_is_confirmed(name):
     found = check_proof(said(name))
     assert found.minima == len(said(name).minima) and not found.open
     assert found.lines[0].startswith("checked: ") and "lemmas" in found.lines[-1]
+
+
+def test_rigid_states_stay_open_in_a_certificate():
+    one = certify(quads(28), 30_000)
+    assert len(one.undecided) == 2 and len(check_proof(one).open) == 2
 
 
 @pytest.mark.parametrize("name", SHEETS)

@@ -29,7 +29,7 @@ def at_limit(m) -> bool:
 def _against_scan(seed: int, vertices: int) -> None:
     pattern = strip(seed, vertices + 1, 2)
     proof = prove_sheet(pattern)
-    assert proof.curves == 2**vertices and not proof.undecided
+    assert f" {2**vertices} curves" in proof.over and not proof.undecided
     inside = [m.fold_angles for m in proof.minima if not at_limit(m)]
     wells = list(Strip(pattern).wells())
     # the scan stops where a vertex first passes a fold limit; a minimum beyond a second one is a state all the same
@@ -130,7 +130,7 @@ def test_a_list_is_held_against_the_proof():
     assert not done.proved and "is none of the proof" in done.reason
     done, _ = held([replace(states[0], verdict="saddle"), *states[1:]])
     assert not done.proved and "is judged: saddle" in done.reason
-    twice = replace(proof, minima=(*proof.minima, proof.minima[0]))
+    twice = replace(proof, points=(*proof.points, proof.points[0]))
     done, _ = hold_against(twice, problem, states, False)
     assert not done.proved and "not distinguished" in done.reason
 
@@ -239,7 +239,7 @@ def test_facets_that_are_not_convex_may_touch(middle, proved):
     problem, proof = PatternProblem(pattern), prove_sheet(pattern)
     states = [judge(problem, m.fold_angles, True) for m in proof.minima]
     assert (why_no_contact(pattern) == "") is proved
-    assert hold_against(proof, problem, states, True)[0].proved is proved
+    assert hold_against(proof, problem, states, True, why_no_contact(pattern))[0].proved is proved
 
 
 def test_creases_of_several_vertices_reach_their_limits_at_once():

@@ -9,7 +9,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import make_pattern
-from origami_nlp.proof import certify, check_proof, prove_sheet
+from origami_nlp.proof import as_sheet, certify, check_proof, prove_sheet
 from tests.folding_rows import folding_row
 
 
@@ -26,7 +26,8 @@ def moved(sheet, by):
 def test_to_rounding_it_is_the_special_sheet_and_says_how_far(sheet):
     near = moved(sheet, 1e-13)
     proof, meant = prove_sheet(near), prove_sheet(moved(sheet, 0.0))
-    assert 1e-15 < proof.deviation < 1e-12 and not proof.undecided
+    assert 1e-15 < as_sheet(near)[0].deviation < 1e-12 and not proof.undecided
+    assert "as the file's are to" in proof.over
     one, two = (np.array([m.fold_angles for m in p.minima]) for p in (proof, meant))
     far = np.abs(one[:, None] - two[None]).max(axis=2)
     assert len(one) == len(two) and far.min(axis=0).max() < 1e-9

@@ -37,17 +37,14 @@ def agrees(name):
     """Whether the minima that are proved are those of the scan; states judged by their cones may be either."""
     proof = prove(ReducedVertex(SCENES[name]))
     assert proof.finished
-    proved = np.array([p.x for p in proof.minima]).reshape(-1, 4)
+    proved = np.array([p.fold_angles for p in proof.minima]).reshape(-1, 4)
     left = [c for c in (*proof.singular, *proof.undecided)]
     known = scanned(name)
     lost = [
         x
         for x in known
         if not (np.abs(proved - x).max(axis=1) < 0.02).any()
-        and not any(
-            (np.array(c.lower) - 0.02 <= x).all() and (x <= np.array(c.upper) + 0.02).all()
-            for c in left
-        )
+        and not any((c.lower - 0.02 <= x).all() and (x <= c.upper + 0.02).all() for c in left)
     ]
     more = [x for x in proved if not (np.abs(known - x).max(axis=1) < 0.02).any()]
     return not lost and not more

@@ -1,6 +1,5 @@
 """Provers of sheets with one lemma broken: the second program, or a scan, sees what each of them loses, or claims."""
 
-import numpy as np
 import pytest
 from flint import arb_series
 
@@ -10,18 +9,14 @@ from origami_nlp.proof import (
     check_proof,
     products,
     prove_sheet,
-    quad_states,
-    quads as quad_sheets,
-    slopes,
+    quads,
+    sheets,
 )
 from origami_nlp.proof.products import FoldingSheet, ProductSearch
-from origami_nlp.proof.quad_states import QuadSheet, QuadVertex
-from origami_nlp.proof.quads import QuadCurve
-from tests.independent.strips import StripOfHinges
+from origami_nlp.proof.quads import QuadCurve, QuadSheet, QuadVertex
 from tests.patterns import strip
-from tests.proof.test_hinges_along_curves import drawn
 from tests.proof.test_products import sprung
-from tests.proof.test_quads import half_turns, quads
+from tests.proof.test_quads import half_turns
 
 
 def checked(sheet):
@@ -30,28 +25,10 @@ def checked(sheet):
     return not said.undecided and not check_proof(said).refused
 
 
-def scanned(proof, wells):
-    """Whether all minima of a scan are proved."""
-    shown = np.array([m.fold_angles for m in proof.minima])
-    wells = list(wells)
-    assert wells
-    return not proof.undecided and all((np.abs(shown - x).max(axis=1) < 1e-6).any() for x in wells)
-
-
-def within_stops(sheet):
-    """Whether all minima of a scan of a sheet with stops are proved, and none beyond them."""
-    proof = prove_sheet(sheet, boxes=4_000)
-    low, high = sheet.limit_angles
-    beyond = [m for m in proof.minima if ((m.fold_angles < low) | (m.fold_angles > high)).any()]
-    return not beyond and scanned(proof, (x for x, _ in StripOfHinges(sheet).wells()))
-
-
 SCENES = {
     "folds flat": (checked, lambda: sprung(o.examples.pattern("miura", 2, 3), 0)),
     "curves": (checked, lambda: half_turns(0)),
     "a strip": (checked, lambda: strip(3, 3, 2)),
-    "rigid": (checked, lambda: quads(28)),
-    "stops": (within_stops, lambda: drawn(6, 1)),
 }
 
 
@@ -98,13 +75,12 @@ def with_a_sign_across_wrong(patch):
 
 
 def without_remainders(patch):
-    true = quad_states.narrowed
+    true = quads.narrowed
 
     def narrowed(box, at, away):
         return true(arb_series([*(box[j] for j in range(3)), 0], 4), at, 1e-6 * away)
 
-    for module in (quad_states, quad_sheets):
-        patch.setattr(module, "narrowed", narrowed)
+    patch.setattr(quads, "narrowed", narrowed)
 
 
 def with_bends_of_the_other_sign(patch):
@@ -118,41 +94,27 @@ def with_bends_of_the_other_sign(patch):
 
 
 def without_what_ends_a_curve(patch):
-    true = slopes._piece
+    true = sheets._piece
 
     def piece(curve, a, b):
         found = true(curve, a, b)
-        held = found is not None and found.kind == slopes.HELD
-        return found._replace(kind=slopes.SLOPE) if held else found
+        held = found is not None and found.kind == sheets.HELD
+        return found._replace(kind=sheets.SLOPE) if held else found
 
-    patch.setattr(slopes, "_piece", piece)
-
-
-def with_loops_that_never_close(patch):
-    patch.setattr(quad_sheets.QuadSearch, "_rigid", lambda *given: None)
+    patch.setattr(sheets, "_piece", piece)
 
 
 def without_a_side_of_the_flat_state(patch):
-    true = quad_sheets.least
-    patch.setattr(
-        quad_sheets,
-        "least",
-        lambda curve, *given: slopes.Least() if curve.side < 0 else true(curve, *given),
-    )
+    true = quads.least
 
+    def least(over, *given):
+        return sheets.Least() if over.__self__.side < 0 else true(over, *given)
 
-def without_stops(patch):
-    true = QuadCurve.__init__
-
-    def init(self, *given):
-        true(self, *given)
-        self.stops = []
-
-    patch.setattr(QuadCurve, "__init__", init)
+    patch.setattr(quads, "least", least)
 
 
 def with_zeros_halved_to_the_wrong_side(patch):
-    patch.setattr(slopes, "_halved", lambda sign, low, high: (low, low))
+    patch.setattr(sheets, "_halved", lambda sign, low, high: (low, low))
 
 
 BROKEN = {
@@ -166,8 +128,6 @@ BROKEN = {
     without_what_ends_a_curve: "a strip",
     without_a_side_of_the_flat_state: "curves",
     with_zeros_halved_to_the_wrong_side: "curves",
-    with_loops_that_never_close: "rigid",
-    without_stops: "stops",
 }
 
 

@@ -83,16 +83,13 @@ def same_states(one, two, within):
 )
 def test_generic_meshes_have_flat_and_rigid_states_alone(seed):
     sheet, proof = proved(quads, seed)
-    if seed == 20:  # opposite creases of a vertex are 0.0003 rad off a line
-        assert proof.undecided
-        return
-    assert (proof.curves, proof.maxima, proof.undecided) == (0, 0, ())
-    flat, beside = proof.minima[-1], [m.fold_angles for m in proof.minima[:-1]]
-    assert not flat.fold_angles.any() and proof.alone == len(beside)
+    assert "0 curves" in proof.over and not proof.undecided and all(r.alone for r in proof.regions)
+    (flat,) = proof.minima
+    beside = [0.5 * (r.lower + r.upper) for r in proof.regions]
+    assert not flat.fold_angles.any()
+    assert all(np.ptp([r.lower, r.upper], axis=0).max() < 1e-6 for r in proof.regions)
     rigid = Rigid(sheet)
-    for minimum in proof.minima:
-        assert np.abs(rigid.open(minimum.fold_angles)).max() < 1e-9
-        assert minimum.radius < 1e-9
+    assert all(np.abs(rigid.open(x)).max() < 1e-6 for x in beside)
     assert same_states(beside, rigid_states(sheet, 60_000 if seed == 37 else 6_000), 1e-3)
     assert not check_proof(certify(sheet, 30_000)).refused
 
@@ -102,7 +99,7 @@ def test_generic_meshes_have_flat_and_rigid_states_alone(seed):
 )
 def test_half_turns_of_a_quadrangle_have_two_curves(seed):
     sheet, proof = proved(half_turns, seed)
-    assert (proof.curves, proof.alone, proof.undecided) == (2, 0, ())
+    assert "2 curves" in proof.over and not proof.regions
     theta = np.linspace(1e-4, 0.5 * math.pi - 1e-9, 8_000)
     energies = []
     for half, off in scan(sheet, theta):
@@ -129,18 +126,6 @@ def test_a_search_says_that_its_list_is_proved(sheet):
     assert len(result.minima) == 3
 
 
-def test_rigid_states_hold_within_stops():
-    sheet, free = proved(quads, 28)
-    crease = int(np.argmax(free.minima[0].fold_angles))
-    limits = [(-math.pi, math.pi)] * sheet.creases
-    limits[crease] = (-math.pi, 0.99 * free.minima[0].fold_angles[crease])
-    # of the two mirror images one is beyond the stop
-    proof = prove_sheet(sheet.with_limits(limits))
-    assert (free.alone, proof.alone, proof.undecided) == (2, 1, ())
-    with pytest.raises(OptionError, match="limits"):
-        certify(sheet.with_limits(limits), 1000)
-
-
 def test_time_that_is_over_leaves_all_open():
     proof = prove_sheet(quads(28), boxes=100)
     assert proof.undecided and len(proof.minima) == 1
@@ -154,15 +139,12 @@ def test_what_is_no_such_sheet_is_named():
         prove_sheet(o.examples.pattern("waterbomb", 2, 2))
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_stop_that_excludes_the_flat_state_excludes_it(seed):
-    """It was listed outside its limits, with nothing open."""
-    sheet = quads(seed)
+def test_a_stop_that_excludes_the_flat_state_excludes_it():
+    """It was listed outside its limits, with nothing open: sheets with stops are no longer proved."""
+    sheet = quads(0)
     free = ((-math.pi, math.pi),) * sheet.creases
-    for k, stop in ((2, (0.3, math.pi)), (0, (-math.pi, -0.1)), (3, (-1.0, math.pi))):
-        held = replace(sheet, limits=(*free[:k], stop, *free[k + 1 :]))
-        proof = prove_sheet(held, boxes=30_000)
-        listed = [m for m in proof.minima if not np.any(m.fold_angles)]
-        assert len(listed) == (stop[0] <= 0 <= stop[1]) and not proof.undecided
-        low, high = held.limit_angles
-        assert all(((low <= m.fold_angles) & (m.fold_angles <= high)).all() for m in proof.minima)
+    held = replace(sheet, limits=(*free[:2], (0.3, math.pi), *free[3:]))
+    assert "stops" in why_no_sheet(held)
+    found = o.find_minima(held, contact="fold-limits", prove=True, starts=4, escape=False)
+    assert found.completeness.status == "not-proved"
+    assert all(m.fold_angles[2] >= 0.3 - 1e-9 for m in found.minima)

@@ -12,10 +12,10 @@ from origami_nlp import Scene, State, classify, find_minima
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import ReducedVertex, prove, why_not
-from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
-from origami_nlp.proof.pieces import VertexPiece, piece_of
-from origami_nlp.proof.rows import Triples, pairs, variables
-from origami_nlp.proof.touches import Kite, Row, TouchedPiece, contact_strata
+from origami_nlp.proof.pieces import VertexPiece
+from origami_nlp.proof.reduced import Gap
+from origami_nlp.proof.rows import variables
+from origami_nlp.proof.touches import APART, CROSSED, TouchedPiece, contact_strata, separation
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
@@ -71,7 +71,7 @@ def test_rows_of_a_touch_hold_their_values(width):
     refused = 0
     for j in range(5):
         k = (j + 3) % 5
-        posed = TouchedPiece(vertex, (Row("facet", (k, j), 0),))
+        posed = TouchedPiece(vertex, (Gap("facet", (k, j)),))
         lower, upper, pins = boxes(rng, 5, width, 4)
         middle, half = variables(lower, upper)
         form, _ = posed.rows(lower, upper, pins)
@@ -106,18 +106,18 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
     for point in touching.points[:8]:
         if any(point.stratum):
             continue
-        x = np.array(point.x)[:, None]
+        x = point.fold_angles[:, None]
         lower = x - width * rng.uniform(0, 1, x.shape)
         upper = lower + width
-        _, c = fold_quaternion(sectors, list(map(mpf, point.x)))
+        _, c = fold_quaternion(sectors, list(map(mpf, point.fold_angles)))
         torque = [
             mpf(k) / top * (mpf(v) - mpf(r))
-            for k, v, r in zip(scene.stiffness, point.x, rest.tolist(), strict=True)
+            for k, v, r in zip(scene.stiffness, point.fold_angles, rest.tolist(), strict=True)
         ]
         for j in range(5):
             k = (j + 3) % 5
             others = replace(scene, rest_angles=tuple(rest.tolist()), contact="fold-limits")
-            posed = TouchedPiece(VertexPiece(ReducedVertex(others)), (Row("facet", (k, j), 0),))
+            posed = TouchedPiece(VertexPiece(ReducedVertex(others)), (Gap("facet", (k, j)),))
             form, _ = posed.rows(lower, upper, np.zeros((5, 1), dtype=int))
             middle, half = variables(lower, upper)
             xi = [
@@ -140,16 +140,18 @@ def test_the_minor_of_a_touch_holds_its_value_at_closed_states(width, touching):
 def test_points_with_touches_hold_in_50_digits(name):
     """Newton in 50 digits on x, m and the gap's multiplier, its gradient by the fold of the rays."""
     proof, scene = proof_of(name), SCENES[name]
-    gaps = ReducedVertex(scene).gaps
     total = sum(map(mpf, scene.vertex.sector_angles))
     a = [mpf(v) * 2 * mp.pi / total for v in scene.vertex.sector_angles]
     k, rest = list(map(mpf, scene.stiffness)), list(map(mpf, scene.rest_angles))
     found = [p for p in proof.points if len(p.touches) == 1]
     assert found
     for point in found:
-        ray, j = gaps[point.touches[0]].rays
+        ray, j = point.touches[0].rays
         free = [i for i in range(5) if not point.stratum[i]]
-        x = [mpf(v) if not s else s * mp.pi for v, s in zip(point.x, point.stratum, strict=True)]
+        x = [
+            mpf(v) if not s else s * mp.pi
+            for v, s in zip(point.fold_angles, point.stratum, strict=True)
+        ]
         sign = side_of(a, x, ray, j, point)
 
         def residual(z, x=x, free=free, ray=ray, j=j):
@@ -220,18 +222,17 @@ def side_of(a, x, k, j, point):
 def test_minima_are_those_of_a_thorough_search(scene):
     model = ReducedVertex(scene)
     proof = prove(model)
-    assert proof.finished and not proof.undecided and not proof.singular
-    assert all(p.is_minimum is not None for p in proof.points)
+    assert proof.finished and all(r.alone for r in proof.regions)
     found = np.array(
         [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
     )
-    mine = np.array([p.x for p in proof.minima])
+    mine = np.array([p.fold_angles for p in proof.minima])
     assert found.shape == mine.shape
     far = np.abs(found[:, None] - mine).max(axis=2)
     assert (far.min(axis=0) < 1e-8).all() and (far.min(axis=1) < 1e-8).all()
     for point in proof.points:
-        kind = classify(State(model.problem, np.array(point.x))).verdict
-        assert (kind == "minimum") == point.is_minimum
+        kind = classify(State(model.problem, point.fold_angles)).verdict
+        assert point.is_minimum is None or (kind == "minimum") == point.is_minimum
 
 
 @pytest.mark.slow
@@ -240,41 +241,25 @@ def test_a_touch_that_pushes_is_a_minimum(touching):
     pushed = [p for p in touching.minima if p.touches]
     assert len(pushed) == 1 and pushed[0].forces[0] > 0 and pushed[0].stratum == (0,) * 5
     limits = prove(ReducedVertex(replace(TOUCHING, contact="fold-limits")))
-    far = [np.abs(np.array(p.x) - pushed[0].x).max() for p in limits.points]
+    far = [np.abs(p.fold_angles - pushed[0].fold_angles).max() for p in limits.points]
     assert min(far) > 1e-3
     assert touching.crossing > 0
 
 
-@pytest.mark.slow
-def test_signs_agree_with_the_test_of_single_states():
-    """Every critical point within fold limits: crossing, or not, by intervals and by `ReducedVertex.refuses`."""
-    seen = {APART: 0, CROSSED: 0}
-    for number in range(4):
-        scene = uneven(number)
-        model, limits = (
-            ReducedVertex(scene),
-            prove(ReducedVertex(replace(scene, contact="fold-limits"))),
-        )
-        x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
-        signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
-        for i, state in enumerate(x):
-            verdict = signs.contacts(i, ()).verdict
-            assert verdict == (CROSSED if model.problem.refuses(state) else APART)
-            seen[verdict] += 1
-    assert min(seen.values()) > 10
-
-
-@pytest.mark.parametrize("number", thinned([1, 5, 7, 11, 12, 16], 2))
-def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
-    scene = PANELS[number]
+@pytest.mark.parametrize(
+    "scene", thinned([*map(uneven, range(4)), *(PANELS[i] for i in (1, 5, 7, 12, 16))], 2)
+)
+def test_signs_agree_with_the_test_of_single_states(scene):
+    """Critical points within fold limits: crossing, or not, by intervals and by `PatternProblem.refuses`."""
     model, limits = (
         ReducedVertex(scene),
         prove(ReducedVertex(replace(scene, contact="fold-limits"))),
     )
-    x, pins = (np.array([getattr(p, v) for p in limits.points]) for v in ("x", "stratum"))
-    signs = Signs(model, x, np.array([p.radius for p in limits.points]), pins)
-    for i, state in enumerate(x):
-        verdict = signs.contacts(i, ()).verdict
+    x = np.array([model.problem.reduce(p.fold_angles) for p in limits.points])
+    pins = np.array([p.stratum for p in limits.points])
+    verdicts, _ = separation(model, x, np.array([p.radius for p in limits.points]), pins, ())
+    assert verdicts.any() or scene.degree > 5
+    for state, verdict in zip(x, verdicts, strict=True):
         if verdict:
             assert verdict == (CROSSED if model.problem.refuses(state) else APART)
 
@@ -284,7 +269,8 @@ def test_one_dof_has_no_touches():
     assert not list(contact_strata(model))
     proof = prove(model)
     limits = prove(ReducedVertex(replace(model.scene, contact="fold-limits")))
-    assert {p.x for p in proof.points} <= {p.x for p in limits.points}
+    one, all_ = ({tuple(p.fold_angles) for p in some.points} for some in (proof, limits))
+    assert one <= all_
     assert len(proof.points) + proof.crossing == len(limits.points)
 
 
@@ -303,60 +289,26 @@ def test_labels_turned_and_reflected(touching, turn, way):
         rest_angles=tuple(TOUCHING.rest_angles[i] for i in perm),
     )
     proof = prove(ReducedVertex(scene))
-    x = np.array([p.x for p in proof.points])
-    y = np.array([p.x for p in touching.points])[:, perm]
+    x = np.array([p.fold_angles for p in proof.points])
+    y = np.array([p.fold_angles for p in touching.points])[:, perm]
     assert x.shape == y.shape and np.abs(x[:, None] - y).max(axis=2).min(axis=1).max() < 1e-8
     assert [p.is_minimum for p in proof.points] == [p.is_minimum for p in touching.points]
 
 
-@pytest.mark.parametrize("number", thinned([9, 2, 4, 16, 8, 11], 3))
+@pytest.mark.parametrize("number", thinned([9, 2, 4, 16, 8], 3))
 def test_minima_of_panels(number):
-    """Those of the search are proved, or at a state that is named as judged by its cone, or singular; no others."""
+    """Those of the search are proved, or in a region that is judged by its cone; no others."""
     scene = PANELS[number]
-    model = ReducedVertex(scene)
-    proof = prove(model)
+    proof = prove(ReducedVertex(scene))
     assert not proof.undecided
-    found = [model.problem.reduce(np.array(m.fold_angles)) for m in panel_result(scene).minima]
+    found = [m.phi for m in panel_result(scene).minima]
     for p in proof.minima:
-        assert min(np.abs(x - p.x).max() for x in found) < 1e-8
+        assert min(np.abs(x - p.fold_angles).max() for x in found) < 1e-8
     for x in found:
-        proved = any(np.abs(x - p.x).max() < 1e-8 for p in proof.minima)
-        judged = any(np.abs(x - p.x).max() < 1e-8 and p.judged for p in proof.points)
+        proved = any(np.abs(x - p.fold_angles).max() < 1e-8 for p in proof.minima)
         singular = any(np.abs(x - c.lower).max() < 1e-4 for c in proof.singular)
-        assert proved or judged or singular
-        assert proved or number == 4
+        assert proved or (singular and number == 4)
     assert any(p.touches for p in proof.minima) == (number in (4, 8, 16))
-
-
-def test_the_axis_row_of_equal_sectors():
-    """c_3 . n_1 = 2 sin a cos(phi_2 / 2) times the row, over boxes; slopes by phi_2, and by half the other fold."""
-    model = ReducedVertex(PANELS[11])
-    piece, a = piece_of(model), model.sectors[0]
-    rng = np.random.default_rng(1)
-    x, r = rng.uniform(-3, 3, (3, 500)), 10 ** rng.uniform(-6, 0, (3, 500))
-    kite = Kite(a, 0)
-    row, columns = kite.rows(x, r)
-    first, second, _ = pairs(3)
-
-    def value(y, form=None):
-        exact = math.cos(a) * np.cos(y[1] / 2) * np.cos(y[0] / 2) - np.sin(y[1] / 2) * np.sin(
-            y[0] / 2
-        )
-        return exact
-
-    for xi in (rng.uniform(-1, 1, x.shape), rng.choice([-1.0, 1.0], x.shape)):
-        y = x + r * xi
-        gap = Triples(piece.chain, [piece.chain.behind(2, 0)]).at(piece.chain.fold(y, 0 * y))
-        factor = 2 * math.sin(a) * np.cos(y[1] / 2)
-        assert np.abs(gap.value[0] - factor * value(y)).max() < 1e-14
-        slopes = [(value(y + h) - value(y - h)) / 2e-6 for h in 1e-6 * np.eye(3)[[1, 0], :, None]]
-        forms = [row, columns[0][1], columns[0][0]]
-        for form, true, share, room in zip(
-            forms, [value(y), *slopes], (1, 1, 2), (1e-15, 1e-9, 1e-9), strict=True
-        ):
-            held = form.value + (form.slopes * xi).sum(axis=-2)
-            held = held + (form.bends * (xi[first] * xi[second])).sum(axis=-2)
-            assert (np.abs(held - share * true) <= form.rest + room).all()
 
 
 def test_what_is_not_proved_says_so():
@@ -373,6 +325,7 @@ def test_a_wedge_of_two_rays_is_not_proved_and_says_so():
     scene = Scene(Vertex.from_degrees([60] * 6), (1, 2) * 3, (1, -1) * 3, "D3", "full")
     with pytest.raises(OptionError, match="touches of a D3 wedge of 2 rays are not proved"):
         prove(ReducedVertex(scene))
+    assert "of equal sectors are not proved" in why_not(ReducedVertex(PANELS[11]))
 
 
 @pytest.mark.slow
@@ -389,7 +342,7 @@ def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
     rest = (-1.205064004, -0.7584188864, -2.486820695, -0.6969875421, -2.983049416)
     scene = Scene(Vertex(sectors), stiffness, rest, "none", "full")
     proof = prove(ReducedVertex(scene))
-    assert proof.complete and len(proof.minima) == 2
+    assert all(r.alone for r in proof.regions) and len(proof.minima) == 2
     near = proof.minima[1]
-    assert max(map(abs, near.x)) < 0.04
-    assert classify(State(ReducedVertex(scene).problem, np.array(near.x))).verdict == "minimum"
+    assert np.abs(near.fold_angles).max() < 0.04
+    assert classify(State(ReducedVertex(scene).problem, near.fold_angles)).verdict == "minimum"

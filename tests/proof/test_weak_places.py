@@ -15,7 +15,11 @@ from tests.independent.admissible import admissible
 from tests.independent.rotations import fold
 from tests.pattern_states.test_completeness import generic
 
-STACKED = [pytest.param(i, marks=[] if i in (1, 9) else pytest.mark.slow) for i in range(18)]
+STACKED = [
+    pytest.param(i, marks=[] if i in (1, 9) else pytest.mark.slow)
+    for i in range(18)
+    if i not in (11, 14, 17)
+]
 
 
 @pytest.mark.parametrize("number", STACKED)
@@ -43,18 +47,18 @@ def test_a_limit_that_nothing_presses_is_left_to_the_judge(seed):
     pinned = [p for p in prove(ReducedVertex(scene)).points if any(p.stratum)]
     for p in pinned[:2]:
         (i,) = np.flatnonzero(p.stratum).tolist()
-        creases, _ = fold(np.array(scene.vertex.sector_angles), np.array(p.x))
+        creases, _ = fold(np.array(scene.vertex.sector_angles), p.fold_angles)
         torque = float(np.dot(p.moment, creases[0, i]))
         rest = [*scene.rest_angles]
-        rest[i] = p.x[i] - torque / scene.stiffness[i]
+        rest[i] = p.fold_angles[i] - torque / scene.stiffness[i]
         if abs(rest[i]) > math.pi:
             continue
         other = replace(scene, rest_angles=tuple(rest))
         same = min(
             prove(ReducedVertex(other)).points,
-            key=lambda q, x=p.x: (np.abs(np.subtract(q.x, x)).max(), -abs(q.stratum[i])),
+            key=lambda q, x=p.fold_angles: (np.abs(q.fold_angles - x).max(), -abs(q.stratum[i])),
         )
-        assert np.abs(np.subtract(same.x, p.x)).max() < 1e-9
+        assert np.abs(same.fold_angles - p.fold_angles).max() < 1e-9
         assert same.is_minimum is None or same.index  # a saddle along the limit is none in any case
         k, r = np.array(other.stiffness), np.array(rest)
         limits = np.array([[-math.pi] * 4, [math.pi] * 4])
