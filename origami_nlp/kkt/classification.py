@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -24,6 +24,7 @@ from origami_nlp.kkt.neighbourhood import (
     sample_neighbourhood,
     tangent_is_feasible,
 )
+from origami_nlp.kkt.singular_beside import not_told_apart
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import CLOSURE_TOL, LEVEL, SETTLED, STATIONARY, UNPOLISHED
@@ -109,6 +110,8 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     what = _decide(state, STATIONARY if polished else UNPOLISHED)
     if what.verdict == "minimum" and not polished:
         return Classification("undecided", None, f"not polished; {what.reason}", 0)
+    if what.verdict == "minimum" and (why := not_told_apart(state.problem, state.x)):
+        return replace(what, verdict="undecided", kind=None, reason=why)
     return what
 
 

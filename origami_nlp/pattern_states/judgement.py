@@ -96,9 +96,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         why = "hinges are slack beside it: the energy is level one way"
         return replace(state, verdict="undecided", kind="", certificate=why)
     # lower states as well: what closes to rounding may be further off the curve than they are away
-    if state.verdict == "minimum" or state.refuted:
-        if why := not_told_apart(problem, phi):
-            return replace(state, verdict="undecided", kind="", certificate=why)
+    if state.refuted and (why := not_told_apart(problem, phi)):
+        return replace(state, verdict="undecided", kind="", certificate=why)
     if state.verdict != "not admissible" and problem.size <= MOST_DENSE:
         left = problem.null_spaces(phi).left_out(problem.closure.values(phi))
         if left > BESIDE_SINGULAR:
