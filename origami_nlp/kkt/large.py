@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from origami_nlp.numerics import (
     dense,
     nonnegative_least_squares,
 )
-from origami_nlp.problem import Contact, Sparse
+from origami_nlp.problem import Contact
 
 if TYPE_CHECKING:
     import scipy as sp
@@ -48,7 +48,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     BranchJudgement
         What is found; where nothing balances then also what the tangent cone says, which takes long to list.
     """
-    p, x, rows = cast(Sparse, state.problem), state.x, state.contacts.base
+    p, x, rows = state.problem, state.x, state.contacts.base
     at_limit = np.array([c.index for c in rows], int)
     lam, moments, left = p.multipliers(x, at_limit)
     size = 1.0 + float(np.abs(p.torque(x)).max(initial=0.0))
@@ -96,7 +96,7 @@ def _slopes(state: State, limits: tuple[Contact, ...]) -> np.ndarray:
 
 def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None:
     """Look for a lower admissible state along the directions that were found, and some that are drawn."""
-    p, x = cast(Sparse, state.problem), state.x
+    p, x = state.problem, state.x
     noise = LEVEL * max(abs(p.energy(x)), p.scale)
     for d in _directions(state, branch):
         for step in FAR:
@@ -118,7 +118,7 @@ def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None
 
 def _closes_along(state: State, d: np.ndarray) -> bool:
     """Whether what closes along a direction [n] also does at the end of `FAR`, where that says more than rounding."""
-    p, x, step = cast(Sparse, state.problem), state.x, FAR[-1]
+    p, x, step = state.problem, state.x, FAR[-1]
     start = p.fold_limits.clip(x + step * d)
     end, residual = p.project(start, p.fold_limits.room(start) == 0)
     return bool(residual <= CLOSURE_TOL and np.abs(end - start).max() <= BENDS * step)

@@ -10,7 +10,7 @@ from .contact import (
 from .hinge_laws import HingeLaws as HingeLaws
 from .nlp import Nlp as Nlp
 from .parameters import Energies as Energies, Parameters as Parameters
-from .protocol import Problem as Problem, Sparse as Sparse
+from .protocol import Problem as Problem
 from .touching import (
     MOST_LISTED as MOST_LISTED,
     ClosedContacts as ClosedContacts,

@@ -18,8 +18,8 @@ from origami_nlp.problem.touching import ClosedContacts, ContactWords
 class Problem(Protocol):
     """Shapes and units are those of `PatternProblem`, where each of these is described.
 
-    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has. Rows of
-    closure depend on each other as a rule.
+    What is `sparse` is too large for singular values and kernels: certificates use sparse matrices, and steps by their
+    factors.  Rows of closure depend on each other as a rule.
     """
 
     scale: float
@@ -40,8 +40,6 @@ class Problem(Protocol):
     def symmetry(self) -> str: ...  # noqa: D102
     @property
     def root(self) -> np.ndarray: ...  # noqa: D102
-    @property
-    def bound(self) -> float: ...  # noqa: D102
     @property
     def has_limits(self) -> bool: ...  # noqa: D102
     @property
@@ -99,10 +97,6 @@ class Problem(Protocol):
         contacts: Sequence[Contact],
         change: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]: ...
-
-
-class Sparse(Problem, Protocol):
-    """What certificates of large problems need besides: sparse matrices, and steps by their factors."""
 
     def jacobian(self, x: np.ndarray) -> Any: ...  # noqa: D102
     def hessian(self, x: np.ndarray, multipliers: np.ndarray) -> Any: ...  # noqa: D102
