@@ -113,7 +113,7 @@ class Completeness(ShortRepr):
     >>> import origami_nlp as o
     >>> scene = o.examples.degree6("pi/4", ratio=1, contact="fold-limits")
     >>> o.find_minima(scene, prove=True).completeness.status
-    'proved-except-singular'
+    'proved'
     """
 
     status: str
