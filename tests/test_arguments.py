@@ -98,7 +98,9 @@ CASES = [
     case(o.Vertex, "flat", FLAGS, sector_angles=("pi/2",) * 4),
     case(o.Vertex.from_degrees, "sector_angles", LISTS),
     case(o.Scene, "vertex", SCENES, **SPRINGS),
-    case(o.Scene, "stiffness", (*LISTS, [10**400] * N), "vertex", rest_angles=(0,) * N),
+    case(
+        o.Scene, "stiffness", (None, True, *but(1.5), [10**400] * N), "vertex", rest_angles=(0,) * N
+    ),
     case(o.Scene, "rest_angles", LISTS, "vertex", stiffness=(1,) * N),
     case(o.Scene, "symmetry", NAMES, "vertex", **SPRINGS),
     case(o.Scene, "contact", NAMES, "vertex", **SPRINGS),

@@ -175,7 +175,9 @@ def check_length(values: tuple[float, ...], name: str, degree: int) -> tuple[flo
 
 
 def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
-    """Read `degree` floats, or raise an error about field `name`."""
+    """Read `degree` floats, or one for all, or raise an error about field `name`."""
+    if isinstance(values, int | float) and not isinstance(values, bool):
+        return (check_number(name, values, error=SceneError),) * degree
     items = read_list(values, f"{name} = {shown(values)} must be numbers, one for each crease")
     numbers = (check_number(f"{name}[{i}]", v, error=SceneError) for i, v in enumerate(items, 1))
     return check_length(tuple(numbers), name, degree)

@@ -58,7 +58,8 @@ class Scene(PrettyRepr):
     vertex
         The crease pattern.
     stiffness
-        Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad]; the largest at most 1e8 times the smallest.
+        Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad], or one for all; the largest at most 1e8 times
+        the smallest.
     rest_angles
         Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or strings.
     symmetry

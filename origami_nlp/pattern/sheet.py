@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number
-from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.errors import FoldFileError, OptionError
 from origami_nlp.io import printable
 from origami_nlp.numerics import NARROW, energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
@@ -215,8 +215,6 @@ class Pattern:
             If a value does not fit.
         """
         k = self.stiffness if stiffness is None else stiffness
-        if np.ndim(k) == 0:
-            k = np.full(self.creases, check_number("stiffness", k, 0.0, error=SceneError))
         if per_length:
             k = np.array(read_numbers(k, "stiffness", self.creases)) * self.lengths
         phi = self.rest if rest_angles is None else rest_angles

@@ -66,7 +66,6 @@ BAD = [
     (text(rest_angles="[0, 0, 0]"), "3 entries"),
     (text(stiffness="[1, 1, -1, 1, 1, 1]"), "stiffness[3]"),
     (text(stiffness='["soft", 1, 1, 1, 1, 1]'), "stiffness[1]"),
-    (text(stiffness="0.025"), "stiffness"),
     (text(symmetry='"mirror"'), "symmetry"),
     (text(symmetry='"D3"'), "largest common group"),
     (text(stiffness="[1, 2, 1, 1, 1, 1]"), "not shared"),
