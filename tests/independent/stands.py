@@ -60,6 +60,10 @@ class Verification:
     reach: float = 0.0
     why: str = ""
 
+    @property
+    def false(self) -> bool:
+        return bool(self.why)
+
 
 def judge(problem: PatternProblem, fold_angles, count: int = 2000, seed: int = 0) -> Verification:
     """Judge a claimed minimum; see the module."""

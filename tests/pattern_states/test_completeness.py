@@ -107,20 +107,8 @@ def test_json_carries_it():
     result = find_minima(scene, escape=False)
     data = json.loads(json.dumps(result.to_dict()))
     c = data["completeness"]
-    assert {
-        "status",
-        "boxes",
-        "seconds",
-        "critical_points",
-        "undecided",
-        "singular",
-        "added",
-    } <= set(c)
     assert c["status"] == "proved" and c["critical_points"]["0"] == len(result.minima)
     assert MinimaResult.from_dict(data).completeness == result.completeness
-    assert "list proved complete" in result.report(
-        verbose=True
-    ) and "list proved complete" in result.to_html(picture=False)
 
 
 def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
