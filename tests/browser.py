@@ -1,6 +1,5 @@
 """A headless Chromium that opens a file with the network shut, by its DevTools protocol over two pipes."""
 
-import base64
 import contextlib
 import json
 import os
@@ -63,11 +62,6 @@ class Browser:
         while not self.ask(script):
             assert time.monotonic() < end, script
             time.sleep(0.05)
-
-    def screenshot(self, *, whole: bool = False) -> bytes:
-        """Return a PNG of what is seen, or of the whole page."""
-        shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
-        return base64.b64decode(shot["data"])
 
     def call(self, method: str, **parameters: Any) -> Any:
         self._number += 1

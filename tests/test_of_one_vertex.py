@@ -7,7 +7,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import as_scene
-from origami_nlp.proof import prove
 from tests.command_line import run
 from tests.computed_once import thinned
 from tests.patterns import scene_pattern
@@ -33,14 +32,6 @@ def test_of_several_vertices_one_line_says_what_takes_them(name):
         ask(3)
 
 
-def test_results_and_programmes_of_patterns_are_refused_in_one_line():
-    found = o.find_minima("metasheet:2x2", starts=1, escape=False)
-    with pytest.raises(o.OrigamiError, match="of a pattern"):
-        o.find_segments(found)
-    with pytest.raises(o.OrigamiError, match="must be a ReducedVertex"):
-        prove(found.pattern)
-
-
 @pytest.mark.parametrize("degree", thinned([5, 4, 7], 3))
 def test_a_pattern_of_one_vertex_is_taken_as_the_scene_that_it_equals(degree):
     rng = np.random.default_rng(degree)
@@ -61,14 +52,6 @@ def test_paper_beyond_the_sectors_makes_another_sheet():
         as_scene(replace(pattern, polygons=((0, 1, 2, 4), *pattern.polygons[1:])))
 
 
-def test_commands_of_one_vertex_say_so():
-    done = run(
-        "boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--parameter", "alpha=50deg:60deg"
-    )
-    assert done.code == 2 and done.err.count("\n") == 1
-    assert "--vertex is needed" in done.err
-
-
 @pytest.mark.parametrize("whole", thinned([False, True], 2), ids=("vertex", "pattern"))
 def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     trimesh = pytest.importorskip("trimesh")
@@ -86,11 +69,3 @@ def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     assert mesh.area == pytest.approx(2 * area, rel=1e-5)  # where the one leg begins and ends
     wrong = run("load", *given, "-o", tmp_path / "ends.txt")
     assert wrong.code == 2 and ".obj, .stl, .glb" in wrong.err
-
-
-def test_what_cannot_be_turned_is_refused():
-    with pytest.raises(o.OrigamiError, match="cannot be turned"):
-        o.view(3)
-    space = o.find_space(o.examples.degree6("pi/3"), rings=8)
-    with pytest.raises(o.OrigamiError, match=r"cannot be turned.*draw\(result\) draws it"):
-        o.view(space)

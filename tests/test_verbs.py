@@ -7,7 +7,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern_states import find_states
-from tests.computed_once import panel_result
 
 PATTERN = "metasheet:3x3"
 
@@ -33,12 +32,6 @@ def test_a_scene_and_a_pattern_are_searched_by_one_function(found):
 def test_what_a_pattern_does_not_take_is_named(name, value):
     with pytest.raises(o.OrigamiError, match=rf"^{name} = .* is not for a pattern: "):
         o.find_minima(PATTERN, **{name: value})
-
-
-def test_no_proof_may_be_asked_of_a_pattern_which_gets_none():
-    one = o.find_minima(PATTERN, starts=1, escape=False, prove=False)
-    same = o.find_minima(PATTERN, starts=1, escape=False)
-    assert [m.fold_angles for m in one.minima] == [m.fold_angles for m in same.minima]
 
 
 def test_what_a_scene_does_not_take_is_named():
@@ -84,12 +77,3 @@ def test_states_of_a_pattern_go_to_a_file_and_come_back(found, tmp_path):
         assert np.abs(angles - state.fold_angles).max() < 1e-12
     again = o.read_pattern(path)
     assert o.classify(again, found.minima[0].fold_angles).verdict == "minimum"
-
-
-@pytest.mark.parametrize("write", [o.write_fold, o.write_mesh])
-def test_what_is_no_result_or_no_path_is_said(write):
-    found = panel_result(o.examples.degree6("pi/4", ratio=0.01))
-    with pytest.raises(o.OrigamiError, match="path = None must be a path"):
-        write(found, None)
-    with pytest.raises(o.OrigamiError, match="result = "):
-        write(None, "states.fold")

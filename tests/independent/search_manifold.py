@@ -113,12 +113,6 @@ class Piece:
             x -= solve_least(jac / self.root, g) / self.root
         return x, np.abs(self.closure(x)[0]).max(axis=1)
 
-    def tangent(self, x: np.ndarray) -> np.ndarray:
-        """Orthonormal basis [B, n, 2] of the tangent plane in the scale z."""
-        _, jac = self.closure(x)
-        _, _, v = np.linalg.svd(jac / self.root)
-        return v[:, -2:].transpose(0, 2, 1)
-
 
 def solve_least(jac: np.ndarray, g: np.ndarray) -> np.ndarray:
     """Return the smallest solutions of jac d = g for one or two equations, [B, n]."""

@@ -21,14 +21,6 @@ Contact = tuple[str, int, int]
 another measure, ("plane", 0, side): the angle of c_4 off the plane of facet 1."""
 
 
-def contacts(piece: Piece) -> list[Contact]:
-    """Every contact of the piece."""
-    limits: list[Contact] = [("limit", v, s) for v in range(piece.size) for s in (-1, 1)]
-    if piece.half:
-        return [*limits, ("tips", 0, -1), ("tips", 0, 1)]
-    return [*limits, ("axis", 0, 1), ("axis", piece.size - 1, 1)]
-
-
 def gap(piece: Piece, contact: Contact, x: np.ndarray) -> tuple[float, np.ndarray]:
     """Opening angle of a contact at x [n], and its gradient."""
     kind, v, side = contact

@@ -8,7 +8,6 @@ import sys
 import numpy as np
 import pytest
 
-import origami_nlp as o
 from origami_nlp.numerics import CHOSEN, coarse, first_largest, rank
 from tests.kernels.answers import GROUPS, answered
 from tests.kernels.compare import KERNELS, compared, differences
@@ -107,15 +106,3 @@ def test_images_of_one_energy_stand_in_an_order_that_rounding_does_not_change():
         for e in noise
     }
     assert orders == {(2, 0, 1)}
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_an_event_of_contacts_that_close_together_is_named_as_the_parameter_grows():
-    """Above the event two facets touch, below they do not: there the contact closes as the ratio grows."""
-    options = {"checks": 1, "max_starts": 16, "full": False}
-    found = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", **options)
-    (event,) = found.events
-    assert event.type == "closes"
-    kinds = [{s.kind for s in found.at(event.t * k) if s.energy < 0.15} for k in (0.99, 1.01)]
-    assert "interior" in kinds[0] and "contact-pinned" not in kinds[0]
-    assert "contact-pinned" in kinds[1] and "interior" not in kinds[1]

@@ -1,6 +1,5 @@
 """Contact moments: finite differences of the optimal energy, and ranges of dependent ones."""
 
-import itertools
 import math
 
 import numpy as np
@@ -105,64 +104,6 @@ def test_touching_states_carry_nothing(minima):
             slope = slope_of_optimal_energy(piece, x, held, i)
             scale = float(piece.stiffness.sum())
             assert contact.multiplier == 0 and abs(slope) <= 1e-10 * scale
-
-
-def balance(piece, x, contacts):
-    """B and c of B mu = c, |c| of order one: pulls on the kernel of closure, per contact moment."""
-    _, jac = piece.closure(x)
-    _, singular, v = np.linalg.svd(jac[0])
-    kernel = v[int((singular > 1e-9).sum()) :]
-    found = [as_contact(piece, c, x) for c in contacts]
-    columns = [images * gap(piece, one, x)[1] for one, images in found]
-    return kernel @ np.array(columns).T, kernel @ (piece.stiffness * (x - piece.rest))
-
-
-def solvable(b, c, fixed, value, tolerance):
-    """Whether B mu = c has mu >= 0 with mu[fixed] = value, by trying every support of the others."""
-    others = [i for i in range(b.shape[1]) if i != fixed]
-    target = c - value * b[:, fixed]
-    for count in range(len(others) + 1):
-        for chosen in itertools.combinations(others, count):
-            part = b[:, list(chosen)]
-            mu = np.linalg.lstsq(part, target, rcond=1e-12)[0] if chosen else np.zeros(0)
-            left = np.abs(part @ mu - target).max() if chosen else np.abs(target).max()
-            if left <= tolerance and (mu >= -tolerance).all():
-                return True
-    return False
-
-
-def test_ranges_of_dependent_contacts_end_where_the_balance_does(minima):
-    dependent = [
-        (p, m)
-        for p, m in minima
-        if m.local_dimension == 1 and all(c.type == "fold-limit" for c in m.contacts)
-    ]
-    assert dependent
-    for piece, m in dependent:
-        x = state(piece, m)
-        b, c = balance(piece, x, m.contacts)
-        scale = float(np.abs(c).max())
-        tolerance = 1e-10 * scale
-        moments = np.array([k.multiplier for k in m.contacts])
-        assert np.abs(b @ moments - c).max() <= tolerance
-        for i, contact in enumerate(m.contacts):
-            low, high = contact.multiplier_range
-            assert low <= contact.multiplier <= high
-            assert solvable(b, c, i, low, tolerance)
-            if low > 0:
-                assert not solvable(b, c, i, low * (1 - 1e-6), tolerance)
-            if math.isinf(high):
-                assert solvable(b, np.zeros_like(c), i, 1.0, 1e-10)
-            else:
-                assert solvable(b, c, i, high, tolerance)
-                assert not solvable(b, c, i, high * (1 + 1e-6), tolerance)
-        # smallest norm: no move along the kernel of B shortens the vector while it stays >= 0
-        _, singular, v = np.linalg.svd(b)
-        for ray in v[int((singular > 1e-9 * singular[0]).sum()) :]:
-            for sign in (1, -1):
-                shorter = moments + sign * 1e-4 * np.linalg.norm(moments) * ray
-                if (shorter >= -1e-12).all():
-                    assert np.linalg.norm(shorter) >= np.linalg.norm(moments) * (1 - 1e-12)
 
 
 def test_relaxing_the_loaded_limit_of_a_handle_pays_the_lower_end_of_its_range(minima):

@@ -10,17 +10,11 @@ from origami_nlp.kkt import Solve, certificates, polish, polishing
 from origami_nlp.pattern_problem import passing_moment, pose
 from origami_nlp.problem import Contact
 from tests.independent.rotations import about
+from tests.search.test_moment_map import draw
 
 
-def draw(n, seed=0, contact="fold-limits"):
-    rng = np.random.default_rng([seed, n])
-    sectors = (rng.dirichlet(np.full(n, 3.0)) * 2 * math.pi).tolist()
-    k, rest = 10 ** rng.uniform(-1, 1, n), rng.uniform(-math.pi, math.pi, n)
-    return Scene(Vertex(tuple(sectors)), tuple(k.tolist()), tuple(rest.tolist()), "none", contact)
-
-
-@pytest.mark.parametrize("n", [26, pytest.param(50, marks=pytest.mark.slow)])
-def test_polished_as_with_all_rows(n, monkeypatch):
+def test_polished_as_with_all_rows(monkeypatch):
+    n = 26
     found = find_minima(draw(n, 1), max_starts=40, effort="quick", prove=False, escape=False)
     model, many = found.model, 0
     for minimum in sorted(found.minima, key=lambda m: -len(m.contacts))[:6]:
@@ -76,7 +70,7 @@ def folded(scene, phi):
     return frames, np.array(creases)
 
 
-@pytest.mark.parametrize("n", [5, 9, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [5, 9])
 def test_one_moment_in_the_frame_of_every_facet(n):
     scene = draw(n)
     found = find_minima(scene, max_starts=60, effort="quick", prove=False, escape=False)

@@ -130,15 +130,6 @@ def test_smallest_multipliers_satisfy_their_optimality_conditions(
     check_smallest(b, smallest_norm(b, found), b @ mu, max(mu.max(), 1e-300))
 
 
-@pytest.mark.parametrize("count", [2, 3, 5])
-def test_one_contact_described_many_times_shares_its_moment_equally(count):
-    b = np.ones((1, count))
-    found = find_multipliers(b, np.array([3.0]))
-    assert found.smallest == pytest.approx(np.full(count, 3.0 / count), abs=1e-14)
-    assert found.lower == pytest.approx(0.0, abs=1e-10)
-    assert found.upper == pytest.approx(3.0, rel=1e-10)
-
-
 def rows_with_held_ones(seed, n, r, held):
     """Integers, so that cones are thin or wide and never nearly so; `held` rows stand with their opposites."""
     rng = np.random.default_rng(seed)

@@ -19,16 +19,11 @@ from tests.patterns import miura, miura_angles, strip
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, not decided
     "metasheet:3x3": (2, 0),
-    "metasheet:4x4": (2, 0),
-    "squaretwist": (8, 0),
     "yoshimura:2x2": (2, 0),
 }
-FAST = "metasheet:3x3", "yoshimura:2x2"
 
 
-@pytest.mark.parametrize(
-    "name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
-)
+@pytest.mark.parametrize("name", COUNTS)
 def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     found = states(name)
     many = Counter(s.verdict for s in found.states)

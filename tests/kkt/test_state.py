@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import pickle
 from collections import Counter
 
 import numpy as np
@@ -119,25 +118,6 @@ def test_many_states_are_as_each_of_them(name: str) -> None:
             assert admissible[k] or problem.refuses(alone)
     with pytest.raises(ValueError, match="shape"):  # C would write beyond the first
         problem.local(x)
-
-
-def test_a_stratum_is_what_the_minima_say() -> None:
-    for panel in examples.panels()[4:9:4]:
-        result = panel_result(panel)
-        for m in result.minima:
-            state = State(result.model, result.model.reduce(np.array(m.fold_angles)))
-            again = pickle.loads(pickle.dumps(state))
-            assert (again.x == state.x).all() and again.residual == state.residual
-            assert state.refused == "" and state.energy == pytest.approx(m.energy)
-            if m.kind in ("interior", "contact-pinned"):
-                at = state.on(state.pieces[0])
-                assert np.abs(at.imbalance).max() < 1e-12
-                moments = (
-                    at.forces * result.model.scale / [result.model.weight(c) for c in at.contacts]
-                )
-                assert moments == pytest.approx([c.multiplier for c in m.contacts], rel=1e-9)
-                stiffness = at.stiffness * result.model.scale
-                assert stiffness == pytest.approx(min(m.hessian_eigenvalues), rel=1e-9)
 
 
 PANELS_HELD = {

@@ -92,10 +92,9 @@ BESIDE_THE_TABLE = {
         proof/boxes.WIDER proof/boxes.EXACT
         proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES
-        proof/boxes.SMALLEST proof/complete.SMALLER
-        proof/sheet_check.START proof/sheet_check.NEAR proof/sheet_check.CLOSED
-        proof/sheet_check.LEAST proof/sheet_check.BEFORE proof/check.NEAR proof/balls.ONE_LINE
-        proof/vertex_check.NARROW proof/vertex_check.BESIDE
+        proof/boxes.SMALLEST proof/complete.SMALLER proof/complete.BESIDE
+        proof/check.START proof/check.NEAR proof/check.CLOSED proof/check.LEAST proof/check.BEFORE
+        proof/vertex_check.NARROW proof/vertex_check.BESIDE proof/vertex_check.ONE_LINE
         proof/vertex_check.WIDER proof/vertex_check.NEAR_FLAT
         proof/quads.ALIKE proof/quads.WIDEST
     """,

@@ -8,8 +8,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.numerics import dense
 from origami_nlp.pattern_problem import MOST_DENSE, Closure, PatternCrossings, PatternProblem
-from origami_nlp.pattern_states import list_branches
-from tests.patterns import metasheet, miura, miura_angles, strip
+from tests.patterns import miura, miura_angles, strip
 
 HOLE = ((1, 2), (1, 3), (2, 2), (2, 3))
 
@@ -45,18 +44,6 @@ def test_miura_folds_by_its_law(size):
         assert PatternCrossings(pattern).find(phi) == []
 
 
-@pytest.mark.parametrize("size", [2, 4, 8, 16])
-def test_ranks_and_redundant_rows(size):
-    """Two conditions a vertex at the flat state; (m - 2)(n - 2) redundant rows at a folded one."""
-    pattern = miura(size, size)
-    problem, rows = PatternProblem(pattern), 3 * (size - 1) ** 2
-    assert (pattern.creases, problem.closure.count) == (2 * size * (size - 1), rows)
-    assert problem.rank(np.zeros(pattern.creases)) == 2 * (size - 1) ** 2
-    rank = problem.rank(miura_angles(pattern, size, 1.2))
-    assert pattern.creases - rank == 1
-    assert rows - rank == (size - 2) ** 2
-
-
 def test_a_hole_needs_equations_of_its_own():
     """Miura 5 x 5 less 2 x 2 facets: seven degrees of freedom at vertices alone, two with the hole."""
     pattern = miura(5, 5, without=HOLE)
@@ -84,18 +71,6 @@ def test_the_unit_of_length_does_not_close_holes(scale):
         args = (phi,) if name == "jacobian" else (phi, np.ones(closure.count))
         one, other = (np.asarray(getattr(c, name)(*args)) for c in (closure, scaled))
         assert np.abs(one - other).max() == 0
-
-
-def test_metasheet_has_one_dof():
-    for size, redundant in ((3, 1), (4, 4)):
-        pattern, _ = metasheet(size)
-        problem = PatternProblem(pattern)
-        line = list_branches(PatternProblem(pattern)).lines[0]
-        phi, residual = problem.project(line / np.abs(line).max())
-        assert residual < 1e-12
-        assert problem.rank(np.zeros(pattern.creases)) == 2 * len(pattern.vertices)
-        assert pattern.creases - problem.rank(phi) == 1
-        assert problem.closure.count - problem.rank(phi) == redundant
 
 
 @pytest.mark.parametrize("folded", [False, True])

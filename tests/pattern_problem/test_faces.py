@@ -243,8 +243,3 @@ def test_contacts_face_to_face_are_told_in_the_coordinates_of_the_user():
     )
     assert one and [c.place for c in two] == [pytest.approx(c.place) for c in one]
     assert [c.words() for c in two] == [c.words() for c in one]
-    found = one[0]
-    side = "front" if found.side > 0 else "back"
-    at = ", ".join(f"{x:.4g}" for x in found.place)
-    lies = f"facet {found.facets[1]} flat on the {side} of facet {found.facets[0]} at ({at})"
-    assert found.words().startswith(f"{lies}: force {found.force:.4g} N m per unit of length")

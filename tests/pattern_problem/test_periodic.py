@@ -26,6 +26,7 @@ from origami_nlp.pattern_problem import (
     measured_cell,
     states_to_fold,
 )
+from tests.independent.rotations import about
 
 GAMMA, STIFF = math.pi / 3, 0.3
 NAMES = ("miura", "waterbomb", "yoshimura", "resch", "metasheet")
@@ -128,11 +129,6 @@ def test_derivatives_of_lattice_and_closure_are_differences(name):
         assert np.abs(there - lattice.length_bends(x, k)).max() < 1e-7
 
 
-def rotation(axis, angle):
-    k = np.cross(np.eye(3), axis)
-    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * (k @ k)
-
-
 def test_copies_are_translated_where_a_big_sheet_is_folded_alike():
     """A finite sheet of 12 x 12 facets, its facets placed by code of our own, crease by crease."""
     cell = o.examples.pattern("miura", 1, 1, cell=True)
@@ -148,7 +144,7 @@ def test_copies_are_translated_where_a_big_sheet_is_folded_alike():
                 if one in pose and other not in pose:
                     turn, shift = pose[one]
                     r, p = (
-                        rotation(sense * sheet.directions[k], angles[k]),
+                        about(sense * sheet.directions[k], angles[k]),
                         sheet.corners[sheet.ends[k, 0]],
                     )
                     pose[other] = turn @ r, turn @ (p - r @ p) + shift
@@ -162,27 +158,6 @@ def test_copies_are_translated_where_a_big_sheet_is_folded_alike():
                 np.abs(at - sheet.corners[0] - np.array([i, j]) @ np.array(found.vectors)).max()
                 < 1e-12
             )
-
-
-def test_inner_cells_of_a_relaxed_big_sheet_have_the_angles_of_the_cell():
-    """The stable state of a sheet of 12 x 12 facets, descended to by itself, but for what its borders change."""
-    cell = o.examples.pattern("miura", 1, 1, cell=True)
-    (state,) = o.find_minima(cell, effort="quick", escape=False).minima
-    many = [(i, j) for i in range(6) for j in range(6)]
-    bare, crease_of = cell.cell.lay(many)
-    sheet = bare.with_springs(cell.stiffness[crease_of].tolist(), cell.rest[crease_of].tolist())
-    from origami_nlp.search import descend_by_newton
-
-    problem = PatternProblem(sheet)
-    start, _ = problem.project(state.phi[crease_of] * 0.9)
-    end = descend_by_newton(problem, start)
-    assert end.arrived
-    # one degree of freedom: borders have creases less, so that sheets of few cells rest elsewhere
-    wide = np.abs(end.phi - state.phi[crease_of]).max()
-    assert wide < 0.05
-    assert np.ptp([end.phi[crease_of == k].max() for k in range(8)]) > 0
-    for k in range(8):
-        assert np.ptp(end.phi[crease_of == k]) < 1e-8
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -249,18 +224,6 @@ def test_what_a_cell_has_not_is_refused():
         with pytest.raises(OrigamiError) as error:
             ask()
         assert "\n" not in str(error.value)
-
-
-@pytest.mark.slow
-def test_layers_of_pleats_repeat():
-    """States folded flat along pleats: ordered as sheets of 3 x 3 cells too, whose order need not repeat."""
-    cell = o.examples.pattern("miura", 2, 1, cell=True)
-    found = o.find_minima(cell, effort="quick", escape=False)
-    pleated = [m for m in found.minima if m.kind == "degenerate"]
-    assert len(pleated) == 8
-    sheet, crease_of = cell.cell.lay([(i, j) for i in range(3) for j in range(3)])
-    for m in pleated[:2]:
-        assert PatternProblem(sheet).refuses(m.phi[crease_of]) == ""
 
 
 def test_a_roll_of_copies_is_refused():

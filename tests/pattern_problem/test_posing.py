@@ -1,11 +1,7 @@
 """What is posed: facets cut into convex pieces as fast as large sheets need it, and what is kept of the last states."""
 
-import time
-
 import numpy as np
 
-from origami_nlp.pattern import as_pattern
-from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_problem.crossings import _convex, convex_parts
 
 
@@ -34,11 +30,3 @@ def test_facets_of_many_corners_are_cut_as_each_by_itself():
         if not whole:
             parts = convex_parts(np.array(corners), polygon)
             assert len(parts) == len(polygon) - 2 and all(len(part) == 3 for part, _ in parts)
-
-
-def test_a_sheet_of_four_thousand_facets_is_posed_in_a_second():
-    pattern = as_pattern("waterbomb:26x26")
-    begin = time.process_time()
-    problem = PatternProblem(pattern)
-    assert time.process_time() - begin < 1.0
-    assert pattern.facets == 4056 and len(problem.crossings.pieces) == 4056

@@ -1,4 +1,4 @@
-"""CasADi's closure and gaps against those that are compiled, and IPOPT on rows projected where it begins."""
+"""CasADi's closure and gaps against those that are compiled, and rows of closure projected where IPOPT begins."""
 
 from functools import cache
 from itertools import chain
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.kkt import State, classify, polish
+from origami_nlp.kkt import State, classify
 from origami_nlp.pattern_problem import PatternProblem, pose
 from origami_nlp.search import solve_with
 from tests.computed_once import panel_result, touching
@@ -77,43 +77,6 @@ def test_gaps_are_those_that_are_compiled():
             assert slope @ along == pytest.approx(ours[1] @ along, abs=1e-9)
             seen += 1
     assert seen >= 3
-
-
-def test_ipopt_comes_back_from_beside_minima_with_their_multipliers():
-    total = touch = 0
-    for problem, state, closed in chain(of_vertices(), of_sheets()):
-        if not state.regular:
-            continue  # a singular state has no multipliers that IPOPT could find
-        y0, total = state.x + 1e-3 * np.cos(np.arange(problem.size)), total + 1
-        y0, _ = problem.project(problem.fold_limits.clip(y0))
-        contacts = [c.contact for c in closed]
-        gaps, limits = (
-            [c for c in contacts if c.is_limit == is_limit] for is_limit in (False, True)
-        )
-        symbols = problem.symbols()
-        nlp = symbols.nlp(y0, gaps)
-        quiet = {
-            "print_time": False,
-            "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10},
-        }
-        form = {"x": nlp.x, "p": nlp.p, "f": nlp.f, "g": nlp.g}
-        solver = ca.nlpsol("origami", "ipopt", form, quiet)
-        out = solver(
-            x0=y0, p=symbols.values, lbg=nlp.lower, ubg=nlp.upper,
-            lbx=problem.fold_limits.low, ubx=problem.fold_limits.high,
-        )  # fmt: skip
-        assert solver.stats()["return_status"] == "Solve_Succeeded"
-        x, walls, bounds = (np.array(out[name]).ravel() for name in ("x", "lam_g", "lam_x"))
-        assert np.abs(x - state.x).max() < 1e-5
-        forces = [*-walls[len(walls) - len(gaps) :], *(c.side * bounds[c.index] for c in limits)]
-        assert min(forces, default=0.0) > -1e-7
-        slopes = state.local.openings([*gaps, *limits])[1] / problem.root
-        torque = state.kernel.T @ (state.gradient - slopes.T @ forces)
-        assert np.abs(torque).max(initial=0.0) < 1e-5
-        end = polish(problem, *solve_with(problem, y0, contacts)[:2])
-        assert end.converged and np.abs(end.x - state.x).max() < 1e-9
-        touch += bool(gaps)
-    assert total >= 4 and touch >= 2
 
 
 def test_ipopt_leaves_what_is_no_minimum():

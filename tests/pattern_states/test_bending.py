@@ -61,10 +61,6 @@ def cut(sheet, choices, stiffness):
     return make_pattern(sheet.corners, triangles, stiffness=springs, rest=rest)
 
 
-def alone(sheet, choices):
-    return o.find_minima(cut(sheet, choices, 5.0), **ASKED).minima[0].energy
-
-
 def test_both_diagonals_are_cut_where_they_cross():
     sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
     both = with_bending(sheet, 5.0, "both")
@@ -83,27 +79,6 @@ def test_both_diagonals_are_cut_where_they_cross():
             whole = folds[tuple(sorted(corners[second::2]))]
             phi += [whole if k in corners[second::2] else 0.0 for k in corners]
         assert float(both.energy(np.array(phi))) == pytest.approx(one.minima[0].energy, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_with_both_diagonals_a_facet_bends_about_one():
-    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
-    both = with_bending(sheet, 5.0, "both")
-    n = sheet.creases
-    lowest = o.find_minima(both, **ASKED).minima[0]
-    assert lowest.verdict == "minimum"
-    # of each facet the halves of one diagonal fold together, the others do not
-    folds = np.array(lowest.fold_angles[n:]).reshape(-1, 4)
-    middle = both.ends[n:].max(axis=1).reshape(-1, 4)
-    assert (middle == middle[:, :1]).all()
-    one, other = folds[:, ::2], folds[:, 1::2]
-    assert np.allclose(np.ptp(one, axis=1), 0, atol=1e-9)
-    assert np.allclose(np.ptp(other, axis=1), 0, atol=1e-9)
-    assert np.allclose(one[:, 0] * other[:, 0], 0, atol=1e-9)
-    # the same sheet with these diagonals alone, cut by the test
-    choices = np.abs(other[:, 0]) > np.abs(one[:, 0])
-    assert lowest.energy == pytest.approx(alone(sheet, choices), abs=1e-9)
-    assert lowest.energy < min(alone(sheet, [c] * sheet.facets) for c in (False, True))
 
 
 def test_facets_of_more_corners_are_cut_until_four_are_left():
@@ -156,27 +131,3 @@ def test_equal_diagonals_are_chosen_whatever_corners_are_called(seed, mirror):
         other_sheet = relabelled(sheet, seed, mirror)[0]
         other = with_bending(other_sheet, 1.0)
         assert seen_from_cuts(sheet, one) == seen_from_cuts(other_sheet, other)
-
-
-def test_diagonals_of_the_same_sheet_put_down_otherwise_are_the_same_lines():
-    springs = np.exp(np.random.default_rng(3).normal(size=40))
-    sheet = squares(3, 3, springs)
-    soft = with_bending(sheet, 1.0)
-    cuts = {
-        tuple(sorted(map(tuple, soft.corners[e].round(9).tolist())))
-        for e in soft.ends[sheet.creases :]
-    }
-    order = np.random.default_rng(1).permutation(len(sheet.corners))
-    back = np.argsort(order)
-    facets = [tuple(int(back[v]) for v in np.roll(p, k)) for k, p in enumerate(sheet.polygons)][
-        ::-1
-    ]
-    of = {
-        tuple(sorted(back[e].tolist())): k for e, k in zip(sheet.ends, sheet.stiffness, strict=True)
-    }
-    again = make_pattern(sheet.corners[order], facets, stiffness=of)
-    soft = with_bending(again, 1.0)
-    assert cuts == {
-        tuple(sorted(map(tuple, soft.corners[e].round(9).tolist())))
-        for e in soft.ends[again.creases :]
-    }

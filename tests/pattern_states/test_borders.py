@@ -10,7 +10,7 @@ from origami_nlp.kkt import newton
 from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem, choices
 from origami_nlp.pattern_states import judge
 from origami_nlp.problem import Contact
-from tests.patterns import downhill, wheel
+from tests.patterns import wheel
 from tests.relabelled import relabelled
 
 SIXTH = np.full(6, math.pi / 3)
@@ -121,17 +121,3 @@ def test_labels_and_place_do_not_matter():
         ]
         for one, two in zip(*both, strict=True):
             assert one == pytest.approx(two, rel=1e-6)
-
-
-def test_a_descent_on_what_is_left_comes_back():
-    for problem, state in pressed()[:2]:
-        rng, back = np.random.default_rng(0), 0
-        for _ in range(4):
-            start = np.where(SHUT, math.pi, state.phi + 0.02 * rng.normal(size=6))
-            start, residual = problem.project(start, SHUT)
-            if residual > 1e-12 or np.abs(start).max() > math.pi or problem.crossings.find(start):
-                continue
-            end = downhill(problem, start)
-            assert end.arrived
-            back += np.abs(end.phi - state.phi).max() < 1e-9
-        assert back

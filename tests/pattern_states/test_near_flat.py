@@ -14,9 +14,6 @@ from origami_nlp.pattern_states.near_folded import beside_folded
 from tests.independent.rotations import fold, rotation_vector
 from tests.minima.test_single_vertex import drawn
 
-MISSED = [(5, 272), (5, 275), (6, 101), (6, 187), (6, 207)]
-"""Degree and seed of scenes, with fold limits, whose minimum next to flat no start of a default search reached."""
-
 
 def near_flat(scene):
     """Starts beside the flat state, [K, n]."""
@@ -63,14 +60,6 @@ def test_the_search_lists_what_it_missed():
     states = np.array([m.fold_angles for m in find_minima(scene, prove=False, escape=False).minima])
     (near,) = states[np.abs(states).max(axis=1) < 0.12]
     assert np.abs(polished(scene, near)[0] - near).max() < 1e-4
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("degree", "seed"), MISSED)
-@pytest.mark.parametrize("contact", ["fold-limits", "full"])
-def test_the_search_lists_all_that_it_missed(degree, seed, contact):
-    found = find_minima(drawn(seed, degree, contact), prove=False, escape=False).minima
-    assert sum(max(map(abs, m.fold_angles)) < 0.12 for m in found) == 1
 
 
 def test_labels_and_sides_change_nothing():

@@ -14,7 +14,6 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import NullSpaces
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import judge
 from tests.computed_once import thinned
@@ -83,12 +82,6 @@ def test_what_closes_to_rounding_beside_the_flat_state_is_undecided(tmp_path):
 
 def test_the_sheet_that_was_meant_keeps_its_states(tmp_path):
     assert len(o.find_minima(drawn(tmp_path, 1e-9), starts=2, escape=False).minima) == 8
-
-
-def test_newtons_step_where_singular_values_count_as_zero():
-    a = np.diag([1.0, 1e-9, 1e-15])
-    assert NullSpaces(a).left_out(np.array([1.0, 2e-9, 1.0])) == pytest.approx(2.0)
-    assert NullSpaces(np.diag([1.0, 1e-3])).left_out(np.ones(2)) == 0.0
 
 
 def test_what_is_folded_flat_but_for_noise_is_undecided():

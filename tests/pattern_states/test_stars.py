@@ -4,16 +4,13 @@ import itertools
 import tracemalloc
 
 import numpy as np
-import pytest
 
 from origami_nlp.kkt import State, smallest_curvature
 from origami_nlp.numerics import dense
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import find_states, judge
+from origami_nlp.pattern_states import judge
 from origami_nlp.search import descend_by_newton, given
-from tests.computed_once import thinned
-from tests.patterns import wheel
 
 
 def _stars(m: int, n: int) -> Pattern:
@@ -33,32 +30,6 @@ def _sprung(pattern: Pattern) -> Pattern:
     rng = np.random.default_rng(0)
     k, rest = 10 ** rng.uniform(-0.5, 0.5, pattern.creases), rng.uniform(-0.6, 0.6, pattern.creases)
     return pattern.with_springs(list(k), list(rest))
-
-
-def _hub() -> Pattern:
-    sectors = np.random.default_rng(0).uniform(0.5, 1.5, 400)
-    return wheel(sectors * 2 * np.pi / sectors.sum())
-
-
-@pytest.mark.parametrize(("pattern", "creases"), thinned([(_stars(8, 8), 368), (_hub(), 400)], 2))
-def test_the_first_state_of_a_star_is_certified(pattern: Pattern, creases: int) -> None:
-    class Enough(Exception):
-        pass
-
-    def stop(energy: float, phi: np.ndarray) -> None:
-        first.append(phi)
-        raise Enough
-
-    first: list[np.ndarray] = []
-    with pytest.raises(Enough):
-        find_states(_sprung(pattern), contact=False, escape=False, found=stop)
-    problem = PatternProblem(_sprung(pattern))
-    (phi,) = first
-    assert pattern.creases == creases and problem.residual(phi) < 1e-13
-    # torque left along an orthonormal basis of the kernel from NumPy alone, and curvature there
-    _, values, vt = np.linalg.svd(dense(problem.closure.jacobian(phi)))
-    z = vt[(values > 1e-7).sum() :].T
-    assert np.abs(z.T @ problem.torque(phi)).max() < 1e-11
 
 
 def test_choices_of_modes_at_stars_are_given_up_in_little_memory() -> None:

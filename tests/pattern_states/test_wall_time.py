@@ -4,7 +4,6 @@ import time
 from contextlib import suppress
 from functools import cache
 
-import numpy as np
 import pytest
 
 from origami_nlp import find_barriers, find_minima, follow, load_path
@@ -69,18 +68,3 @@ def test_searches_of_sheets_say_where_they_are():
     words = []
     follow("miura:2x2", "ratio=0.5:2", checks=1, starts=1, progress=words.append)
     assert words[0] == "search at ratio = 1" and "arcs followed, now from ratio" in words[-1]
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_barriers_end_with_what_they_have():
-    words = []
-    whole = find_barriers("yoshimura:2x2", progress=words.append)
-    assert any("random starts" in text for text in words) and words[-1] == "saddles beside paths"
-    assert not whole.left_out and not whole.interrupted
-    cut = find_barriers("yoshimura:2x2", whole.result, seconds=0.0)
-    assert cut.left_out and cut.interrupted and OUT_OF_TIME in str(cut)
-    for p, q in zip(cut.passes, whole.passes, strict=True):
-        assert q.energy <= p.energy + 1e-12
-    assert whole.result.model.until == np.inf
-    long = find_barriers("yoshimura:2x2", whole.result, seconds=3600.0)
-    assert np.array_equal(long.matrix(), whole.matrix())

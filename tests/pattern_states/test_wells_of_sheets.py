@@ -74,13 +74,6 @@ def test_no_top_of_a_well_of_a_sheet_is_called_a_minimum(where):
     assert not wrong and called < 3
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("where", ["flat", "inside", "flat-folded"])
-def test_no_top_of_many_wells_of_sheets_is_called_a_minimum(where):
-    wrong, called = wrongly_called_minima(np.random.default_rng(2), where, 40, 300)
-    assert not wrong and called < 40
-
-
 def compared(starts):
     """A Miura sheet with detents: what is found, and minima of another search that are none of it.
 
@@ -116,15 +109,6 @@ def test_a_sheet_with_detents_has_the_minima_of_another_search():
 
 
 QUARTIC = polynomial([0.0, 0.0, 1.0], 0.5)
-
-
-@pytest.mark.slow  # four seconds
-@pytest.mark.parametrize("creases", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_wells_without_stiffness_are_listed_once(creases):
-    """Quartic wells: descents end 1e-4 rad beside the bottom, where torques are rounding; such a search did not end."""
-    found = o.find_minima(strip(creases).with_laws([QUARTIC] * creases), escape=False)
-    assert len(found.minima) == 1
-    assert np.abs(found.minima[0].phi - 0.5).max() < 1e-3
 
 
 def test_a_state_without_stiffness_is_not_decided():

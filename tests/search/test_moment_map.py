@@ -107,35 +107,3 @@ def test_newtons_step_by_differences_the_long_way_too():
     error = np.abs(ours - wanted).max(axis=(1, 2)) / np.abs(wanted).max(axis=(1, 2))
     # a limit between the two points of a difference makes it wrong
     assert (error < 1e-5).mean() > 0.98
-
-
-def test_without_slope_nothing_else_changes():
-    chain = MomentMap(pose(draw(7)))
-    m = np.random.default_rng(0).normal(size=(5, 3))
-    a, b = chain.shoot(m), chain.shoot(m, slope=False)
-    assert (a.miss == b.miss).all()
-    assert (a.x == b.x).all()
-    assert b.slope is None
-
-
-def test_a_whole_turn_is_no_closed_vertex(monkeypatch):
-    """Halves that meet as q = -1 miss each other by 2 pi, exactly there as beside."""
-    chain = MomentMap(pose(draw(6)))
-    fold = chain._fold(np.zeros((3, 2)), False)
-    for beside in (0.0, 1e-9):
-        ends = np.zeros((4, 2, 2))
-        ends[0] = [[1.0, 1.0], [1.0, -1.0]]  # the second moment's halves: 1 and -1
-        ends[3, 1] = beside
-        monkeypatch.setattr(chain, "_fold", lambda m, slope, ends=ends: (ends, None, fold[2]))
-        missed = np.linalg.norm(chain.shoot(np.zeros((2, 3)), slope=False).miss, axis=1)
-        assert missed == pytest.approx([2 * beside, 2 * math.pi], abs=1e-8)
-
-
-@pytest.mark.parametrize("n", [5, 12, 40])
-def test_rounding_of_the_moment_grows_as_said(n):
-    chain = MomentMap(pose(draw(n, contact="none")))
-    m = np.random.default_rng(0).normal(size=(50, 3)) * 10 * chain.smallest
-    h = 1e-7 * chain.smallest
-    shot = chain.shoot(m)
-    moved = [np.abs(chain.shoot(m + h * e).miss - shot.miss).max(axis=1) / h for e in np.eye(3)]
-    assert (np.max(moved, axis=0) <= 20 * shot.growth + 1e-3).mean() > 0.95

@@ -83,14 +83,3 @@ def test_deciding_times_the_check():
     assert claim.decide().evidence == "3"
     assert claim.decide(4).evidence == "4"
     assert claim.decide().seconds > 0
-
-
-@pytest.mark.slow  # seconds of curves or searches
-def test_the_answer_keeps_the_order_of_the_question():
-    chosen = [catalogue.claim_by_id(i) for i in ("s3.stiffness", "s2.valley", "s3.J", "s2.groups")]
-    for workers in (1, 2):
-        seen: list[str] = []
-        note = seen.append
-        results = catalogue.decide_all(chosen, workers, lambda c, note=note: note(c.id))
-        assert [r.claim.id for r in results] == [c.id for c in chosen]
-        assert sorted(seen) == sorted(c.id for c in chosen)
