@@ -14,7 +14,6 @@ from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
-from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.chart.boundary import Boundary
 from origami_nlp.chart.chart import Chart, chart_limits, chart_of
@@ -228,13 +227,6 @@ def curve_name(chart: Landscape, k: int) -> str:
     middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
     letters = "".join("−VM"[int(np.sign(np.round(phi, 6)))] for phi in middle)
     return f"{letters} for φ{subscript(crease)} {'>' if towards > 0 else '<'} 0"
-
-
-def colour_bar(image: Any, axes: Any) -> None:
-    """Draw the energy scale of an image into its own Axes."""
-    bar = axes.figure.colorbar(image, cax=axes)
-    bar.set_label(f"energy U [{UNIT}]")
-    bar.ax.yaxis.set_major_locator(MaxNLocator(7))
 
 
 def coordinate_label(name: str) -> str:

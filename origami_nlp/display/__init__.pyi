@@ -27,11 +27,13 @@ from .records import (
 )
 from .result import Result as Result, angle_columns as angle_columns, read_data as read_data
 from .springs import Spring as Spring, springs_of as springs_of
-from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,
-    StatesDrawn as StatesDrawn,
+    WIDTH as WIDTH,
+    add_heading as add_heading,
+    cell_size as cell_size,
     draw_states as draw_states,
+    lay_out_states as lay_out_states,
 )
 from .style import (
     BAND as BAND,

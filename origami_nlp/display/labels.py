@@ -45,9 +45,9 @@ def label_marks(
     """
     if not marks:
         return
-    canvas = FigureCanvasAgg(axes.figure)
-    renderer = canvas.get_renderer()
-    point = axes.figure.dpi / 72
+    figure = axes.get_figure(root=True)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    point = figure.dpi / 72
     groups: list[_Mark] = []
     for place, text, wide in marks:
         at = axes.transData.transform(place)

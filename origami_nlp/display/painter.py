@@ -132,7 +132,7 @@ def draw_state(
         axes.text(x, y, str(k + 1), fontsize=size, color=_look(float(phi[k]))[0], **around)
     if len(contacts):
         mark_touches(axes, view, contact_places(pattern, phi, contacts), contacts)
-    axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
+    axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal", xticks=[], yticks=[])
     axes.axis("off")
 
 
