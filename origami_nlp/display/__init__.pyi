@@ -17,7 +17,11 @@ from .interactive import (
     page_data as page_data,
 )
 from .labels import label_marks as label_marks
-from .painter import crease_legend as crease_legend, draw_state as draw_state
+from .painter import (
+    crease_legend as crease_legend,
+    draw_state as draw_state,
+    line_scale as line_scale,
+)
 from .papers import pattern_view as pattern_view
 from .posing import Poser as Poser, join_states as join_states, rotation_onto as rotation_onto
 from .records import (

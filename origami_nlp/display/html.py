@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import base64
-import io
 from html import escape
 from typing import TYPE_CHECKING
+
+from origami_nlp.io import figure_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,9 +29,7 @@ def inline_image(figure: Figure, text: str, dpi: int) -> str:
     str
         An ``img`` element.
     """
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi)
-    data = base64.b64encode(buffer.getvalue()).decode("ascii")
+    data = base64.b64encode(figure_bytes(figure, "png", dpi)).decode("ascii")
     width = round(figure.get_size_inches()[0] * dpi)
     look = f"width='{width}' style='max-width:100%;height:auto'"
     return f"<img alt='{escape(text)}' {look} src='data:image/png;base64,{data}'>"

@@ -248,7 +248,7 @@ def _lines(
             owners.setdefault(side, []).append(k)
             ends.setdefault(side, np.array([x[i - 1], x[i]]))
     lines, looks, shown = [], [], []
-    scale = min(1.0, 12 / math.sqrt(max(len(pattern.polygons), 1)))
+    scale = line_scale(pattern)
     for s, own in owners.items():
         if s not in crease and len(own) > 1:
             continue
@@ -261,6 +261,11 @@ def _lines(
     return lines, looks, shown
 
 
+def line_scale(pattern: Pattern) -> float:
+    """Return by how much lines of a sheet of many facets are thinner."""
+    return min(1.0, 12 / math.sqrt(max(len(pattern.polygons), 1)))
+
+
 def _visible(
     line: np.ndarray, nearest: np.ndarray, low: np.ndarray, step: float, size: float, dashed: bool
 ) -> list[np.ndarray]:
@@ -268,28 +273,22 @@ def _visible(
     length = float(np.linalg.norm(line[1, :2] - line[0, :2]))
     if length == 0.0:
         return []
-    count = max(2, round(length / (PIECE * size)))
     if dashed:  # a whole number of periods, at least two, begun in the middle of a dash
         periods = max(2, round(length / (PERIOD * size)))
         share = DASH / PERIOD
         starts = (np.arange(periods + 1) - 0.5 * share) / periods
         spans = np.clip(np.column_stack([starts, starts + share / periods]), 0.0, 1.0)
     else:
-        grid = np.linspace(0.0, 1.0, count + 1)
+        grid = np.linspace(0.0, 1.0, max(2, round(length / (PIECE * size))) + 1)
         spans = np.column_stack([grid[:-1], grid[1:]])
     middle = line[0] + spans.mean(axis=1)[:, None] * (line[1] - line[0])
     at = ((middle[:, :2] - low) / step).astype(int)
     rows = np.clip(at[:, 1], 0, nearest.shape[0] - 1)
     columns = np.clip(at[:, 0], 0, nearest.shape[1] - 1)
     seen = middle[:, 2] + BEFORE * size >= nearest[rows, columns]
-    parts: list[np.ndarray] = []
-    start = None
-    for k, (a, b) in enumerate(spans):
-        if seen[k] and start is None:
-            start = a
-        last = k + 1 == len(spans) or dashed or not seen[k + 1]
-        if start is not None and last:
-            ends = np.array([start, b])[:, None]
-            parts.append((line[0] + ends * (line[1] - line[0]))[:, :2])
-            start = None
-    return parts
+    if dashed:
+        shown = spans[seen]
+    else:  # pieces in a row are one line
+        ends = np.flatnonzero(np.diff([False, *seen, False])).reshape(-1, 2)
+        shown = np.column_stack([spans[ends[:, 0], 0], spans[ends[:, 1] - 1, 1]])
+    return [(line[0] + s[:, None] * (line[1] - line[0]))[:, :2] for s in shown]

@@ -240,11 +240,8 @@ def passes_legend(kinds: Iterable[str], size: float) -> list[Line2D]:
     from matplotlib.lines import Line2D
 
     found = set(kinds)
-    return [
-        Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size))
-        for kind in PASSES
-        if kind in found
-    ]
+    met = [kind for kind in PASSES if kind in found]
+    return [Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size)) for kind in met]
 
 
 def patch(colour: str, label: str) -> Patch:

@@ -129,19 +129,17 @@ def find_escapes(
 
 def _images(at: np.ndarray, moves: Sequence[Move]) -> list[_Image]:
     """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
-    found: dict[int, _Image] = {}
-    listed = []
+    found, listed = dict[int, _Image](), list[tuple[Move, list[int]]]()
     for move in moves:
         apart = np.array([np.abs(x - at).max(axis=1) for x in move(at)])
         to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1)
         listed.append((move, to.tolist()))
     for k in range(len(at)):
-        if k in found:
-            continue
-        found[k] = _Image(k, None, ())
-        for move, to in listed:
-            if to[k] >= 0:
-                found.setdefault(to[k], _Image(k, move, to))
+        if k not in found:
+            found[k] = _Image(k, None, ())
+            for move, where in listed:
+                if where[k] >= 0:
+                    found.setdefault(where[k], _Image(k, move, where))
     return [found[k] for k in range(len(at))]
 
 

@@ -56,10 +56,10 @@ def _lowest_way(terrain: Terrain, parts: Sequence[Parting]) -> EscapePath | None
     """Follow the ways over partings, the lowest first, as long as one may be lower than those before."""
     best: EscapePath | None = None
     for part in parts:
-        if best is not None and part.height >= best.height:
-            break
-        way = _way(terrain, part)
-        best = way if best is None or (way is not None and way.height < best.height) else best
+        if best is None or part.height < best.height:
+            best = min(
+                filter(None, (best, _way(terrain, part))), key=lambda w: w.height, default=None
+            )
     return best
 
 
@@ -90,7 +90,7 @@ def highest(
     """
     # states in order along the way, their heights and torques; each cut puts one more in
     x, u = states, terrain.rise(k, states)
-    torque, d = terrain.torque(x), terrain.distances(x[:-1], x[1:])
+    torque, d = terrain.torque(x), terrain.distance(x[:-1], x[1:])
     turns = np.full(len(d), math.inf)  # angle between the halves of the step that each is a half of
     cuts = 0
     while True:
@@ -107,7 +107,7 @@ def highest(
         halves = terrain.middles(x[cut], x[cut + 1])
         if halves is None:
             return None
-        parts = np.array([terrain.distances(x[cut + e], halves) for e in (0, 1)])
+        parts = np.array([terrain.distance(x[cut + e], halves) for e in (0, 1)])
         if (parts > ASIDE * d[cut]).any():
             return None
         ways = [terrain.problem.root * (b - a) for a, b in ((x[cut], halves), (halves, x[cut + 1]))]

@@ -37,13 +37,8 @@ def paths_over_flat(
         if len(aim) and (side[k] * side[aim] < 0).all():
             aims[k] = int(aim[0])
     ends = sorted({*aims, *aims.values()})
-    walked = dict(
-        zip(
-            ends,
-            terrain.walk(terrain.minima[ends], None, np.tile(flat, (len(ends), 1))),
-            strict=True,
-        )
-    )
+    paths = terrain.walk(terrain.minima[ends], None, np.tile(flat, (len(ends), 1)))
+    walked = dict(zip(ends, paths, strict=True))
     return {
         k: (-float(terrain.over(flat, terrain.minima[k])), np.r_[walked[k], walked[to][-2::-1]], to)
         for k, to in aims.items()
@@ -62,11 +57,8 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
         aims = [flat, *terrain.others(k)]
         # contacts of the state are held, and opened, in turn
         rows = terrain.contacts(terrain.minima[k])
-        for held in (
-            (True, False)
-            if rows or at_limits(terrain.problem, terrain.minima[k]).any()
-            else (True,)
-        ):
+        closed = rows or at_limits(terrain.problem, terrain.minima[k]).any()
+        for held in (True, False) if closed else (True,):
             of += [k] * (len(ways) + len(aims))
             along += [*ways, *[flat] * len(aims)]
             goals += [*[np.full(n, math.nan)] * len(ways), *aims]
@@ -74,15 +66,8 @@ def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]
             free += [not held] * (len(ways) + len(aims))
     if not of:
         return []
-    out = list(
-        zip(
-            of,
-            terrain.walk(
-                terrain.minima[of], np.array(along), np.array(goals), slots, np.array(free)
-            ),
-            strict=True,
-        )
-    )
+    given = np.array(along), np.array(goals), slots, np.array(free)
+    out = list(zip(of, terrain.walk(terrain.minima[of], *given), strict=True))
     return out + over_flat(out)
 
 

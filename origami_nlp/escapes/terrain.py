@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -195,11 +196,6 @@ class Terrain:
         y = np.array([end.x for end in ends]).reshape(x.shape)
         return y, np.array([end.why != CLOSES_NOT for end in ends], dtype=bool)
 
-    def _closed_with(self, start: np.ndarray, kept: np.ndarray) -> np.ndarray | None:
-        """Close a start [n], what is kept as it is; None where that is no admissible state."""
-        (x,), (good,) = self._closed(start[None], kept[None])
-        return np.asarray(x) if good else None
-
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; what both hold stays so."""
         many = len(shares)
@@ -290,7 +286,7 @@ class Terrain:
         return number_of(x, self.minima)
 
     def path_down(
-        self, state: np.ndarray, until: Callable[[np.ndarray], bool] = lambda x: False
+        self, state: np.ndarray, until: Callable[[np.ndarray], Any] = lambda x: False
     ) -> np.ndarray:
         """Go down as descents in batches do, by short steps, as far as they are admissible and lower, [S, n].
 
@@ -393,8 +389,9 @@ class Terrain:
                 around = [self.pops.around[v] for v in np.flatnonzero(passed)]
                 creases = np.isin(np.arange(self.problem.pattern.creases), np.concatenate(around))
                 kept = self.problem.reduce(1.0 * creases) != 0
-                middle = self._closed_with(np.where(kept, 0.0, 0.5 * (path[k] + x)), kept)
-                if middle is None or np.abs(middle - x).max() > DENSE:
+                flat = np.where(kept, 0.0, 0.5 * (path[k] + x))
+                (middle,), (good,) = self._closed(flat[None], kept[None])
+                if not good or np.abs(middle - x).max() > DENSE:
                     return None
                 out.append(middle)
             out.append(x)
@@ -420,10 +417,9 @@ class Terrain:
         """Cut steps to `DENSE` and look at each state, [S, n]; None where a step leaves closed admissible states."""
         out = [states[0]]
         for x in states[1:]:
-            while self.distance(out[-1], x) > DENSE:
-                share = DENSE / self.distance(out[-1], x)
-                inner = self.between(out[-1], x, np.array([0.9 * share]))
-                if inner is None or self.distance(inner[0], x) >= self.distance(out[-1], x):
+            while (left := self.distance(out[-1], x)) > DENSE:
+                inner = self.between(out[-1], x, np.array([0.9 * (DENSE / left)]))
+                if inner is None or self.distance(inner[0], x) >= left:
                     return None
                 if self.distance(inner[0], out[-1]) > 2 * DENSE:
                     return None
@@ -450,24 +446,16 @@ class Terrain:
         p = self.problem  # squares of torques in N m may overflow
         return np.asarray(p.scale * np.linalg.norm(p.parameters.torque(x) / p.root, axis=-1))
 
-    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Distance of two states, in the same metric."""
-        return float(np.linalg.norm(self.problem.root * (a - b)))
+    def distance(self, a: np.ndarray, b: np.ndarray) -> Any:
+        """Distances of states [..., n] from others, in the same metric, [...]."""
+        return np.linalg.norm(self.problem.root * (a - b), axis=-1)
 
-    def distances(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Distances of states [S, n] from others, [S]."""
-        return np.asarray(np.linalg.norm(self.problem.root * (a - b), axis=1))
-
-    def are_lower(self, k: int, x: np.ndarray) -> np.ndarray:
-        """Which states [S, n] have less energy than state k, by more than rounding."""
+    def is_lower(self, k: int, x: np.ndarray) -> Any:
+        """Whether states [..., n] have less energy than state k, by more than rounding, [...]."""
         return self.rise(k, x) < -self.noise[k]
 
-    def is_lower(self, k: int, x: np.ndarray) -> bool:
-        """Whether a state [n] has less energy than state k, by more than rounding."""
-        return bool(self.are_lower(k, x))
-
-    def are_ways(self, k: int, ends: np.ndarray) -> np.ndarray:
-        """Which ends [S, n] are another state, of no more energy; of any for a state than which none listed has less.
+    def is_way(self, k: int, ends: np.ndarray) -> Any:
+        """Whether ends [..., n] are another state, of no more energy; of any where no listed one has less, [...].
 
         nan is none.
         """
@@ -475,18 +463,14 @@ class Terrain:
         apart = np.abs(ends - at).max(axis=-1) > NEAR_SINGULAR_TOL
         others = np.arange(len(self.minima)) != k
         if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
-            return np.asarray(apart)
+            return apart
         # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
         slopes = self.slope(ends) + self.slope(at)
-        return np.asarray(apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL))
-
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether an end [n] is one, as `are_ways`."""
-        return bool(self.are_ways(k, end))
+        return apart & (self.rise(k, ends) <= slopes * NEAR_SINGULAR_TOL)
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""
-        apart = np.linalg.norm(self.problem.root * (self.minima - self.minima[k]), axis=1)
+        apart = self.distance(self.minima, self.minima[k])
         apart[k] = math.inf
         # all at the distance of the last one: labels do not choose among them
         last = np.sort(apart)[min(NEAREST, len(apart)) - 1]

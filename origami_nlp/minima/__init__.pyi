@@ -25,10 +25,7 @@ from .full_space import (
     symmetry_blocks as symmetry_blocks,
     with_full_space as with_full_space,
 )
-from .interactive import (
-    images as images,
-    view_minima as view_minima,
-)
+from .interactive import view_minima as view_minima
 from .marks import (
     Drawn as Drawn,
     drawn_minima as drawn_minima,

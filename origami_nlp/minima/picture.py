@@ -38,7 +38,6 @@ from origami_nlp.io import save_figure
 from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.rows import energy_unit
 from origami_nlp.pattern import Pattern, Scene
 
 STAR, FONT = 16.0, 11.0
@@ -99,7 +98,7 @@ def draw_minima(
     if path is not None:
         check_path("path", path)
     chart = landscape(origami, size) if isinstance(origami, Scene) else None
-    shown, rows, unit = minima[:MOST_DRAWN], result.rows[:MOST_DRAWN], energy_unit(origami)
+    shown, rows = minima[:MOST_DRAWN], result.rows[:MOST_DRAWN]
     panels = _panels(chart)
     places = [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels else []
     drawn, handles = drawn_minima(origami, shown, places), list[Any]()
@@ -125,7 +124,7 @@ def draw_minima(
         handles += lay_out_states(
             parts[1],
             origami,
-            [(row.caption(unit), m.phi) for row, m in zip(rows, shown, strict=True)],
+            [(row.caption(), m.phi) for row, m in zip(rows, shown, strict=True)],
             across,
             [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
             colours=[WARNING if row.full_space == "unstable" else "black" for row in rows],
@@ -179,16 +178,13 @@ def _notes(
     notes = []
     if chart is not None and chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")
-    reported: dict[str, list[str]] = {}
-    for number, place in enumerate(places, start=1):
-        if place.family and place.drawn:
-            reported.setdefault(place.family, []).append(str(number))
-    for family, numbers in reported.items():
-        notes.append(f"At {', '.join(numbers)}: {family}.")
-    beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
-    if beyond:
+    each = list(enumerate(places, start=1))
+    for family in dict.fromkeys(p.family for p in places if p.family and p.drawn):
+        at = ", ".join(str(k) for k, p in each if p.family == family and p.drawn)
+        notes.append(f"At {at}: {family}.")
+    if beyond := ", ".join(str(k) for k, p in each if not p.drawn):
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > 180°, "
+            f"Not on the landscape ({beyond}): facets have passed through each other, |φ| > 180°, "
             "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN

@@ -37,7 +37,7 @@ from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Part, minima_to_fold
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import angle_lines, lattice_table, state_lines
-from origami_nlp.minima.rows import CERTIFIED, StateRow, energy_unit, listed_table, state_rows
+from origami_nlp.minima.rows import CERTIFIED, StateRow, listed_table, state_rows
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.summary import find_images, verdict_words
 from origami_nlp.numerics import INPUT_TOL, rank
@@ -190,10 +190,6 @@ class MinimaResult(Report, Viewable):
         lattice = pattern_problem.measured_cell(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
-    def _self_stress(self, state: JudgedState) -> int:
-        equations: int = self.model.equation_count
-        return equations - self.pattern.creases + state.dof
-
     @property
     def flags(self) -> ResultFlags:
         """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
@@ -330,7 +326,7 @@ class MinimaResult(Report, Viewable):
 
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
-        return listed_table(self.rows, self.verdict, energy_unit(self.origami))
+        return listed_table(self.rows, self.verdict)
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
@@ -366,7 +362,8 @@ class MinimaResult(Report, Viewable):
             yield record_table(others[:MOST_LINES], "states that are not listed")
         yield field_table(self.search, "search")
         if self.is_pattern:
-            stress = sorted({self._self_stress(s) for s in self.minima})
+            open_ = self.model.equation_count - self.pattern.creases
+            stress = sorted({open_ + s.dof for s in self.minima})
             yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
         yield MODELLED
 
@@ -399,9 +396,7 @@ class MinimaResult(Report, Viewable):
 
     def view_content(self) -> Content:
         """Return states, descents and traced curves as plain data, see `view`."""
-        content: Content = self._from_room("view_minima")(
-            self
-        )  # bodies in space are slow to import
+        content: Content = self._from_room("view_minima")(self)  # bodies are slow to import
         return content
 
 
