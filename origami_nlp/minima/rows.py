@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -132,7 +133,8 @@ def state_rows(
         e, survival = m.escape, m.survival and str(m.survival)
         left = m.softest, _escape(m, unit), e and e.barrier, e and e.method, m.shallow, survival
         stable = known == "stable" and not m.shallow
-        rows.append(StateRow(name, k, *found, stable, known, *said, *left, unit))
+        row: Any = name, k, *found, stable, known, *said, *left, unit
+        rows.append(StateRow(*row))
     return tuple(rows)
 
 
