@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 STAR = 13.0
 """Size of a star [points]."""
-MANY = 12
-"""Minima of a tree beyond which marks are smaller, and only numbers are written."""
 
 
 def draw_barriers(barriers: Barriers) -> Figure:
@@ -63,7 +61,8 @@ def _draw_tree(ax: Axes, barriers: Barriers) -> None:
     from origami_nlp.minima import judged
 
     minima = barriers.result.minima
-    few = len(minima) <= MANY
+    # with more minima marks are smaller, and only numbers are written
+    few = len(minima) <= 12
     star = STAR if few else 0.6 * STAR
     ax.set_title(label_text(barriers.label), fontsize=9.5)
     if not minima:

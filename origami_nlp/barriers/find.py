@@ -46,16 +46,8 @@ from origami_nlp.pattern import Scene, Stated, as_origami
 from origami_nlp.pattern_problem import pose
 from origami_nlp.pattern_states import PassGraph, PathDown, find_states
 
-SEARCHING = 0.5
-"""Share of a time limit that the search for minima gets."""
 SECONDS = 60.0
 """For ways of each kind, of wall time."""
-MOST_STATES = 12
-"""Minima out of which escape paths go: those of lowest energy, images under symmetries not counted."""
-MOST_SADDLES = 40
-"""Highest states of ways beside which saddles are looked for, those first that the most pairs of minima pass."""
-NEAR = 0.3
-"""Newton finds a saddle within this distance [rad] of the highest state of a way."""
 
 
 def find_barriers(
@@ -121,7 +113,8 @@ def find_barriers(
             )
         stated = stated.of_one_winding
     if result is None:
-        left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
+        # half of a time limit is for paths
+        left = None if seconds is None else 0.5 * max(until - time.monotonic(), 0.0)
 
         def told(starts: int, minima: int, at: object) -> None:
             say(f"{starts} starts, {minima} minima, {at}")
@@ -236,7 +229,8 @@ class _Paths:
         terrain, moves = self.terrain, self.posed.moves
         alike = [sorted({terrain.listed(m(y)) for m in moves}) for y in terrain.minima]
         # minima are in order of energy
-        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:MOST_STATES]
+        # out of those of lowest energy, images under symmetries not counted
+        first = [k for k in self.loose if all(j >= k for j in alike[k] if j >= 0)][:12]
         for k, found in escape_paths_of_each(terrain, first):
             for way in found:
                 if way.to < 0:
@@ -268,7 +262,8 @@ class _Paths:
         begun = self.traced  # under other labels curves are others: no saddle is looked for there
         if self.posed.labels is not None:
             begun = PassGraph(terrain.problem, len(terrain.minima), terrain.minima)
-        while len(tried) < MOST_SADDLES:
+        # beside those first that the most pairs of minima pass
+        while len(tried) < 40:
             graph = begun.with_ways(self.ways)
             merges = sorted(graph.tree.merges, key=lambda m: -len(m.first) * len(m.second))
             tops = (graph.states[graph.top(merge.edge)] for merge in merges)
@@ -276,7 +271,8 @@ class _Paths:
             if top is None:
                 return
             tried.add(top.tobytes())
-            for one in critical_near(terrain.problem, top[None], NEAR):
+            # within 0.3 rad of the highest state of a way
+            for one in critical_near(terrain.problem, top[None], 0.3):
                 if not any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in known):
                     known.append(one.x)
                     for states, to in both_sides(terrain, one):

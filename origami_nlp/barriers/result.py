@@ -31,8 +31,6 @@ from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PopSigns, path_frames, state_frame, states_to_fold
 
-MOST_NAMED = 4
-"""Minima whose barriers the verdict names."""
 MOST_PAIRS = 30
 """Pairs of minima that have a line, those with a pass first; beyond, pairs of which nothing is known have none."""
 MOST_STATES = 8
@@ -200,7 +198,7 @@ class Barriers(Report, Viewable):
         kept = self.scene is not None and self.scene.is_symmetric
         group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
         said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
-        if len(said) > MOST_NAMED:
+        if len(said) > 4:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
         return f"{words}; it takes {', '.join(said)}{group}"
 

@@ -86,7 +86,7 @@ def draw_area(
     for one in boundary.lines if boundary else ():
         if one.branch in branches and not one.hidden:
             look: dict[str, Any] = {"color": INK, "linewidth": line}
-            look = HANDLE | {"linewidth": 1.9 * line} if one.thin else look
+            look = HANDLE | {"lw": 1.9 * line} if one.thin else look
             axes.plot(*one.points.T, **{"zorder": 3} | look, clip_on=False, snap=False)
     area_axes(axes, whole)
     return image
@@ -129,7 +129,7 @@ def area_legend(chart: Landscape, boundary: Boundary | None, line: float = 1.1) 
     if boundary:
         entries.append(Line2D([], [], color=INK, linewidth=line, label="contact"))
         if any(each.thin for each in boundary.lines):
-            entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
+            entries.append(Line2D([], [], **HANDLE | {"lw": 1.9 * line}, label="1-handle"))
     white = WHITE[chart.scene.contact]
     return [*entries, patch("white", f"{white}, or stops" if chart.scene.limits else white)]
 

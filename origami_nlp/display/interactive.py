@@ -24,13 +24,7 @@ from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Trajectory
 from origami_nlp.display.table import pieces_html
 from origami_nlp.io import write_whole
 
-MOST_TRACKED = 55_000
-"""Coordinates of states on paths that a page holds, about nine bytes each: longer paths are thinned."""
-FEWEST_STEPS = 12
-MOST_STEPS = 90
 STATE_DIGITS, TRACK_DIGITS = 15, 6
-HEIGHT = 900
-"""Of the page in Jupyter [px]."""
 
 
 class InteractivePage:
@@ -51,7 +45,7 @@ class InteractivePage:
 
     def _repr_html_(self) -> str:
         # a frame of its own: several pages in one notebook do not meet
-        look, page = f"width:100%;height:{HEIGHT}px;border:0", interactive_page(*self.contents)
+        look, page = "width:100%;height:900px;border:0", interactive_page(*self.contents)
         return f'<iframe style="{look}" srcdoc="{escape(page)}"></iframe>'
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -136,7 +130,8 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
     """
     tracks = [t for c in contents for t in c.tracks]
     width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
-    most = max(FEWEST_STEPS, min(MOST_STEPS, MOST_TRACKED // (width * max(len(tracks), 1))))
+    # at most 55,000 coordinates of states on paths, about nine bytes each: longer paths are thinned
+    most = max(12, min(90, 55_000 // (width * max(len(tracks), 1))))
     return [
         {
             "title": content.title,

@@ -10,8 +10,6 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patheffects import withStroke
 
-SHARED = 3.0
-"""Marks nearer than this [points] share one label."""
 DIRECTIONS = (45, 135, -45, -135, 0, 180, 90, -90, 22, 68, 112, 158, -22, -68, -112, -158)
 """Where a label may stand, best first [degrees]."""
 STEPS = (1.0, 5.0, 9.0, 14.0)
@@ -52,7 +50,8 @@ def label_marks(
         at = axes.transData.transform(place)
         if not np.isfinite(at).all():
             continue
-        near = [g for g in groups if text and g.texts and np.hypot(*(g.at - at)) < SHARED * point]
+        # marks nearer than this [points] share one label
+        near = [g for g in groups if text and g.texts and np.hypot(*(g.at - at)) < 3.0 * point]
         if near:
             near[0].texts.append(text)
             near[0].wide = max(near[0].wide, wide)
@@ -64,20 +63,11 @@ def label_marks(
         if not group.texts:
             continue
         at = group.at
-        label = axes.annotate(
-            ", ".join(sorted(group.texts, key=lambda t: (len(t), t))),
-            group.place,
-            (0, 0),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontsize=size,
-            weight="bold",
-            zorder=8,
-            annotation_clip=False,
-            gid="label",
-            path_effects=[withStroke(linewidth=2.6, foreground="white")],
-        )
+        text = ", ".join(sorted(group.texts, key=lambda t: (len(t), t)))
+        look: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": size, "weight": "bold"}
+        look |= {"path_effects": [withStroke(linewidth=2.6, foreground="white")], "zorder": 8}
+        look |= {"textcoords": "offset points", "annotation_clip": False, "gid": "label"}
+        label = axes.annotate(text, group.place, (0, 0), **look)
         side = np.array(label.get_window_extent(renderer).size)
         best = _best(at, group.wide * point, side, taken, frame, point)
         label.set_position((best - at) / point)

@@ -45,16 +45,8 @@ if TYPE_CHECKING:
 
 PIXELS = 1_000
 """Of the longer side of the painted picture."""
-PIECE = 0.004
-"""Lines are cut into pieces of this share of the picture, each seen or hidden."""
 DASH, PERIOD = 0.014, 0.022
 """Of valleys, as shares of the picture."""
-LAYER = 1e-5
-"""Of layers that lie on each other within this share of the picture, the first is shown."""
-MOST_ORDERED = 400
-"""Polygons up to which layers are ordered for a picture."""
-BEFORE = 4e-3
-"""A line hides only behind what is nearer by more than this share of the picture."""
 BEYOND, APART = 0.13, 0.17
 """Of the number of a crease, its distance from the end, and from other numbers [of the longest crease]."""
 
@@ -196,7 +188,8 @@ def _paint(
     picture = np.zeros((shape[1], shape[0], 4), np.float32)
     nearest = np.full((shape[1], shape[0]), -np.inf, np.float32)
     top = np.full((shape[1], shape[0]), -1)
-    near = LAYER * step * PIXELS
+    # of layers that lie on each other within this the first is shown
+    near = 1e-5 * step * PIXELS
     for x, own, tint in zip(pieces, polygon, tinted, strict=True):
         normal = area_of(x)
         normal /= np.linalg.norm(normal)
@@ -227,7 +220,8 @@ def _paint(
 def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
     """Return which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
     above = np.zeros((len(corners) + 1, len(corners)), bool)
-    if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
+    # of more polygons layers are not ordered for a picture
+    if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > 400:
         return above
     towards = [area_of(x)[2] for x in corners]
     for f, g, s in order_layers(PatternProblem(pattern), phi).orders:
@@ -279,13 +273,15 @@ def _visible(
         starts = (np.arange(periods + 1) - 0.5 * share) / periods
         spans = np.clip(np.column_stack([starts, starts + share / periods]), 0.0, 1.0)
     else:
-        grid = np.linspace(0.0, 1.0, max(2, round(length / (PIECE * size))) + 1)
+        # pieces of this share of the picture, each seen or hidden
+        grid = np.linspace(0.0, 1.0, max(2, round(length / (0.004 * size))) + 1)
         spans = np.column_stack([grid[:-1], grid[1:]])
     middle = line[0] + spans.mean(axis=1)[:, None] * (line[1] - line[0])
     at = ((middle[:, :2] - low) / step).astype(int)
     rows = np.clip(at[:, 1], 0, nearest.shape[0] - 1)
     columns = np.clip(at[:, 0], 0, nearest.shape[1] - 1)
-    seen = middle[:, 2] + BEFORE * size >= nearest[rows, columns]
+    # a line hides only behind what is nearer by more than this share of the picture
+    seen = middle[:, 2] + 4e-3 * size >= nearest[rows, columns]
     if dashed:
         shown = spans[seen]
     else:  # pieces in a row are one line

@@ -87,15 +87,9 @@ def add_heading(
     figure.set_layout_engine("constrained", h_pad=0.1)
     figure.suptitle(fill(title, int(10 * width)), fontsize=12, weight="bold")
     said = "\n".join(fill(note, int(13 * width), break_on_hyphens=False) for note in notes)
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=max(1, int(width / 2.4)),
-        fontsize=9,
-        frameon=False,
-        title=said,
-        title_fontsize=9,
-    )
+    look: dict[str, Any] = {"fontsize": 9, "frameon": False, "title_fontsize": 9, "title": said}
+    columns = max(1, int(width / 2.4))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, **look)
 
 
 def draw_states(

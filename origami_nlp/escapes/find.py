@@ -18,8 +18,6 @@ from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 
 MOST_CREASES = 60
 """Creases up to which escape paths are sought."""
-MOST_STATES = 8
-"""States out of which ways are sought: those of lowest energy, images under symmetries not counted."""
 SHOWN = "an explicit escape path climbs so high; lower ones are not excluded"
 Move: TypeAlias = Callable[[np.ndarray], np.ndarray]
 """A symmetry: states [..., n] to states."""
@@ -80,7 +78,8 @@ def find_escapes(
     images = _images(at, moves)
     loose = [k for k in range(count) if k not in known]
     first = [k for k in loose if images[k].of == k]
-    last = energies[first[:MOST_STATES]].max(initial=-math.inf) + level
+    # out of those of lowest energy, images under symmetries not counted
+    last = energies[first[:8]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways: dict[int, EscapePath] = {}
     if sought and count > 1:

@@ -74,8 +74,6 @@ def escape_paths_of_each(
 
 MOST_CUTS, A_ROUND = 400, 32
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
-LONG = 0.1
-"""A step that is longer [rad] is cut in any case: whether it is a way at all."""
 
 
 def highest(
@@ -97,7 +95,8 @@ def highest(
         most = (u[:-1] + u[1:] + _slopes(terrain, x, torque, turns) * d) / 2
         top = float(u.max())
         enough = max(top * (1 + CERTAIN), terrain.floor, known)
-        cut = np.flatnonzero(d > LONG)
+        # a longer step is cut in any case: whether it is a way at all
+        cut = np.flatnonzero(d > 0.1)
         if not len(cut) and cuts < MOST_CUTS:
             high = np.flatnonzero(most > enough)
             cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:A_ROUND]])
@@ -108,7 +107,8 @@ def highest(
         if halves is None:
             return None
         parts = np.array([terrain.distance(x[cut + e], halves) for e in (0, 1)])
-        if (parts > ASIDE * d[cut]).any():
+        # the middle of a step lies between its ends
+        if (parts > 0.75 * d[cut]).any():
             return None
         ways = [terrain.problem.root * (b - a) for a, b in ((x[cut], halves), (halves, x[cut + 1]))]
         turn = np.linalg.norm(np.subtract(*(_unit(way) for way in ways)), axis=1)
@@ -139,10 +139,6 @@ def _unit(ways: np.ndarray) -> np.ndarray:
 
 LONGER = 2.0
 """A step along closed states is longer than its chord, by less than this once steps are short."""
-JUMP = 0.3
-"""Steps of a descent are no longer [rad], or it left the curve or surface that it is on."""
-ASIDE = 0.75
-"""The middle of a step is nearer to either end than this share of the step."""
 
 
 def _way(terrain: Terrain, part: Parting) -> EscapePath | None:
@@ -184,7 +180,8 @@ def _is_shown(terrain: Terrain, path: np.ndarray) -> bool:
 
     Gaps alone do not see that layers have no order, nor facets that swing through each other about a common line.
     """
-    jumps = bool((np.abs(np.diff(path, axis=0)) > JUMP).any())
+    # by a longer step it left the curve or surface that it is on
+    jumps = bool((np.abs(np.diff(path, axis=0)) > 0.3).any())
     return not (jumps or any(map(terrain.problem.refuses, path[1:])))
 
 
@@ -204,12 +201,9 @@ def _across(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[tuple[
     beside = np.argwhere(apart <= 2 * apart[0, 0])
     i, j = (int(v[-1]) for v in beside[np.lexsort(beside.T)].T)
     ways = [(np.array([*back[i:][::-1], down[j]]), j)] if j else []
-    near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
+    # descents within 0.1 rad are together
+    near = apart <= 2 * max(float(apart[0, 0]), 0.1)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
     # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
     return [*ways, (np.array([*back[i:][::-1], down[j]]), j)]
-
-
-TOGETHER = 0.1
-"""Descents that are no further apart [rad] are together."""

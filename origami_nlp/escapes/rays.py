@@ -11,9 +11,6 @@ from origami_nlp.escapes.terrain import Terrain
 from origami_nlp.problem import Contact
 from origami_nlp.search import at_limits
 
-MOST_TURNED = 12
-"""Variables up to which rays turn each of them by itself."""
-
 
 def paths_over_flat(
     terrain: Terrain, which: Sequence[int]
@@ -49,7 +46,7 @@ def paths_over_flat(
 def rays(terrain: Terrain, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
     """Go along directions, turn variables, go to the flat state and on, and to other states."""
     flat, n = np.zeros(terrain.problem.size), terrain.problem.size
-    unit = np.eye(n) if n <= MOST_TURNED else np.zeros((0, n))
+    unit = np.eye(n) if n <= 12 else np.zeros((0, n))
     of, along, goals = list[int](), list[np.ndarray](), list[np.ndarray]()
     slots, free = list[tuple[Contact, ...]](), list[bool]()
     for k in which:

@@ -43,16 +43,8 @@ FIRST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
 DENSE = 0.1
 """Steps of a way down are cut to this length [rad], and each state on it looked at."""
-FINER = 7
-"""How often steps beside the highest states of other ways are halved: these climb by a millionth more at most."""
 LONGEST = 0.1
 """Step of a descent [rad]."""
-MOST_REFUTED = 2
-"""Refuted states that a descent goes on from."""
-NEAREST = 3
-"""Other stable states that rays lead towards, those at equal distances counted as one."""
-FARTHEST = 12.0
-"""How far rays go [rad]: fifteen creases turned by pi are as far."""
 FLOOR = SHALLOW / 100
 """Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
 
@@ -303,7 +295,8 @@ class Terrain:
         if not self.usable:
             return state[None]
         path = self._steps(state)
-        for _ in range(MOST_REFUTED):
+        # so many refuted states it goes on from
+        for _ in range(2):
             end = path[-1]
             if self.listed(end) >= 0:
                 break
@@ -339,7 +332,8 @@ class Terrain:
         along = np.zeros(x.shape) if along is None else np.where(aimed[:, None], 0.0, along)
         driven = (along != 0).sum(axis=1) == 1  # one variable turns, the others follow
         walked, live, step, gone = [[y] for y in x], np.arange(len(x)), FIRST, 0.0
-        while len(live) and gone < FARTHEST:
+        # fifteen creases turned by pi are as far [rad]
+        while len(live) and gone < 12.0:
             p.check_time()
             to = aimed[live]
             way = np.where(to[:, None], goal[live] - at[live], along[live]) * p.root
@@ -402,7 +396,8 @@ class Terrain:
 
         None where there is no admissible state beside them.
         """
-        for _ in range(FINER):
+        # halved so often, a way climbs by a millionth more at most
+        for _ in range(7):
             rises = self.over(path[0], path)
             tops = 1 + np.flatnonzero((rises[1:-1] >= rises[:-2]) & (rises[1:-1] >= rises[2:]))
             after = np.unique(np.concatenate([tops, tops + 1]))
@@ -473,6 +468,6 @@ class Terrain:
         apart = self.distance(self.minima, self.minima[k])
         apart[k] = math.inf
         # all at the distance of the last one: labels do not choose among them
-        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        last = np.sort(apart)[min(3, len(apart)) - 1]
         near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
         return np.asarray(self.minima[near])

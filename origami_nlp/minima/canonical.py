@@ -14,9 +14,6 @@ from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern import Pattern, Relabelling, Scene, canonical_labels, symmetries
 from origami_nlp.pattern_problem import PatternProblem, find_labels, image, pose
 
-DIGITS = 11
-"""After the point [rad], of minima that ways begin at: ten times `OUTSIDE`."""
-
 
 @dataclass(frozen=True)
 class CanonicalStates:
@@ -63,7 +60,8 @@ def canonical_states(
     phi = stated.expand(states)
     exact = np.asarray(problem.reduce(labels.sign * phi[..., labels.creases]))
     still = (problem.fold_limits.near(exact, OUTSIDE) != 0) | (np.abs(exact) <= OUTSIDE)
-    exact = project(problem, np.where(still, exact, np.round(exact, DIGITS)), frozen=still)[0]
+    # digits [rad]: ten times `OUTSIDE`
+    exact = project(problem, np.where(still, exact, np.round(exact, 11)), frozen=still)[0]
     unit = float(np.mean(scene.stiffness))
     return CanonicalStates(stated, problem, moves_of(problem, other), labels, exact, unit)
 

@@ -15,8 +15,6 @@ from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.report_lines import MOST_ANGLES, letter, state_lines
 from origami_nlp.minima.result import MinimaResult
 
-MOST_CURVES = 8
-"""Traced curves that a page shows."""
 CROSSING = {
     "full": "no facets of it cross",
     "fold-limits": "neighbouring facets do not cross, others may (contact fold-limits)",
@@ -98,7 +96,7 @@ def _descents(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
 
 def _curves(result: MinimaResult, poser: Poser) -> Iterator[Trajectory]:
     """Yield the stretches of traced curves on which facets do not cross."""
-    for number, traced in enumerate(result.curves[:MOST_CURVES], start=1):
+    for number, traced in enumerate(result.curves[:8], start=1):
         seen = traced.stretches
         states = traced.curve.states if seen is None else seen.states
         good = np.ones(len(states), bool) if seen is None else ~seen.crosses

@@ -44,8 +44,6 @@ STAR, FONT = 16.0, 11.0
 """Size of a star, and of the letters of its number [points]."""
 SIDE = 5.0
 """Of a panel of the landscape [in]."""
-MOST_BESIDE = 6
-"""States that stand beside the landscape."""
 
 
 def draw_minima(
@@ -103,7 +101,7 @@ def draw_minima(
     places = [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels else []
     drawn, handles = drawn_minima(origami, shown, places), list[Any]()
     wide, tall = cell_size(origami)
-    beside = bool(panels) and len(shown) <= MOST_BESIDE
+    beside = bool(panels) and len(shown) <= 6
     side = SIDE * len(panels)
     across = math.ceil(len(shown) / 2) if beside else int(max(side, WIDTH) / wide)
     across = max(1, min(across, len(shown)))

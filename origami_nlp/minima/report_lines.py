@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
-FEW_ANGLES = 9
-"""Fold angles that are written to a thousandth of a degree in one line; more, to a hundredth."""
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 """Names of the contacts of a state, in a report and on a page."""
 
@@ -72,7 +70,7 @@ def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterat
     yield f"fold angles of creases 1..{n} [deg]"
     for k in numbers:
         m = minima[k - 1]
-        digits = 3 if n <= FEW_ANGLES else 2
+        digits = 3 if n <= 9 else 2
         shown = np.round(np.degrees(m.fold_angles), digits) + 0.0
         angles = " ".join(f"{a:{digits + 5}.{digits}f}" for a in shown)
         winds = f"   winds {m.winding} times round the axis" * (m.winding > 1)

@@ -47,11 +47,8 @@ from origami_nlp.pattern_problem import MeshFaces, state_mesh, state_parts
 if TYPE_CHECKING:
     from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
 
-SUCCESS = "Solve_Succeeded"
-"""What IPOPT says where it converged."""
 MOST_LINES = 30
 """States of which the report has a line; the others are in its details."""
-MODELLED = "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 SIZE, DPI = 301, 72
 """Cells along each coordinate, and dots an inch, of a picture in HTML: to keep notebooks small."""
 
@@ -207,7 +204,9 @@ class MinimaResult(Report, Viewable):
             still_finding=not settled and search.drawn > 0 and search.quiet == 0,
             proof_added_minima=bool(known and known.added),
             undecided_states=bool(search.undecided),
-            solver_failed=any(m.solver and m.solver.status != SUCCESS for m in self.minima),
+            solver_failed=any(
+                m.solver and m.solver.status != "Solve_Succeeded" for m in self.minima
+            ),
             residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
             geometry_moved=bool(one and one.relations.made_exact),
             made_symmetric=bool(one and one.adjusted > 0),
@@ -365,7 +364,7 @@ class MinimaResult(Report, Viewable):
             open_ = self.model.equation_count - self.pattern.creases
             stress = sorted({open_ + s.dof for s in self.minima})
             yield f"states of self-stress: {' or '.join(map(str, stress)) or '-'}"
-        yield MODELLED
+        yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for row, m in zip(self.rows, self.minima, strict=True):
