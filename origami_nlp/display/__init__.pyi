@@ -9,7 +9,6 @@ from .bodies import (
 )
 from .crease_figure import draw_creases as draw_creases, draw_pattern as draw_pattern
 from .flags import Flags as Flags, FlagText as FlagText
-from .html import inline_image as inline_image
 from .interactive import (
     InteractivePage as InteractivePage,
     Viewable as Viewable,
@@ -77,7 +76,6 @@ from .table import (
 from .text import (
     angle_ticks as angle_ticks,
     label_text as label_text,
-    short_label as short_label,
     subscript as subscript,
 )
 from .touches import contact_places as contact_places

@@ -24,8 +24,6 @@ from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Trajectory
 from origami_nlp.display.table import pieces_html
 from origami_nlp.io import write_whole
 
-STATE_DIGITS, TRACK_DIGITS = 15, 6
-
 
 class InteractivePage:
     """One or more results as a page that can be turned.
@@ -126,7 +124,7 @@ def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        One each; nan is None; states to `STATE_DIGITS` decimals, paths thinned and to `TRACK_DIGITS`.
+        One each; nan is None; states to 15 decimals, paths thinned and to 6.
     """
     tracks = [t for c in contents for t in c.tracks]
     width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
@@ -163,7 +161,7 @@ def _folded(state: FoldedBody, digits: int) -> dict[str, Any]:
 def _station(station: Keyframe) -> dict[str, Any]:
     return {
         "title": station.title,
-        **_folded(station.folded, STATE_DIGITS),
+        **_folded(station.folded, 15),
         "energy": station.folded.energy,
         "view": _plain(station.view, 6),
         "marks": [asdict(mark) for mark in station.marks],
@@ -180,7 +178,7 @@ def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
         "label": label,
         "of": len(track.states),
         "parameter": (track.parameter[kept] * unit).tolist(),
-        "states": [_folded(track.states[k], TRACK_DIGITS) for k in kept],
+        "states": [_folded(track.states[k], 6) for k in kept],
         "energy": [track.states[k].energy for k in kept],
         "view": _plain(track.view, 6),
         "start": track.start,

@@ -111,13 +111,12 @@ def find_escapes(
             out.append(known[k])
         elif math.isinf(barrier):
             # that no way was found does not make the barrier infinite: it is not determined
-            if not why and count == 1:
+            reason = "no way that was tried led to a state of lower energy"
+            if count == 1:
                 reason = "no other state is known that it could be left for"
-            elif not why and k not in sought:
+            elif k not in sought:
                 reason = f"sought for the {len(sought)} states of lowest energy"
-            else:
-                reason = why or "no way that was tried led to a state of lower energy"
-            out.append(Escape(math.nan, OPEN, reason))
+            out.append(Escape(math.nan, OPEN, why or reason))
         else:
             # to two digits: more hang on where steps of descents in batches were cut
             barrier = float(rounded_up(max(barrier, FLOOR * scale)))

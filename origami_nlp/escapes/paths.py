@@ -72,10 +72,6 @@ def escape_paths_of_each(
         yield k, filter(None, (_way(terrain, part) for part in parts))
 
 
-MOST_CUTS, A_ROUND = 400, 32
-"""Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
-
-
 def highest(
     terrain: Terrain, k: int, states: np.ndarray, known: float = 0.0
 ) -> tuple[float, np.ndarray, np.ndarray] | None:
@@ -97,9 +93,10 @@ def highest(
         enough = max(top * (1 + CERTAIN), terrain.floor, known)
         # a longer step is cut in any case: whether it is a way at all
         cut = np.flatnonzero(d > 0.1)
-        if not len(cut) and cuts < MOST_CUTS:
+        # 32 cuts in a round, 400 in all
+        if not len(cut) and cuts < 400:
             high = np.flatnonzero(most > enough)
-            cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:A_ROUND]])
+            cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:32]])
         if not len(cut):
             return float(most.max(initial=top)), x[int(np.argmax(u))], x
         cuts += len(cut)

@@ -32,8 +32,6 @@ from origami_nlp.search import StartState, at_limits, way_down
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
-MOST_NOISE = 10.0
-"""Degrees: with more, errors are no longer small beside sector angles."""
 
 
 def check_noise(noise: float | None) -> None:
@@ -47,10 +45,10 @@ def check_noise(noise: float | None) -> None:
     Raises
     ------
     OptionError
-        If it is no number from 0 to `MOST_NOISE`.
+        If it is no number from 0 to 10: larger errors are no longer small beside sector angles.
     """
     if noise is not None:
-        check_number("noise", noise, 0.0, MOST_NOISE)
+        check_number("noise", noise, 0.0, 10.0)
 
 
 def downhill(

@@ -6,6 +6,7 @@ A multiplier range that never ends, or a residual that does not apply, is null.
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,12 +25,12 @@ from origami_nlp.display import (
     Viewable,
     angle_columns,
     field_table,
-    inline_image,
     pieces_html,
     record_row,
     record_table,
 )
 from origami_nlp.errors import OptionError
+from origami_nlp.io import figure_bytes
 from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
@@ -152,11 +153,6 @@ class MinimaResult(Report, Viewable):
     def rejected(self) -> tuple[JudgedState, ...]:
         """States that are no minima."""
         return self.search.rejected
-
-    @property
-    def crossing(self) -> tuple[JudgedState, ...]:
-        """States that are not admissible, such as those in which facets intersect: rejected."""
-        return tuple(s for s in self.rejected if s.verdict == "not admissible")
 
     @property
     def states(self) -> tuple[JudgedState, ...]:
@@ -357,7 +353,8 @@ class MinimaResult(Report, Viewable):
         yield self.flags.table()
         if self.completeness:
             yield from self.completeness.report_sections()
-        if others := (*self.undecided, *self.search.refused, *self.crossing):
+        crossing = [s for s in self.rejected if s.verdict == "not admissible"]
+        if others := (*self.undecided, *self.search.refused, *crossing):
             yield record_table(others[:MOST_LINES], "states that are not listed")
         yield field_table(self.search, "search")
         if self.is_pattern:
@@ -387,8 +384,10 @@ class MinimaResult(Report, Viewable):
         if not picture or not (self.minima or isinstance(self.origami, Scene)):
             return reported
         figure = self._from_room(self.PICTURE)(self, size=SIZE)  # pictures are slow to import
+        data = base64.b64encode(figure_bytes(figure, "png", DPI)).decode("ascii")
         text = "The states, each drawn folded, and the energy landscape where there is one"
-        return f"{reported}\n{inline_image(figure, text, DPI)}"
+        look = f"width='{figure.get_figwidth() * DPI:.0f}' style='max-width:100%;height:auto'"
+        return f"{reported}\n<img alt='{text}' {look} src='data:image/png;base64,{data}'>"
 
     def _repr_html_(self) -> str:
         return self.to_html()

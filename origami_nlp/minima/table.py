@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from origami_nlp.display import Table, short_label
+from origami_nlp.display import Table
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import residual_words
 
@@ -24,10 +24,11 @@ def scenes_table(results: Sequence[MinimaResult], title: str) -> Table:
         asked = known.total() == len(r.minima)
         verdicts = (known[v] if asked else None for v in ("stable", "unstable", "undecided"))
         each.append([len(r.minima), *verdicts])
+        label = (r.scene.label or repr(r.scene.vertex)).replace("degree ", "N = ")
         worst = max((m.kkt_residual for m in r.minima if m.kkt_residual >= 0), default=None)
         rows.append(
             (
-                short_label(r.scene.label or repr(r.scene.vertex)),
+                label.replace("alpha_1 = ", "").replace("r_k = ", ""),
                 *map(_text, each[-1]),
                 ", ".join(f"{n} {kind}" for kind, n in kinds.items()),
                 str(r.search.starts),

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
+from origami_nlp.display import Table
 from origami_nlp.minima import ResultFlags, StateFlags
 from origami_nlp.pattern_states import PatternFlags
 
@@ -32,7 +33,8 @@ def page():
     for kind, title in kinds.items():
         words = kind.__doc__.partition("Attributes")[0].split("\n\n")
         parts += [f"## {title}\n", *(" ".join(w.split()) + "\n" for w in words if w.strip())]
-        parts.append(kind.page())
+        rows = [(f"`{name}`", *reason) for name, reason in kind.reasons().items()]
+        parts.append(Table(("flag", "cause", "cure"), rows).markdown())
     return "\n".join(parts)
 
 
