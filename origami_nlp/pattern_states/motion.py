@@ -40,6 +40,7 @@ from origami_nlp.pattern_problem import (
     measured_cell,
     order_layers,
 )
+from origami_nlp.pattern_states.clearance import last_free
 from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
 from origami_nlp.pattern_states.mobility import Mobility, analyze_mobility
 
@@ -279,23 +280,13 @@ def _until_touch(
     problem: PatternProblem, phi: np.ndarray
 ) -> tuple[np.ndarray, tuple[int, int] | None]:
     """Cut a path where facets begin to cross; the last state is the one at which they touch."""
-    for k, state in enumerate(phi):
-        pairs = problem.crossings.find(state)
-        if not pairs:
-            continue
-        if k == 0:
-            raise OptionError("facets cross from the start: there is no motion of paper to show")
-        a, b = phi[k - 1], state
-        # no facets cross at a, some do at b
-        for _ in range(45):
-            middle, residual = problem.project(0.5 * (a + b))
-            if residual > CLOSURE_TOL:
-                break
-            crossing = problem.crossings.find(middle)
-            a, b = (a, middle) if crossing else (middle, b)
-            pairs = crossing or pairs
-        return np.vstack([phi[:k], a]), pairs[0]
-    return phi, None
+    first = next((k for k, x in enumerate(phi) if problem.crossings.find(x)), None)
+    if first == 0:
+        raise OptionError("facets cross from the start: there is no motion of paper to show")
+    if first is None:
+        return phi, None
+    free, crossed = last_free(problem, phi[first - 1], phi[first], 45)
+    return np.vstack([phi[:first], free]), problem.crossings.find(crossed)[0]
 
 
 def _end(
