@@ -145,9 +145,8 @@ class _Paths:
         minima = np.array([m.fold_angles for m in result.minima])
         minima = minima.reshape(-1, self._stated.pattern.creases)
         self.minima, self.stopped = self._stated.reduce(minima), False
-        self.posed = canonical_states(
-            self._stated.with_contact(contact), result.origami, self.minima
-        )
+        posed = self._stated.with_contact(contact)
+        self.posed = canonical_states(posed, result.origami, self.minima)
         self.late = ["the search for minima"] * (result.search.stopped_by == "time")
         self.beyond = np.full(len(result.minima), math.inf)
         self.ways, self.loose = list[PathDown](), list[int]()
@@ -175,9 +174,8 @@ class _Paths:
             ("saddles beside paths", self._over_saddles),
         ):
             self._in_time(part, lambda find=find: self.ways.extend(find()))  # type: ignore[misc]
-        ways = [
-            w._replace(states=posed.back(w.states), energy=posed.unit * w.energy) for w in self.ways
-        ]
+        each = ((w, posed.back(w.states), posed.unit * w.energy) for w in self.ways)
+        ways = [w._replace(states=states, energy=energy) for w, states, energy in each]
         whole = passes_over(result, self.traced.with_ways(ways))
         energies = np.array([m.energy for m in result.minima])
         level = level_of(energies, energy_scale(np.array(result.origami.stiffness)))

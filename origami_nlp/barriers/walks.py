@@ -102,11 +102,8 @@ class Walks:
         group = groups(len(self._nodes), self.joined)[:many]
         pairs = set()
         for k in range(many):
-            others = [
-                j
-                for j in np.argsort(far[k], kind="stable").tolist()
-                if group[j] != group[k] and not self._differ(k, j)
-            ]
+            nearest = np.argsort(far[k], kind="stable").tolist()
+            others = [j for j in nearest if group[j] != group[k] and not self._differ(k, j)]
             # walks lead to the nearest ones, while no way to them is known
             pairs |= {(min(k, j), max(k, j)) for j in others[:8]}
         yield from sorted(pairs, key=lambda pair: (far[pair], pair))

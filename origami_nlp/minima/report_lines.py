@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from string import ascii_uppercase
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,13 +19,11 @@ if TYPE_CHECKING:
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
-"""Names of the contacts of a state, in a report and on a page."""
 
 
 def letter(number: int) -> str:
-    """Return the name of a contact, from 0."""
-    return LETTERS[number % len(LETTERS)]
+    """Return the name of a contact of a state, from 0, in a report and on a page."""
+    return ascii_uppercase[number % 26]
 
 
 def state_lines(m: JudgedState) -> Iterator[str]:
