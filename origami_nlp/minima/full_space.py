@@ -187,11 +187,6 @@ def permutations(scene: Scene) -> list[tuple[str, np.ndarray]]:
     return out
 
 
-def group_average(scene: Scene) -> np.ndarray:
-    """Return the projector of fold angles on those that keep the scene's group: the mean of `permutations`, [N, N]."""
-    return np.asarray(np.mean([np.eye(scene.degree)[p] for _, p in permutations(scene)], axis=0))
-
-
 def with_full_space(
     scene: Scene, problem: PatternProblem, states: Sequence[Any], full: bool | None
 ) -> list[Any]:
@@ -236,7 +231,8 @@ def symmetry_blocks(
     The part is orthogonal to symmetric perturbations (paper, appendix A); eigenvalues are times `scale`.
     """
     # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
-    share, vectors = np.linalg.eigh(tangent.T @ group_average(scene) @ tangent)
+    average = np.mean([np.eye(scene.degree)[p] for _, p in permutations(scene)], axis=0)
+    share, vectors = np.linalg.eigh(tangent.T @ average @ tangent)
     spaces = tangent, tangent @ vectors[:, share <= 0.5]
     whole, breaking = ((np.linalg.eigvalsh(z.T @ hessian @ z) * scale).tolist() for z in spaces)
     return tuple(whole), tuple(breaking)
